@@ -7,7 +7,7 @@ languages call alike start with equal values, and that Yosys and GHDL's synthesi
 languages rightly; ``equal_netlist`` says what is known of the second.
 
 Each fault that the block's bench names is put into a copy of the Verilog, which must be found to
-differ. Answers are kept by content in ``build/synth``.
+differ. Answers are kept in the store.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Of each property three things are asked: that it holds, in every clock after reset whatever drives
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
 that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
-the Verilog (``tb.sign_off.equal``). Answers are kept by content in ``build/synth``. A property that
+the Verilog (``tb.sign_off.equal``). Answers are kept in the store. A property that
 does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` what was proved
 is recorded beside the benches; without, a record of something else is an error.
 """

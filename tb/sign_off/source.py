@@ -4,7 +4,7 @@ A bench is told by its trace and not by its text: what each test drove, in which
 which port, and how many results it compared. So a function that moves makes no record stale, and
 another stimulus does. Whoever runs a bench compares its trace with the records
 (``tb/sign_off/current.py``). What keeps results of benches has to know before they run, so it asks
-for their code (``tb/common/code.py``).
+for their code (``tb/common/kept.py``).
 """
 
 from __future__ import annotations

@@ -1,40 +1,60 @@
-"""What earlier reports found, by name and by the state of all that it depends on."""
+"""The parts of earlier reports, kept in the store: tables, and plots as SVG.
+
+The key of a part has the code that makes it and all data that tactus ships, so a page of the report
+can change and nothing is measured again.
+"""
 
 from __future__ import annotations
 
+import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
-from golden.files import read_kept, write_kept
-from golden.folders import BUILD
+from golden import store
+from golden.closure import code
+from golden.fingerprint import ROOT, fingerprint
 from tb.report.measure.table import Table
 
-STORE = BUILD / "report"
 # Hears the name of a part, the seconds that it took, and whether it was kept from before.
 Progress = Callable[[str, float, bool], None]
 
 
-def kept(name: str, state: str) -> Any:
-    """What was kept under that name in the same state; None where nothing was."""
-    found = read_kept(STORE / f"{name}.json")
-    return found["answer"] if isinstance(found, dict) and found.get("state") == state else None
+def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Key:
+    """The key of a part.
+
+    Parameters
+    ----------
+    name : str
+    modules : iterable of str
+        Where the functions and classes stand that make it.
+    parts : Part
+        What else enters.
+    """
+    tools = [f"{package} {version(package)}" for package in ("myhdl", "numpy", "scipy")]
+    tools.append(f"python {platform.python_version()}")
+    return store.key("report", name=name, code=code(modules), data=_data(), tools=tools, **parts)
 
 
-def keep(name: str, state: str, answer: Any) -> None:
-    """Keep what JSON can hold for the next report."""
-    write_kept(STORE / f"{name}.json", {"state": state, "answer": answer})
+@cache
+def _data() -> str:
+    """A digest of what tables read beside code."""
+    shipped = [ROOT / "golden" / name for name in ("data", "scenes", "physics/rigs")]
+    own = Path(__file__).parent
+    return fingerprint([*shipped, *sorted([*own.glob("*.csv"), *own.glob("*.toml")])])
 
 
-def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:
-    """What ``work`` answers, from the store where the state is the same."""
-    answer = kept(name, state)
+def once(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
+    """What ``work`` answers, from the store where it is kept."""
+    name, started = asked.parts["name"], time.perf_counter()
+    answer = store.read(asked)
     if answer is not None:
         tell(name, 0.0, True)
         return answer
-    started = time.perf_counter()
-    answer = work()
-    keep(name, state, answer)
+    answer = store.write(asked, work())
     tell(name, time.perf_counter() - started, False)
     return answer
 

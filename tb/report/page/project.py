@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from golden import store
 from golden.physics.gauge_rig import load_rig
 from golden.scene import Scene
 from tb.report.draw import area, findings, tanh_words
@@ -23,22 +24,22 @@ from tb.report.page.page import Picture, Section
 Draw = Callable[[str, Sequence[Plot]], list[Picture]]
 
 
-def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Section]:
+def sections(scene: Scene, asked: store.Key, draw: Draw, tell: Progress) -> list[Section]:
     """The sections.
 
     Parameters
     ----------
     scene : Scene
         Whose frames every engine computes.
-    state : str
-        A digest of all that its measurement depends on.
+    asked : Key
+        What the table of engines hangs on.
     draw : callable
         Pictures of plots, by a name to keep them under.
     tell : callable
         See ``tb.report.measure.store``.
     """
     tables = measured(tell)
-    speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
+    speed = unpacked(once(asked, tell, lambda: packed(engines(scene))))
     activations = with_activation_cells(tables["activations"])
     networks = with_network_cells(tables["clocks"])
     tables |= {activations.name: activations, networks.name: networks}
