@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from functools import cache
 from pathlib import Path
 
 FILE = Path(__file__).parent / "explained.toml"
@@ -11,9 +12,14 @@ FILE = Path(__file__).parent / "explained.toml"
 
 def explanations(block: str, file: Path = FILE) -> dict[str, str]:
     """By a pattern of what mutants change: the reason."""
-    with file.open("rb") as handle:
-        entries = tomllib.load(handle).get(block, [])
+    entries = _read(file).get(block, [])
     return {entry["mutants"]: " ".join(entry["reason"].split()) for entry in entries}
+
+
+@cache
+def _read(file: Path) -> dict[str, list[dict[str, str]]]:
+    """The file's entries by block, read once: each of many mutants is looked for in it."""
+    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def explain(block: str, what: str, file: Path = FILE) -> str:
