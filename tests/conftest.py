@@ -19,6 +19,7 @@ from shared import Shared
 
 from golden.machine import closing
 from golden.scene import Scene, load_scene
+from golden.store import VARIABLE
 from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
@@ -52,8 +53,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # matplotlib keeps the list of fonts that it once found, for all environments of a user. One
     # that ran while its environment was removed leaves a list without the fonts it ships.
     os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
-    # The variables of this run, such as ALL=1, are not passed to the commands that tests call.
-    for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", *GIVEN):
+    # The variables of this run, such as ALL=1, are not passed to the commands that tests call. A
+    # test that keeps something names a folder of its own.
+    for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", VARIABLE, *GIVEN):
         os.environ.pop(name, None)
 
 

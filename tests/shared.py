@@ -10,8 +10,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
+from golden.store import VARIABLE
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
 from tb.common.tools import language
@@ -109,9 +112,15 @@ class Shared:
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in this run."""
-        store.STORE = self.folder / "report"
-        with self.alone("tables"):
+        with self.alone("tables"), self.own_store():
             return measured(lambda *_: None)
+
+    @contextmanager
+    def own_store(self) -> Iterator[None]:
+        """Use a store of this run, which holds nothing of an earlier run."""
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv(VARIABLE, str(self.folder / "store"))
+            yield
 
     def run(self, planned: list[Job]) -> list[Outcome]:
         """Run jobs, side by side if no other worker uses the cores."""

@@ -118,9 +118,9 @@ READINGS = {
 }
 # What blocks the output of a command: the command, a file or a folder, and the message.
 IN_THE_WAY = [
-    ("train", "build", "build/mine/training/.*0.jsonl: cannot be written: build"),
-    ("train", "build/mine", "build/mine/training/.*0.jsonl: cannot be written: build/mine"),
-    ("train", "build/mine/training", "0.jsonl: cannot be written: build/mine/training"),
+    ("train", "build", "build/store/training/.*0.jsonl: cannot be written: build"),
+    ("train", "build/mine", "build/mine/report.html: cannot be written: build/mine"),
+    ("train", "build/store/training", "0.jsonl: cannot be written: build/store/training"),
     ("train", "mine.npz/", "mine.npz: cannot be written: got a folder, expected a file"),
     ("train", "mine.provenance.toml/", "mine.provenance.toml: cannot be written: got a folder"),
     ("vhdl", "build", "build/mine/vhdl: cannot be written: build"),

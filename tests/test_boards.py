@@ -23,6 +23,7 @@ from golden.boards.board import FOLDER
 from golden.cli import BETWEEN
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene
+from golden.store import VARIABLE
 from hdl.boards import bitstream
 from hdl.boards.bitstream import Report, Sources, build, sources
 from hdl.boards.families import FAMILIES, ice40_netlist
@@ -277,7 +278,7 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (folder / "tiny.bin").read_bytes() == packed
 
     slow = {"report": facts["report"] | {"clock_mhz": 11.5}, "bitstream": ""}
-    monkeypatch.setattr(bitstream, "stored", lambda *_: slow)
+    monkeypatch.setattr(bitstream, "stored", lambda *_, **__: slow)
     says = "iCEBreaker, iCE40UP5K: 11.5 MHz reached, 12 MHz needed"
     desk.refuses("bitstream", "tiny.toml", "icebreaker", says=says)
 
@@ -325,7 +326,7 @@ def test_the_same_bytes_twice(
     scene, target = load_scene(name), load_board(board)
     found = []
     for run in ("one", "other"):
-        monkeypatch.setattr(tools, "STORE", tmp_path / run)
+        monkeypatch.setenv(VARIABLE, str(tmp_path / run))
         found.append(built(scene, target, tmp_path))
     assert found[0] == found[1]
     assert found[0][1] == read_record(record_path(scene, target))[0]
@@ -454,7 +455,7 @@ def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(bitstream, "_placed", lambda *_: slow)
     monkeypatch.setattr(bitstream, "run_tool", packed)
     monkeypatch.setattr(
-        bitstream, "stored", lambda work, *_: work(tmp_path) | {"report": asdict(slow)}
+        bitstream, "stored", lambda work, *_, **__: work(tmp_path) | {"report": asdict(slow)}
     )
     family = replace(FAMILIES["ecp5"], synthesise=lambda _: None)
     monkeypatch.setitem(bitstream.FAMILIES, "ecp5", family)

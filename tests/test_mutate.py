@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
+from golden import store
 from golden.fingerprint import ROOT
+from golden.store import VARIABLE
 from tb.common.runner import run_job
 from tb.sign_off.current import of_this_verilog
-from tb.sign_off.mutate import kept
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
@@ -64,7 +65,7 @@ def test_explanations_are_of_survivors() -> None:
 def small(shared: Shared, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Subject]:
     """The block abs_unit with a few mutants, without results of earlier runs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(kept, "STORE", tmp_path_factory.mktemp("store"))
+        patch.setenv(VARIABLE, str(tmp_path_factory.mktemp("store")))
         job = shared.subject("abs_unit")
         hdl = job.hdl_folder.resolve()
         job = replace(job, build=tmp_path_factory.mktemp("build"))
@@ -97,7 +98,19 @@ def test_what_the_replay_finds_the_bench_finds(
     differ = found(small, recorded, tmp_path)
     assert not differ[0]
     assert sum(differ) > FEW / 2
-    assert run_bench(small, differ.index(True), {})
+    assert run_bench(small, differ.index(True))
+
+
+def test_a_verdict_of_the_bench_is_of_all_that_enters_it(
+    small: Subject, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[store.Key] = []
+    monkeypatch.setattr(store, "once", lambda key, work: asked.append(key) or True)
+    for job in (small.job, replace(small.job, seed=2), replace(small.job, frames=7)):
+        run_bench(replace(small, job=job), 1)
+    run_bench(small, 2)
+    assert len({key.digest for key in asked}) == 4
+    assert {"bench", "twin", "twins", "simulated", "tools"} <= asked[0].parts.keys()
 
 
 def test_what_the_bench_does_not_look_at_survives(

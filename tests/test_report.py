@@ -18,14 +18,15 @@ from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.scene.reading import scene_path
 from golden.scene_errors import UNKNOWN
+from golden.store import VARIABLE
 from tb.commands import BY_NAME
 from tb.common.runner import BUILD
 from tb.report.draw import findings, looks
 from tb.report.draw.plots import Plot
-from tb.report.measure import store
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.registry import TABLES
 from tb.report.measure.simulators import compare_simulators
+from tb.report.measure.store import once, part_key
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.table_records import TIMED
 from tb.report.page import build
@@ -42,7 +43,8 @@ WIDTHS = {"phone": 390, "desktop": 1280}
 def report(shared: Shared) -> Path:
     """The report of the smallest scene, with the tables that the run has measured."""
     shared.tables()
-    shared.once("report", lambda: build.build_report(load_scene(SCENE), full=True))
+    with shared.own_store():
+        shared.once("report", lambda: build.build_report(load_scene(SCENE), full=True))
     return (BUILD / SCENE / "report.html").resolve()
 
 
@@ -68,7 +70,8 @@ def own(shared: Shared) -> Path:
         (folder / f"{OWN}.toml").write_text(text)
         build.build_report(load_scene(str(folder / f"{OWN}.toml")))
 
-    shared.once("own report", make)
+    with shared.own_store():
+        shared.once("own report", make)
     return (BUILD / OWN / "report.html").resolve()
 
 
@@ -214,25 +217,26 @@ def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPat
         compare_simulators(load_scene(SCENE))
 
 
-def test_a_second_report_measures_nothing(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_report_measures_nothing(shared: Shared, report: Path) -> None:
     told: list[tuple[str, bool]] = []
-    content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)), full=True)
+    with shared.own_store():
+        content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)), full=True)
     assert {name for name, kept in told if kept} >= set(TABLES)
     assert [name for name, kept in told if not kept] == []
 
 
 def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "STORE", tmp_path)
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
     told: list[bool] = []
     for state in ("old", "old", "new"):
-        store.once("part", state, lambda _, __, kept: told.append(kept), lambda s=state: [s])
+        asked = part_key("part", [], state=state)
+        found = once(asked, lambda _, __, kept: told.append(kept), lambda s=state: [s])
+        assert found == [state]
     assert told == [False, True, False]
-    assert store.kept("part", "new") == ["new"]
 
 
-def test_tables_with_run_times_run_alone(data: dict, report: Path) -> None:
-    answers = [json.loads((store.STORE / f"{name}.json").read_text())["answer"] for name in TABLES]
-    assert {answer["name"] for answer in answers if answer["timed"]} == set(TIMED)
+def test_tables_with_run_times_run_alone(shared: Shared) -> None:
+    assert {name for name, table in shared.tables().items() if table.timed} == set(TIMED)
 
 
 def test_a_plot_of_nothing_is_refused() -> None:

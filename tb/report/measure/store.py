@@ -1,40 +1,60 @@
-"""Keeps results for later reports, by name and by the state of all that they depend on."""
+"""Keeps the parts of a report in the store for later ones: tables, and plots as SVG.
+
+The key of a part holds the code that makes it and all data that tactus ships. So nothing is
+measured again when only a page of the report changes.
+"""
 
 from __future__ import annotations
 
+import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
-from golden.files import read_kept, write_kept
-from golden.folders import BUILD
+from golden import store
+from golden.closure import code
+from golden.fingerprint import ROOT, fingerprint
 from tb.report.measure.table import Table
 
-STORE = BUILD / "report"
 # A function that is told the name of a part, the seconds that it took, and whether it was kept.
 Progress = Callable[[str, float, bool], None]
 
 
-def kept(name: str, state: str) -> Any:
-    """The result that was kept under a name in the same state, or None."""
-    found = read_kept(STORE / f"{name}.json")
-    return found["answer"] if isinstance(found, dict) and found.get("state") == state else None
+def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Key:
+    """The key of a part.
+
+    Parameters
+    ----------
+    name : str
+    modules : iterable of str
+        The modules with the functions and classes that make it.
+    parts : Part
+        Everything else on which the part depends.
+    """
+    tools = [f"{package} {version(package)}" for package in ("myhdl", "numpy", "scipy")]
+    tools.append(f"python {platform.python_version()}")
+    return store.key("report", name=name, code=code(modules), data=_data(), tools=tools, **parts)
 
 
-def keep(name: str, state: str, answer: Any) -> None:
-    """Keep a result, which JSON must be able to hold, for the next report."""
-    write_kept(STORE / f"{name}.json", {"state": state, "answer": answer})
+@cache
+def _data() -> str:
+    """A digest of the data that tables read."""
+    shipped = [ROOT / "golden" / name for name in ("data", "scenes", "physics/rigs")]
+    own = Path(__file__).parent
+    return fingerprint([*shipped, *sorted([*own.glob("*.csv"), *own.glob("*.toml")])])
 
 
-def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:
-    """The result of ``work``, from the store if the state is the same."""
-    answer = kept(name, state)
+def once(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
+    """The result of ``work``, from the store if it is kept there."""
+    name, started = asked.parts["name"], time.perf_counter()
+    answer = store.read(asked)
     if answer is not None:
         tell(name, 0.0, True)
         return answer
-    started = time.perf_counter()
-    answer = work()
-    keep(name, state, answer)
+    answer = store.write(asked, work())
     tell(name, time.perf_counter() - started, False)
     return answer
 

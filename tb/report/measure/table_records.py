@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from golden import window
+from golden.closure import code_of
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.input_error import InputError
@@ -25,7 +26,6 @@ from golden.machine import facts
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
-from tb.common.code import code_of
 from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 

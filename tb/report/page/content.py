@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from golden.fingerprint import fingerprint, sources
+import numpy as np
+
+from golden import store
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
@@ -26,8 +29,9 @@ from tb.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tb.report.measure.steps import measured, measuring
-from tb.report.measure.store import Progress, once, packed, unpacked
+from tb.report.measure.simulators import compare_simulators
+from tb.report.measure.steps import measured
+from tb.report.measure.store import Progress, once, packed, part_key, unpacked
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.table_records import SEED
 from tb.report.page import project, summary
@@ -58,13 +62,18 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
     files = [*scene.files, *(p for p in map(provenance_path, scene.weights_paths) if p.is_file())]
-    state = fingerprint([*measuring("golden", "hdl", "tb"), *files], *tools)
-    drawing = fingerprint([*sources("golden", "hdl", "tb"), *files], *tools)
+
+    def asked(name: str, *modules: str, **parts: store.Part) -> store.Key:
+        return part_key(f"{name}-{scene.name}", modules, scene=files, simulators=tools, **parts)
 
     def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
         """The pictures, which are drawn again if their figures or the drawing code have changed."""
-        figures = fingerprint([], drawing, repr(plots))
-        svgs = once(f"{name}-{scene.name}", figures, tell, lambda: [plot.draw() for plot in plots])
+        modules = sorted({type(plot).__module__ for plot in plots})
+        svgs = once(
+            asked(name, *modules, figures=_every_figure(plots)),
+            tell,
+            lambda: [plot.draw() for plot in plots],
+        )
         return [
             Picture(plot.name, plot.title, svg, plot.sentence)
             for plot, svg in zip(plots, svgs, strict=True)
@@ -74,8 +83,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     found = outcome(scene)
     disturbed = unpacked(
         once(
-            f"disturbed-{scene.name}",
-            state,
+            asked("disturbed", noise_and_drift.__module__, seed=SEED),
             tell,
             lambda: packed(noise_and_drift(scene, SEED)),
         )
@@ -104,11 +112,13 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
             points=summary.left_out(scene, design),
         ),
         _limits(scene, moved, drawn, tell),
-        _pictures(scene, drawing, tell),
+        _pictures(scene, asked("pictures", draw.__module__), tell),
         _resources(scene, design, cost),
     ]
     if full or (own and scene.reference):
-        sections += project.sections(scene, state, drawn, tell)
+        sections += project.sections(
+            scene, asked("simulators", compare_simulators.__module__), drawn, tell
+        )
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
@@ -141,8 +151,14 @@ def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Se
     )
 
 
-def _pictures(scene: Scene, state: str, tell: Progress) -> Section:
-    found = once(f"pictures-{scene.name}", state, tell, lambda: draw(scene))
+def _every_figure(plots: Sequence[Drawable]) -> str:
+    """What plots hold, in full: numpy shortens long arrays."""
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        return repr(plots)
+
+
+def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:
+    found = once(asked, tell, lambda: draw(scene))
     skipped = "; ".join(f"{title}: {why}" for title, why in found["skipped"])
     return Section(
         "pictures",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from golden import store
 from golden.physics.gauge_rig import load_rig
 from golden.scene import Scene
 from tb.report.draw import area, findings, tanh_words
@@ -23,24 +24,22 @@ from tb.report.page.page import Picture, Section
 Draw = Callable[[str, Sequence[Plot]], list[Picture]]
 
 
-def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Section]:
+def sections(scene: Scene, asked: store.Key, draw: Draw, tell: Progress) -> list[Section]:
     """The sections that FULL=1 adds.
 
     Parameters
     ----------
     scene : Scene
         The scene whose frames every simulator computes.
-    state : str
-        A digest of all that the measurement of the scene depends on.
+    asked : Key
+        The key of the table of simulators.
     draw : callable
         Draws plots, and keeps the pictures under a name.
     tell : callable
         See ``tb.report.measure.store``.
     """
     tables = measured(tell)
-    speed = unpacked(
-        once(f"simulators-{scene.name}", state, tell, lambda: packed(compare_simulators(scene)))
-    )
+    speed = unpacked(once(asked, tell, lambda: packed(compare_simulators(scene))))
     activations = with_activation_cells(tables["activations"])
     networks = with_network_cells(tables["clocks"])
     tables |= {activations.name: activations, networks.name: networks}

@@ -15,8 +15,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from hdl.synth.tools import run_tool
@@ -56,7 +58,9 @@ def proved(
     def work(n: int) -> str:
         if n in explained:
             return OPEN
-        return _over_clocks(flat.from_reset(n, masks), flat.over_clocks(n, masks), str(n), folder)
+        states = Question(f"states{n}", lambda: flat.from_reset(n, masks), folder)
+        outputs = Question(f"outputs{n}", lambda: flat.over_clocks(n, masks), folder)
+        return _over_clocks(states, outputs)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         verdicts = pool.map(work, asked)
@@ -75,19 +79,49 @@ def _within_a_clock(flat: Flat, numbers: list[int], folder: Path) -> list[int]:
     return [n for n, verdict in zip(numbers, verdicts, strict=True) if verdict != SAME]
 
 
-def _over_clocks(states: Netlist, outputs: Netlist, number: str, folder: Path) -> str:
+@dataclass(frozen=True)
+class Question:
+    """Whether the trigger of a netlist can rise over clocks; the netlist is built when asked.
+
+    Attributes
+    ----------
+    name : str
+        Of its files.
+    build : callable
+        Gives the netlist.
+    folder : Path
+    """
+
+    name: str
+    build: Callable[[], Netlist]
+    folder: Path
+
+    @cached_property
+    def prepared(self) -> list[str] | None:
+        """The commands that make an AIG of it; None where it holds too much."""
+        product = self.build()
+        if stored_bits(product) > STORED:
+            return None
+        return _write(product, self.folder, self.name, STEPS)
+
+    def answer(self, seconds: int) -> str:
+        """What can be shown in so many seconds of processor time."""
+        if self.prepared is None:
+            return OPEN
+        work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
+        return _ask([self.prepared], [self.name], work, self.folder, seconds)[0]
+
+
+def _over_clocks(states: Question, outputs: Question) -> str:
     """What can be shown of one: that no state ever differs or, which alone is final, no output."""
-    asked = {f"states{number}": states, f"outputs{number}": outputs}
-    asked = {name: product for name, product in asked.items() if stored_bits(product) <= STORED}
-    prepared = {name: _write(product, folder, name, STEPS) for name, product in asked.items()}
-    work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
+    left = [states, outputs]
     for seconds in SECONDS:
-        for name in list(prepared):
-            verdict = _ask([prepared[name]], [name], work, folder, seconds)[0]
-            if verdict == SAME or (verdict == OTHER and asked[name] is outputs):
+        for question in list(left):
+            verdict = question.answer(seconds)
+            if verdict == SAME or (verdict == OTHER and question is outputs):
                 return verdict
             if verdict == OTHER:
-                del prepared[name]
+                left.remove(question)
     return OPEN
 
 

