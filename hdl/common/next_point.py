@@ -2,11 +2,11 @@
 
 from myhdl import always_seq, block
 
-from hdl.common.signals import unsigned
+from hdl.common.signals import Stream, unsigned
 
 
 @block
-def next_point(clk, rst, shown, profile, number, x, y, *, points: int):
+def next_point(clk, rst, profile: Stream, *, shown, number, x, y, points: int):
     """Point after point of a profile, each of the newest one.
 
     ``number``, ``x`` and ``y`` change to the next point, when it comes, after a clock of ``shown``.
