@@ -14,7 +14,7 @@ from golden.input_error import InputError
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.scene import load_scene
 from hdl.common.fifo import fifo
-from hdl.common.signals import flag, reset, signed
+from hdl.common.signals import Stream, flag, reset, signed
 from tb.common.cases import write_scene
 from tb.common.collected import CASES
 
@@ -101,9 +101,10 @@ def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) ->
 @pytest.mark.parametrize("depth", [1, 2, 3, 8])
 def test_the_memory_keeps_order_and_loses_nothing(depth: int) -> None:
     clk, rst = flag(), reset()
-    in_valid, in_data = flag(), signed(8)
-    ready, valid, data, fetch = flag(), flag(), signed(8), flag()
-    part = fifo(clk, rst, in_valid, in_data, ready, valid, data, fetch, depth=depth)
+    words = Stream(valid=flag(), data=signed(8))
+    out = Stream(valid=flag(), data=signed(8), ready=flag())
+    fetch = flag()
+    part = fifo(clk, rst, words, out, fetch=fetch, depth=depth)
     rng = np.random.default_rng(depth)
     sent: list[int] = []
     seen: list[int] = []
@@ -114,13 +115,13 @@ def test_the_memory_keeps_order_and_loses_nothing(depth: int) -> None:
         nonlocal stored
         for t in range(600):
             rst.next = t == 0
-            ready.next = bool(rng.random() < (0.2 if t % 100 < 50 else 0.8))
+            out.ready.next = bool(rng.random() < (0.2 if t % 100 < 50 else 0.8))
             fill = t > 0 and stored < depth and bool(rng.random() < 0.6)
-            in_valid.next = fill
-            in_data.next = word = int(rng.integers(-128, 128))
+            words.valid.next = fill
+            words.data.next = word = int(rng.integers(-128, 128))
             yield delay(1)
-            if t and valid and ready:
-                seen.append(int(data))
+            if t and out.valid and out.ready:
+                seen.append(int(out.data))
             if fill:
                 sent.append(word)
             stored += fill - bool(t and fetch)

@@ -14,6 +14,7 @@ import pytest
 from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
+from golden.activation.bipartite_pair import BipartitePair
 from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.fingerprint import fingerprint
@@ -21,6 +22,8 @@ from golden.fixed import Fix
 from golden.port import Unsigned
 from golden.precision import EXACT
 from golden.scene import load_scene
+from hdl.activation.abs_unit import abs_unit
+from hdl.common.signals import Stream, fixed, flag, reset, unsigned
 from hdl.export import exporter
 from hdl.export.elaborate import elaborate
 from hdl.export.exporter import MANIFEST, ORDER
@@ -271,7 +274,6 @@ def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        {"name": "out_size"},
         {"direction": "in"},
         {"kind": Unsigned(16)},
         {"kind": Fix(17, 14)},
@@ -289,6 +291,40 @@ def test_ports_that_the_twin_does_not_publish_are_refused(
     monkeypatch.setattr(AbsUnit, "ports", published)
     with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
         convert_hierarchy(elaborate(spec), tmp_path, language)
+
+
+def test_a_port_that_no_signal_is_handed_over_for_is_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    spec = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high)
+    published = [
+        replace(port, name="out_size") if port.name == "out_mag" else port
+        for port in spec.abs_unit.ports
+    ]
+    monkeypatch.setattr(AbsUnit, "ports", published)
+    expected = r"^abs_unit: got signals \['out_mag'\], expected \['out_size'\]"
+    with pytest.raises(ValueError, match=expected):
+        convert_hierarchy(elaborate(spec), tmp_path, "vhdl")
+
+
+def test_a_block_takes_of_a_stream_the_ports_of_its_twin() -> None:
+    """By their names, in the order of the twin, whatever else the stream holds."""
+    twin = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high).abs_unit
+    samples = Stream(last=flag(), data=fixed(twin.fmt), valid=flag())
+    magnitude = Stream(negative=flag(), mag=unsigned(twin.mag_width), valid=flag())
+    instance = abs_unit(flag(), reset(), samples, magnitude, spec=twin)
+    instance._inferInterface()
+    assert instance.argnames == [port.name for port in twin.ports]
+    assert instance.argdict["in_data"] is samples.data
+    assert instance.argdict["out_negative"] is magnitude.negative
+
+
+def test_numbered_ports_stand_behind_the_others() -> None:
+    twin = SCHEMES["bipartite"].build(EXACT, 1, EXACT.hidden_fmt.high)
+    instance = elaborate(BipartitePair(replace(twin, memory="block_ram")))
+    instance._inferInterface()
+    first = ["clk", "rst", "in_valid", "out_valid"]
+    assert instance.argnames == [*first, "in_data_0", "in_data_1", "out_data_0", "out_data_1"]
 
 
 @pytest.mark.parametrize(("language", "sign"), [("vhdl", "--"), ("verilog", "//")])

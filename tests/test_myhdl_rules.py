@@ -15,6 +15,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "hdl").rglob("*.py"))
+# Beside clock and reset.
+BY_POSITION = 4
 PROCESS = {"always", "always_comb", "always_seq"}
 
 
@@ -91,9 +93,11 @@ def wide(node: ast.expr) -> bool:
 
 
 def elaboration_constants(block: ast.FunctionDef) -> set[str]:
-    """The names that a block computes without making a signal or an instance."""
-    makers = {"signed", "unsigned", "fixed", "flag", "Signal", "ResetSignal", "Words"}
-    names = {arg.arg for arg in block.args.kwonlyargs}
+    """Names that a block computes without making a signal or an instance."""
+    makers = {"signed", "unsigned", "fixed", "flag", "Signal", "ResetSignal"}
+    makers |= {"Words", "Group", "Stream"}
+    # Of what is handed over by name, signals have no annotation.
+    names = {arg.arg for arg in block.args.kwonlyargs if arg.annotation}
     for node in block.body:
         if isinstance(node, ast.Assign):
             calls = {
@@ -117,10 +121,46 @@ def check(source: str) -> list[tuple[int, str]]:
     return found
 
 
+def wiring(source: str) -> list[tuple[int, str]]:
+    """Blocks that a caller could wire crosswise."""
+    found = []
+    for block in ast.walk(ast.parse(source)):
+        if isinstance(block, ast.FunctionDef) and "block" in decorators(block):
+            placed = [arg.arg for arg in block.args.args if arg.arg not in {"clk", "rst"}]
+            if len(placed) > BY_POSITION:
+                found.append((block.lineno, f"got {len(placed)} signals by position"))
+            names = [*placed, *(arg.arg for arg in block.args.kwonlyargs)]
+            for stream in (n.removesuffix("_valid") for n in names if n.endswith("_valid")):
+                if sum(name.startswith(f"{stream}_") for name in names) > 1:
+                    found.append((block.lineno, f"the signals of {stream} are no Stream"))
+    return found
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_no_construct_that_converts_to_wrong_hardware(path: Path) -> None:
     found = [f"{path.name}:{line}: {text}" for line, text in check(path.read_text())]
     assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_block_can_be_wired_crosswise(path: Path) -> None:
+    found = [f"{path.name}:{line}: {text}" for line, text in wiring(path.read_text())]
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "wrong"),
+    [
+        ("clk, rst, in_: Stream, out: Stream, *, frame_error, stop: int", False),
+        ("clk, a, b, c, d", False),
+        ("clk, a, b, c, d, e", True),
+        ("clk, rst, in_valid, in_data", True),
+        ("clk, rst, *, in_valid, in_data", True),
+        ("clk, rst, in_valid, data", False),
+    ],
+)
+def test_what_can_be_wired_crosswise_is_found(parameters: str, wrong: bool) -> None:
+    assert bool(wiring(f"@block\ndef thing({parameters}):\n    return []\n")) is wrong
 
 
 @pytest.mark.parametrize(
@@ -142,7 +182,7 @@ def test_the_rules_find_what_they_are_for(statement: str) -> None:
     source = textwrap.dedent(
         """
         @block
-        def thing(a, b, c, r, *, table):
+        def thing(a, b, c, r, *, table: tuple):
             half = 1 << 3
             @always_comb
             def work():

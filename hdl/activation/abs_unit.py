@@ -3,11 +3,11 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.activation.abs_unit import AbsUnit
-from hdl.common.signals import signed, unsigned
+from hdl.common.signals import Stream, signed, unsigned
 
 
 @block
-def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, spec: AbsUnit):
+def abs_unit(clk, rst, in_: Stream, out: Stream, *, spec: AbsUnit):
     """Magnitude and sign of ``in_data`` one clock later (thesis section 4.5.2.2).
 
     Parameters
@@ -31,7 +31,7 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
 
     @always_comb
     def widen():
-        wide.next = in_data
+        wide.next = in_.data
 
     @always_comb
     def negate():
@@ -39,7 +39,7 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
 
     @always_comb
     def choose():
-        if not in_data[width - 1]:
+        if not in_.data[width - 1]:
             magnitude.next = wide[width - 1 :]
         elif opposite[width - 1]:
             # This is the most negative code alone; to compare would take another row of carries.
@@ -49,11 +49,11 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
 
     @always(clk.posedge)
     def keep():
-        out_mag.next = magnitude
-        out_negative.next = in_data[width - 1]
+        out.mag.next = magnitude
+        out.negative.next = in_.data[width - 1]
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        out_valid.next = in_valid
+        out.valid.next = in_.valid
 
     return widen, negate, choose, keep, mark

@@ -6,7 +6,7 @@ from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_table import FINE_WIDTH, MAGNITUDE_WIDTH, WIDER
 from hdl.common.delay import delay
 from hdl.common.rom import Constants, rom
-from hdl.common.signals import flag, signed, unsigned
+from hdl.common.signals import Stream, flag, signed, unsigned
 
 
 def memories(activation: Bipartite) -> tuple[Constants, Constants]:
@@ -184,7 +184,7 @@ def read(clk, addr, word, *, memory: Constants):
 
 @block
 def from_memories(
-    clk, base_addr, slope_addr, negative, base, slope, negative_late, *, bases, corrections
+    clk, *, base_addr, slope_addr, negative, base, slope, negative_late, bases, corrections
 ):
     """The two addends, two clocks later: the correction, and the base, inverted for q below 0."""
     base_word, slope_word = unsigned(len(base)), unsigned(len(corrections[0]))
@@ -268,7 +268,7 @@ def masked(clk, addr, mask, addr_late):
 
 @block
 def from_logic(
-    clk, base_addr, slope_addr, negative, base, slope, negative_late, *, activation: Bipartite
+    clk, *, base_addr, slope_addr, negative, base, slope, negative_late, activation: Bipartite
 ):
     """The two addends, two clocks later, from tables without the half that mirrors the other half.
 
@@ -325,12 +325,19 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
     base, wide_base, slope = unsigned(width), signed(width + 1), signed(width + 1)
     total = signed(width + 2)
     result, joined = unsigned(width - cut), unsigned(activation.out_fmt.width)
-    words = clk, base_addr, slope_addr, negative, base, slope, negative_late
+    words = {
+        "base_addr": base_addr,
+        "slope_addr": slope_addr,
+        "negative": negative,
+        "base": base,
+        "slope": slope,
+        "negative_late": negative_late,
+    }
     if in_logic:
-        find = from_logic(*words, activation=activation)
+        find = from_logic(clk, **words, activation=activation)
     else:
         bases, corrections = memory
-        find = from_memories(*words, bases=bases, corrections=corrections)
+        find = from_memories(clk, **words, bases=bases, corrections=corrections)
 
     @always_comb
     def widen():
@@ -366,7 +373,7 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
 
 
 @block
-def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bipartite):
+def bipartite(clk, rst, in_: Stream, out: Stream, *, spec: Bipartite):
     """tanh of ``in_data`` four clocks later.
 
     Parameters
@@ -382,6 +389,6 @@ def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Biparti
     1 and tables 1, sum 1. One result a clock. Reset clears the valid flags.
     """
     return (
-        node(clk, in_data, out_data, memories(spec), activation=spec),
-        delay(clk, rst, in_valid, out_valid, clocks=spec.latency),
+        node(clk, in_.data, out.data, memories(spec), activation=spec),
+        delay(clk, rst, in_.valid, out.valid, clocks=spec.latency),
     )

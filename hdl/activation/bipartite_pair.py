@@ -5,10 +5,11 @@ from myhdl import block
 from golden.activation.bipartite_pair import NODES, BipartitePair
 from hdl.activation.bipartite import memories, node
 from hdl.common.delay import delay
+from hdl.common.signals import Stream
 
 
 @block
-def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: BipartitePair):
+def bipartite_pair(clk, rst, in_: Stream, out: Stream, *, spec: BipartitePair):
     """tanh of both of ``in_data`` four clocks later.
 
     Parameters
@@ -30,8 +31,8 @@ def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bi
     memory = memories(spec.activation)
     return (
         [
-            node(clk, in_data[n], out_data[n], memory, activation=spec.activation)
+            node(clk, in_.data[n], out.data[n], memory, activation=spec.activation)
             for n in range(NODES)
         ],
-        delay(clk, rst, in_valid, out_valid, clocks=spec.latency),
+        delay(clk, rst, in_.valid, out.valid, clocks=spec.latency),
     )

@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, always_seq, block, intbv
 
 from golden.activation.comparator_bank import ComparatorBank
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
@@ -18,9 +18,7 @@ def comparator(mag, over, *, threshold: int):
 
 
 @block
-def comparator_bank(
-    clk, rst, in_valid, in_mag, out_valid, out_addr, out_mag, *, spec: ComparatorBank
-):
+def comparator_bank(clk, rst, in_: Stream, out: Stream, *, spec: ComparatorBank):
     """Segment address of ``in_mag`` one clock later, with the magnitude beside it.
 
     Thesis section 4.5.2.3.1 C and the Addresser of 5.4.5.2: every comparator looks at the
@@ -39,22 +37,22 @@ def comparator_bank(
     """
     count = len(spec.thresholds)
     over = [flag() for _ in range(count)]
-    bank = [comparator(in_mag, over[n], threshold=t) for n, t in enumerate(spec.thresholds)]
+    bank = [comparator(in_.mag, over[n], threshold=t) for n, t in enumerate(spec.thresholds)]
     addr = unsigned(spec.addr_width)
 
     @always(clk.posedge)
     def keep():
-        out_mag.next = in_mag
+        out.mag.next = in_.mag
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        out_valid.next = in_valid
+        out.valid.next = in_.valid
 
     if count == 0:
 
         @always(clk.posedge)
         def stay():
-            out_addr.next = 0
+            out.addr.next = 0
 
         return keep, mark, stay
 
@@ -70,6 +68,6 @@ def comparator_bank(
 
     @always(clk.posedge)
     def keep_addr():
-        out_addr.next = addr
+        out.addr.next = addr
 
     return bank, locate, keep, keep_addr, mark

@@ -5,13 +5,11 @@ from myhdl import always, always_comb, block
 from golden.activation.grad_eqn import GradEqn
 from golden.fixed import Rounding
 from hdl.common.delay import delay
-from hdl.common.signals import unsigned
+from hdl.common.signals import Stream, unsigned
 
 
 @block
-def grad_eqn(
-    clk, rst, in_valid, in_mag, in_coeff, in_intercept, out_valid, out_data, *, spec: GradEqn
-):
+def grad_eqn(clk, rst, in_: Stream, out: Stream, *, spec: GradEqn):
     """``in_coeff * in_mag + in_intercept`` three clocks later (equation 4.23, section 5.4.5.2).
 
     Parameters
@@ -48,9 +46,9 @@ def grad_eqn(
     @always(clk.posedge)
     def fetch():
         # Both operands come from registers, which the multipliers of FPGAs have inside.
-        mag.next = in_mag
-        coeff.next = in_coeff
-        early_intercept.next = in_intercept
+        mag.next = in_.mag
+        coeff.next = in_.coeff
+        early_intercept.next = in_.intercept
 
     @always(clk.posedge)
     def multiply():
@@ -80,7 +78,7 @@ def grad_eqn(
     @always(clk.posedge)
     def keep():
         # segments.py proves that no magnitude that the neuron reaches has a bit above these.
-        out_data.next = kept[out_width:]
+        out.data.next = kept[out_width:]
 
-    mark = delay(clk, rst, in_valid, out_valid, clocks=3)
+    mark = delay(clk, rst, in_.valid, out.valid, clocks=3)
     return fetch, multiply, widen, move, add, add_half, cut, keep, mark

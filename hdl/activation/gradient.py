@@ -10,11 +10,11 @@ from hdl.activation.grad_eqn import grad_eqn
 from hdl.activation.i_memory import i_memory
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import delay
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient):
+def gradient(clk, rst, in_: Stream, out: Stream, *, spec: Gradient):
     """Activation of ``in_data`` six clocks later (thesis section 5.4.3, Figure 5.10).
 
     Parameters
@@ -33,29 +33,19 @@ def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient
     mag_valid, addr_valid, sum_valid = flag(), flag(), flag()
     mag, segment_mag = unsigned(mag_width), unsigned(mag_width)
     negative, negative_late = flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     addr = unsigned(spec.comparator_bank.addr_width)
     coeff = unsigned(spec.g_memory.width)
     intercept = unsigned(spec.i_memory.width)
     result = unsigned(spec.out_fmt.width - 1)
+    segment = Stream(valid=addr_valid, addr=addr, mag=segment_mag, coeff=coeff, intercept=intercept)
 
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
-        comparator_bank(
-            clk, rst, mag_valid, mag, addr_valid, addr, segment_mag, spec=spec.comparator_bank
-        ),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
+        comparator_bank(clk, rst, magnitude, segment, spec=spec.comparator_bank),
         g_memory(addr, coeff, spec=spec.g_memory),
         i_memory(addr, intercept, spec=spec.i_memory),
-        grad_eqn(
-            clk,
-            rst,
-            addr_valid,
-            segment_mag,
-            coeff,
-            intercept,
-            sum_valid,
-            result,
-            spec=spec.grad_eqn,
-        ),
+        grad_eqn(clk, rst, segment, Stream(valid=sum_valid, data=result), spec=spec.grad_eqn),
         delay(
             clk,
             None,
@@ -66,11 +56,8 @@ def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient
         sign_retriever(
             clk,
             rst,
-            sum_valid,
-            result,
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=sum_valid, mag=result, negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

@@ -8,7 +8,7 @@ from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.grad_eqn import grad_eqn
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import delay
-from hdl.common.signals import Words, flag, unsigned
+from hdl.common.signals import Stream, Words, flag, unsigned
 
 
 @block
@@ -54,7 +54,7 @@ def add(left, right, total):
 
 
 @block
-def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: GradientParallel):
+def gradient_parallel(clk, rst, in_: Stream, out: Stream, *, spec: GradientParallel):
     """Activation of ``in_data`` six clocks later (thesis section 4.5.2.3.1, Figure 4.16).
 
     Parameters
@@ -77,6 +77,7 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
     mag_valid, addr_valid = flag(), flag()
     mag, segment_mag = unsigned(mag_width), unsigned(mag_width)
     negative, negative_late = flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     addr = unsigned(bank.addr_width)
     coeff = Words(count, lambda: unsigned(spec.table.coeff_width))
     intercept = Words(count, lambda: unsigned(spec.intercept_width))
@@ -97,8 +98,10 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
             threshold_unit(addr_late, limit, segment=count, high=spec.out_fmt.high),
         ]
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
-        comparator_bank(clk, rst, mag_valid, mag, addr_valid, addr, segment_mag, spec=bank),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
+        comparator_bank(
+            clk, rst, magnitude, Stream(valid=addr_valid, addr=addr, mag=segment_mag), spec=bank
+        ),
         [
             enable(addr, coeff[n], intercept[n], segment=n, words=spec.segments[n])
             for n in range(count)
@@ -107,12 +110,8 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
             grad_eqn(
                 clk,
                 rst,
-                addr_valid,
-                segment_mag,
-                coeff[n],
-                intercept[n],
-                valid[n],
-                result[n],
+                Stream(valid=addr_valid, mag=segment_mag, coeff=coeff[n], intercept=intercept[n]),
+                Stream(valid=valid[n], data=result[n]),
                 spec=line,
             )
             for n in range(count)
@@ -123,11 +122,8 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
         sign_retriever(
             clk,
             rst,
-            valid[0],
-            sums[-1],
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=valid[0], mag=sums[-1], negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

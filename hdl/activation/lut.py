@@ -9,11 +9,11 @@ from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import delay
 from hdl.common.rom import rom
 from hdl.common.scale import scale
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
+def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
     """Activation of ``in_data`` four clocks later (thesis section 4.5.2.3.4).
 
     Parameters
@@ -36,6 +36,7 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
     mag_valid, segment_valid, word_valid = flag(), flag(), flag()
     mag, late_mag = unsigned(mag_width), unsigned(mag_width)
     negative, negative_late = flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     beyond = unsigned(1)
     product, product_late = unsigned(product_width), unsigned(product_width)
     addr = unsigned(addr_width)
@@ -58,9 +59,13 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
             result.next = word
 
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
         comparator_bank(
-            clk, rst, mag_valid, mag, segment_valid, beyond, late_mag, spec=spec.comparator_bank
+            clk,
+            rst,
+            magnitude,
+            Stream(valid=segment_valid, addr=beyond, mag=late_mag),
+            spec=spec.comparator_bank,
         ),
         scale(mag, product, factor=spec.scale),
         keep_product,
@@ -72,11 +77,8 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
         sign_retriever(
             clk,
             rst,
-            word_valid,
-            result,
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=word_valid, mag=result, negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

@@ -10,7 +10,7 @@ from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.scale import scale
-from hdl.common.signals import flag, signed, unsigned
+from hdl.common.signals import Stream, flag, signed, unsigned
 
 
 @block
@@ -165,7 +165,7 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
 
 
 @block
-def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
+def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     """Activation of ``in_data``, the iterations and seven clocks later (4.5.2.3.3, Figure 4.20).
 
     Parameters
@@ -194,6 +194,7 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
     mag_valid, q_valid, start, ready, result_valid = flag(), flag(), flag(), flag(), flag()
     mag, late_mag = unsigned(mag_width), unsigned(mag_width)
     negative, negative_start, negative_held, negative_late = flag(), flag(), flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     beyond, beyond_start = unsigned(1), unsigned(1)
     beyond_held, beyond_late = unsigned(1), unsigned(1)
     product = unsigned(max(mag_width + spec.factor.bit_length(), q_width))
@@ -249,9 +250,13 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
             result.next = kept
 
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
         comparator_bank(
-            clk, rst, mag_valid, mag, q_valid, beyond, late_mag, spec=spec.comparator_bank
+            clk,
+            rst,
+            magnitude,
+            Stream(valid=q_valid, addr=beyond, mag=late_mag),
+            spec=spec.comparator_bank,
         ),
         scale(mag, product, factor=spec.factor),
         low_unsigned(product, q_next),
@@ -311,11 +316,8 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
         sign_retriever(
             clk,
             rst,
-            result_valid,
-            result,
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=result_valid, mag=result, negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

@@ -10,7 +10,7 @@ from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
 from hdl.common.scale import scale
-from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.common.widen import widen
 
 
@@ -72,7 +72,7 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
 
 
 @block
-def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polynomial):
+def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     """Activation of ``in_data``, five or six clocks later (thesis 4.5.2.3.2, Figure 4.19).
 
     Parameters
@@ -95,6 +95,7 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
     mag_valid, segment_valid, result_valid = flag(), flag(), flag()
     mag, late_mag = unsigned(mag_width), unsigned(mag_width)
     negative, negative_late = flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     segment = unsigned(spec.comparator_bank.addr_width)
     segment_late = unsigned(spec.comparator_bank.addr_width)
     square = unsigned(spec.square_width)
@@ -150,9 +151,13 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
 
     clocks = 2 + (spec.factor is not None)
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
         comparator_bank(
-            clk, rst, mag_valid, mag, segment_valid, segment, late_mag, spec=spec.comparator_bank
+            clk,
+            rst,
+            magnitude,
+            Stream(valid=segment_valid, addr=segment, mag=late_mag),
+            spec=spec.comparator_bank,
         ),
         square_of(clk, mag, square, shift=spec.square_shift, rounding=spec.rounding),
         term(
@@ -194,11 +199,8 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
         sign_retriever(
             clk,
             rst,
-            result_valid,
-            result,
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=result_valid, mag=result, negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

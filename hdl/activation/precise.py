@@ -7,7 +7,7 @@ from hdl.activation.abs_unit import abs_unit
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import connect, delay
 from hdl.common.rom import registered_rom, rom
-from hdl.common.signals import flag, signed, unsigned
+from hdl.common.signals import Stream, flag, signed, unsigned
 
 
 @block
@@ -49,7 +49,7 @@ def row_adder(total, row, low, result):
 
 
 @block
-def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
+def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
     """tanh of ``in_data``, 7 clocks later with "logic" and 8 with "block_ram".
 
     Parameters
@@ -92,6 +92,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     mag_valid, sum_valid = flag(), flag()
     mag = unsigned(mag_width)
     negative, negative_late = flag(), flag()
+    magnitude = Stream(valid=mag_valid, mag=mag, negative=negative)
     addr = unsigned(mag_width - distance_width)
     word = unsigned(word_width)
     distance, word_distance = unsigned(distance_width), unsigned(distance_width)
@@ -229,7 +230,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     clocks = spec.memory_latency + STAGES
     return (
-        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        abs_unit(clk, rst, in_, magnitude, spec=spec.abs_unit),
         *(
             split,
             memory,
@@ -252,11 +253,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
         sign_retriever(
             clk,
             rst,
-            sum_valid,
-            result,
-            negative_late,
-            out_valid,
-            out_data,
+            Stream(valid=sum_valid, mag=result, negative=negative_late),
+            out,
             spec=spec.sign_retriever,
         ),
     )

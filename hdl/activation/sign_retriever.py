@@ -3,13 +3,11 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.activation.sign_retriever import SignRetriever
-from hdl.common.signals import fixed
+from hdl.common.signals import Stream, fixed
 
 
 @block
-def sign_retriever(
-    clk, rst, in_valid, in_mag, in_negative, out_valid, out_data, *, spec: SignRetriever
-):
+def sign_retriever(clk, rst, in_: Stream, out: Stream, *, spec: SignRetriever):
     """``in_mag``, negated when ``in_negative``, one clock later (thesis section 4.5.2.4).
 
     Parameters
@@ -27,7 +25,7 @@ def sign_retriever(
 
     @always_comb
     def widen():
-        positive.next = in_mag
+        positive.next = in_.mag
 
     @always_comb
     def negate():
@@ -35,13 +33,13 @@ def sign_retriever(
 
     @always(clk.posedge)
     def keep():
-        if in_negative:
-            out_data.next = opposite
+        if in_.negative:
+            out.data.next = opposite
         else:
-            out_data.next = positive
+            out.data.next = positive
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        out_valid.next = in_valid
+        out.valid.next = in_.valid
 
     return widen, negate, keep, mark

@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv
 
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
@@ -21,27 +21,27 @@ def turn(clk, rst, step, addr, *, stop: int):
 
 
 @block
-def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, depth: int):
+def fifo(clk, rst, in_: Stream, out: Stream, *, fetch, depth: int):
     """Words leave in the order in which they came; each stays until it is taken.
 
     Parameters
     ----------
-    in_valid, in_data : bool, any format
-        A word comes with ``in_valid``; the memory must have room for it.
-    out_ready, out_valid, out_data : bool, bool, the format of ``in_data``
+    in_ : Stream of valid and data
+        A word comes with ``in_.valid``; the memory must have room for it.
+    out : Stream of valid, ready and data
         A word leaves in a clock in which both flags are high, and stays until then.
     fetch : bool
-        In this clock a word leaves the memory for ``out_data``.
+        In this clock a word leaves the memory for ``out.data``.
     depth : int
-        How many words the memory holds, at least 1. The register ``out_data`` holds one more.
+        How many words the memory holds, at least 1. The register ``out.data`` holds one more.
 
     Notes
     -----
-    The latency is 2 clocks, and one word can pass per clock. ``out_valid`` and ``out_data`` are
+    The latency is 2 clocks, and one word can pass per clock. ``out.valid`` and ``out.data`` are
     registers. The memory is read at a clock edge, and never at the edge that writes the same word.
     Reset empties it.
     """
-    memory = [Signal(intbv(0, min=in_data.min, max=in_data.max)) for _ in range(depth)]
+    memory = [Signal(intbv(0, min=in_.data.min, max=in_.data.max)) for _ in range(depth)]
     write_addr, read_addr = (unsigned(max(1, (depth - 1).bit_length())) for _ in range(2))
     stored = unsigned(depth.bit_length())
     full, take = flag(), flag()
@@ -49,29 +49,29 @@ def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, 
 
     @always_comb
     def decide():
-        take.next = stored != 0 and (out_ready or not full)
+        take.next = stored != 0 and (out.ready or not full)
 
     @always(clk.posedge)
     def write():
-        if in_valid:
-            memory[write_addr].next = in_data
+        if in_.valid:
+            memory[write_addr].next = in_.data
 
     @always(clk.posedge)
     def read():
         if take:
-            out_data.next = memory[read_addr]
+            out.data.next = memory[read_addr]
 
     @always_seq(clk.posedge, reset=rst)
     def count():
-        if in_valid and not take:
+        if in_.valid and not take:
             stored.next = stored + 1
-        elif take and not in_valid:
+        elif take and not in_.valid:
             stored.next = stored - 1
-        full.next = take or (full and not out_ready)
+        full.next = take or (full and not out.ready)
 
     @always_comb
     def show():
-        out_valid.next = full
+        out.valid.next = full
         fetch.next = take
 
     return (
@@ -80,6 +80,6 @@ def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, 
         read,
         count,
         show,
-        turn(clk, rst, in_valid, write_addr, stop=last_addr),
+        turn(clk, rst, in_.valid, write_addr, stop=last_addr),
         turn(clk, rst, take, read_addr, stop=last_addr),
     )

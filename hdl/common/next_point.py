@@ -2,11 +2,11 @@
 
 from myhdl import always_seq, block
 
-from hdl.common.signals import unsigned
+from hdl.common.signals import Stream, unsigned
 
 
 @block
-def next_point(clk, rst, shown, profile, number, x, y, *, points: int):
+def next_point(clk, rst, profile: Stream, *, shown, number, x, y, points: int):
     """``number``, ``x`` and ``y`` show one point of the newest profile.
 
     After a clock with ``shown`` they wait for the next point and change to it when it comes. Until

@@ -56,3 +56,13 @@ class Group:
 
     def __init__(self, **signals):
         self.__dict__.update(signals)
+
+
+class Stream(Group):
+    """The signals of a stream, which travel together: ``valid``, and what is valid with it.
+
+    The parameter ``out`` of a block becomes the ports ``out_valid``, ``out_data``, ... in the place
+    that their twin gives them; of ``in_``, which Python makes end in an underscore, they are
+    ``in_valid``, ``in_data``, ... A block has those ports that its twin publishes, and leaves a
+    stream's other signals alone.
+    """

@@ -4,15 +4,15 @@ from myhdl import Signal, always_comb, always_seq, block, modbv
 
 from golden.engine.frame_check import FrameCheck
 from hdl.common.delay import delay
-from hdl.common.signals import flag
+from hdl.common.signals import Stream, flag
 
 
 @block
 def frame_check(
     clk,
     rst,
-    in_valid,
-    in_last,
+    in_: Stream,
+    *,
     store,
     finish,
     start,
@@ -20,7 +20,6 @@ def frame_check(
     write,
     write_addr,
     frame_error,
-    *,
     spec: FrameCheck,
 ):
     """Counts samples and results, and lets the program run after a good frame.
@@ -61,20 +60,20 @@ def frame_check(
 
     @always_comb
     def look():
-        accept.next = in_valid and not busy and not dropping
-        early.next = in_valid and busy and not dropping
+        accept.next = in_.valid and not busy and not dropping
+        early.next = in_.valid and busy and not dropping
         complete.next = addr == before_last
 
     @always_comb
     def judge():
-        good.next = accept and complete and in_last
-        broken.next = accept and (complete != in_last)
+        good.next = accept and complete and in_.last
+        broken.next = accept and (complete != in_.last)
 
     @always_seq(clk.posedge, reset=rst)
     def drop():
         frame_error.next = early or broken
-        if in_valid:
-            dropping.next = not in_last and (dropping or early or broken)
+        if in_.valid:
+            dropping.next = not in_.last and (dropping or early or broken)
 
     @always_seq(clk.posedge, reset=rst)
     def count():

@@ -4,15 +4,15 @@ from myhdl import Signal, always_comb, always_seq, block, modbv
 
 from golden.engine.frame_guard import FrameGuard
 from hdl.common.delay import connect, delay
-from hdl.common.signals import flag
+from hdl.common.signals import Stream, flag
 
 
 @block
 def frame_guard(
     clk,
     rst,
-    in_valid,
-    in_last,
+    in_: Stream,
+    *,
     halt,
     before_last,
     store,
@@ -23,7 +23,6 @@ def frame_guard(
     write,
     write_addr,
     frame_error,
-    *,
     spec: FrameGuard,
 ):
     """Counts samples and results, and lets the program run after a good frame of a good image.
@@ -69,21 +68,23 @@ def frame_guard(
 
     @always_comb
     def look():
-        accept.next = in_valid and not (closed or halt or dropping)
-        refused.next = not dropping and ((in_valid and closed) or (halt and (in_valid or started)))
+        accept.next = in_.valid and not (closed or halt or dropping)
+        refused.next = not dropping and (
+            (in_.valid and closed) or (halt and (in_.valid or started))
+        )
         complete.next = addr == before_last
 
     @always_comb
     def judge():
-        good.next = accept and complete and in_last
-        broken.next = accept and (complete != in_last)
+        good.next = accept and complete and in_.last
+        broken.next = accept and (complete != in_.last)
 
     @always_seq(clk.posedge, reset=rst)
     def drop():
         frame_error.next = refused or broken
-        if in_valid:
-            started.next = not in_last
-            dropping.next = not in_last and (dropping or refused or broken)
+        if in_.valid:
+            started.next = not in_.last
+            dropping.next = not in_.last and (dropping or refused or broken)
         elif refused:
             dropping.next = True
 

@@ -6,25 +6,22 @@ from golden.engine.image import BEFORE_LAST, LAST_ADDR, WORD_BYTES
 from golden.engine.image_loader import ImageLoader
 from golden.engine.program import WORD_WIDTH
 from hdl.common.check_byte import check_byte
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
 def image_loader(
     clk,
     rst,
-    load_valid,
-    load_data,
-    load_last,
+    load: Stream,
+    *,
     busy,
-    load_ready,
     halt,
     write,
     write_addr,
     word,
     before_last,
     image_error,
-    *,
     spec: ImageLoader,
 ):
     """Writes the words of an image, checks it, and stops the engine until a good one is there.
@@ -82,11 +79,11 @@ def image_loader(
 
     @always_comb
     def take():
-        accept.next = load_valid and not busy
+        accept.next = load.valid and not busy
 
     @always_comb
     def gather():
-        gathered.next = concat(held, load_data)
+        gathered.next = concat(held, load.data)
 
     @always_comb
     def look():
@@ -103,12 +100,12 @@ def image_loader(
     # The image is good if its last two bytes equal the check as it was before them.
     @always_comb
     def judge():
-        good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load_data
+        good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load.data
 
     @always_seq(clk.posedge, reset=rst)
     def step():
         if accept:
-            if load_last:
+            if load.last:
                 place.next = 0
                 headed.next = False
                 ended.next = False
@@ -127,7 +124,7 @@ def image_loader(
     @always_seq(clk.posedge, reset=rst)
     def follow_check():
         if accept:
-            if load_last:
+            if load.last:
                 check.next = start
             else:
                 check.next = following
@@ -135,8 +132,8 @@ def image_loader(
     @always_seq(clk.posedge, reset=rst)
     def tell():
         if accept:
-            whole.next = load_last and good
-            if load_last:
+            whole.next = load.last and good
+            if load.last:
                 failed.next = not good
 
     @always(clk.posedge)
@@ -155,7 +152,7 @@ def image_loader(
 
     @always_comb
     def show():
-        load_ready.next = not busy
+        load.ready.next = not busy
         halt.next = accept or not whole
         write.next = accept and full and headed and not ended
         write_addr.next = addr
@@ -170,7 +167,7 @@ def image_loader(
         measure,
         compare,
         judge,
-        check_byte(check, load_data, following),
+        check_byte(check, load.data, following),
         step,
         follow_check,
         tell,

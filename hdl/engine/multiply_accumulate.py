@@ -12,6 +12,7 @@ from hdl.common.signals import fixed, flag, signed, unsigned
 @block
 def multiply_accumulate(
     clk,
+    *,
     operand,
     weight,
     take_intercept,
@@ -19,7 +20,6 @@ def multiply_accumulate(
     first,
     first_of_output,
     acc,
-    *,
     spec: MultiplyAccumulate,
 ):
     """acc = operand x coefficient + (acc, or half a unit of the result).

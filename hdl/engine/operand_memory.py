@@ -8,7 +8,7 @@ from hdl.common.signals import fixed
 
 
 @block
-def operand_memory(clk, write, write_addr, data, read_addr, word, *, spec: OperandMemory):
+def operand_memory(clk, *, write, write_addr, data, read_addr, word, spec: OperandMemory):
     """Words of 18 bits, one written and one read a clock.
 
     Parameters

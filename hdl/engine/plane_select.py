@@ -9,7 +9,7 @@ from hdl.common.signals import flag, unsigned
 
 
 @block
-def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec: PlaneSelect):
+def plane_select(clk, *, word, plane, kind, take_weight, look_up, subtract, spec: PlaneSelect):
     """Whether a coefficient is added, subtracted or neither.
 
     Parameters

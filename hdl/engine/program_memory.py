@@ -11,7 +11,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def program_memory(
-    clk, rst, start, run, finish, segment, look_up, word, table_word, *, spec: ProgramMemory
+    clk, rst, *, start, run, finish, segment, look_up, word, table_word, spec: ProgramMemory
 ):
     """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
 

@@ -12,6 +12,7 @@ from hdl.common.signals import flag, unsigned
 def program_ram(
     clk,
     rst,
+    *,
     start,
     run,
     finish,
@@ -22,7 +23,6 @@ def program_ram(
     data,
     word,
     table_word,
-    *,
     spec: ProgramRam,
 ):
     """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.

@@ -13,18 +13,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def replay_memory(
-    clk,
-    rst,
-    run,
-    finish,
-    segment,
-    look_up,
-    word,
-    plane,
-    first,
-    table_word,
-    *,
-    spec: ReplayMemory,
+    clk, rst, *, run, finish, segment, look_up, word, plane, first, table_word, spec: ReplayMemory
 ):
     """Words of 36 bits, read neuron by neuron and pass by pass, and the table beside them.
 

@@ -12,6 +12,7 @@ from hdl.common.signals import fixed, flag, signed, unsigned
 @block
 def serial_accumulate(
     clk,
+    *,
     weight,
     take_weight,
     subtract,
@@ -20,7 +21,6 @@ def serial_accumulate(
     of_output,
     table_word,
     acc,
-    *,
     spec: SerialAccumulate,
 ):
     """acc = (acc, or 2 acc and half a unit of the result in its plane) +- coefficient; or 0.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from typing import Any
 
 from myhdl._block import _Block
@@ -10,9 +11,10 @@ from myhdl._block import _Block
 from golden.block import Block
 from golden.port import RESET, Port
 from hdl.common.lookup import hardware
-from hdl.common.signals import Group, Words, flag, reset, signed, unsigned
-from hdl.export import literal_size, quick_inspect
+from hdl.common.signals import Group, Stream, Words, flag, reset, signed, unsigned
+from hdl.export import interfaces, literal_size, quick_inspect
 
+interfaces.install()
 quick_inspect.install()
 literal_size.install()
 
@@ -26,31 +28,35 @@ def port_signals(spec: Block) -> dict[str, Any]:
     """Fresh signals for every argument of the hardware, as the twin publishes its ports.
 
     An argument is one port, or ``Words`` of the ports ``name_0``, ``name_1``, ..., or a ``Group``
-    of all ports whose names begin with the name of the argument.
+    or a ``Stream`` of all ports whose names begin with the name of the argument. It is a ``Stream``
+    where the hardware's annotation says so.
     """
     ports = {port.name: port for port in spec.ports}
-    found: dict[str, Any] = {}
-    for name in inspect.signature(hardware(spec)).parameters:
-        members = {
-            other.removeprefix(f"{name}_"): port
-            for other, port in ports.items()
-            if other.startswith(f"{name}_") and port.number is not None
-        }
-        if name == "spec":
-            continue
-        if name in ports:
-            found[name] = _signal(ports[name])
-        elif members:
-            found[name] = Words(len(members), lambda port=members["0"]: _signal(port))
-        else:
-            found[name] = Group(
-                **{
-                    other.removeprefix(f"{name}_"): _signal(port)
-                    for other, port in ports.items()
-                    if other.startswith(f"{name}_")
-                }
-            )
-    return found
+    parameters = dict(inspect.signature(hardware(spec), eval_str=True).parameters)
+    del parameters["spec"]
+    return {
+        name: _signal(ports[name])
+        if name in ports
+        else _members(f"{name.rstrip('_')}_", spec.ports, parameter.annotation)
+        for name, parameter in parameters.items()
+    }
+
+
+def _members(prefix: str, ports: Sequence[Port], kind: type) -> Any:
+    """``Words`` where the ports behind ``prefix`` are numbers, else a group of signals by name."""
+    members = {
+        port.name.removeprefix(prefix): port for port in ports if port.name.startswith(prefix)
+    }
+    if "0" in members:
+        return Words(len(members), lambda: _signal(members["0"]))
+    fields = {}
+    for name, port in members.items():
+        if port.number is None:
+            fields[name] = _signal(port)
+        elif not port.number:
+            field = name.removesuffix("_0")
+            fields[field] = _members(f"{prefix}{field}_", ports, Words)
+    return Stream(**fields) if kind is Stream else Group(**fields)
 
 
 def _signal(port: Port) -> Any:

@@ -17,12 +17,12 @@ from pathlib import Path
 from myhdl import _block as myhdl_block
 from myhdl._block import _Block
 from myhdl._extractHierarchy import _UserVerilogCode, _UserVhdlCode
-from myhdl._Signal import _Signal
 
 from golden.block import Block
 from hdl.common.rom import Constants
-from hdl.common.signals import Group, Words
+from hdl.common.signals import Stream
 from hdl.export.describe import heading
+from hdl.export.interfaces import members
 from hdl.export.ports import check_ports, comment_ports
 from hdl.export.tidy import tidy
 
@@ -156,8 +156,8 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
         setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))
         outputs = {port.name for port in spec.ports if port.direction == "out"}
         for name, signal in ports.items():
-            # _inferInterface names the members of Words after the child's port, and MyHDL only
-            # declares what has no name yet.
+            # _inferInterface names a signal after the child's port, and MyHDL only declares what
+            # has no name yet.
             signal._name = None
             signal._markUsed()
             # Outputs are marked, too, because a parent may leave an output of a child open.
@@ -176,13 +176,26 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
 
 
 def _name_grouped_signals(instance: _Block) -> None:
-    """MyHDL declares signals that are local variables; this declares the members of groups, too."""
-    for name, value in list(instance.symdict.items()):
-        if isinstance(value, Words | Group):
-            for member, signal in vars(value).items():
-                instance.sigdict.setdefault(f"{name}_{member}", signal)
-        elif isinstance(value, _Signal):
-            instance.sigdict.setdefault(name, value)
+    """Declare the members of groups, since MyHDL declares only signals that are local variables."""
+    for name, value in instance.symdict.items():
+        if not isinstance(value, Stream):
+            _name_members(instance, name, value)
+    _name_streams(instance)
+
+
+def _name_streams(instance: _Block) -> None:
+    """Declare members of streams that have no other variable, in inlined parts as well."""
+    for name, value in instance.symdict.items():
+        if isinstance(value, Stream):
+            _name_members(instance, name, value)
+    for sub in instance.subs:
+        if isinstance(sub, _Block) and "spec" not in sub.kwargs:
+            _name_streams(sub)
+
+
+def _name_members(instance: _Block, name: str, value: object) -> None:
+    for member, signal in members(name, value):
+        instance.sigdict.setdefault(member, signal)
 
 
 def _meanings(instance: _Block) -> dict[str, tuple[str, ...]]:

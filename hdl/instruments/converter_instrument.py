@@ -4,7 +4,7 @@ from myhdl import block
 
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.precision import SIGNAL
-from hdl.common.signals import fixed, flag
+from hdl.common.signals import Stream, fixed, flag
 from hdl.instruments.readout import readout
 from hdl.sensing.converter_reader import converter_reader
 
@@ -13,17 +13,15 @@ from hdl.sensing.converter_reader import converter_reader
 def converter_instrument(
     clk,
     rst,
+    out: Stream,
+    *,
     miso,
     sclk,
     cs_n,
     mosi,
     converter_error,
-    out_valid,
-    out_data,
-    out_last,
     held,
     profile,
-    *,
     spec: ConverterInstrument,
 ):
     """Bits of a converter in, results out.
@@ -45,34 +43,29 @@ def converter_instrument(
     that the twin has checked. Reset starts a scan and clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
+    samples = Stream(valid=valid, data=data, last=last)
     # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
         converter_reader(
             clk,
             rst,
-            miso,
-            sclk,
-            cs_n,
-            mosi,
-            valid,
-            data,
-            last,
-            converter_error,
+            samples,
+            miso=miso,
+            sclk=sclk,
+            cs_n=cs_n,
+            mosi=mosi,
+            converter_error=converter_error,
             spec=spec.converter_reader,
         ),
         readout(
             clk,
             rst,
-            valid,
-            data,
-            last,
-            out_valid,
-            out_data,
-            out_last,
-            broken,
-            held,
-            profile,
+            samples,
+            out,
+            frame_error=broken,
+            held=held,
+            profile=profile,
             spec=spec.readout,
         ),
     )

@@ -4,15 +4,13 @@ from myhdl import block
 
 from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
-from hdl.common.signals import fixed, flag
+from hdl.common.signals import Stream, fixed, flag
 from hdl.instruments.readout import readout
 from hdl.sensing.scan_sequencer import scan_sequencer
 
 
 @block
-def instrument(
-    clk, rst, adc, address, out_valid, out_data, out_last, held, profile, *, spec: Instrument
-):
+def instrument(clk, rst, out: Stream, *, adc, address, held, profile, spec: Instrument):
     """Codes of a converter in, results out (Figures 5.5, 5.12 and 5.25).
 
     Parameters
@@ -31,22 +29,19 @@ def instrument(
     distances that its twin has checked. Reset starts a scan and clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
+    samples = Stream(valid=valid, data=data, last=last)
     # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
-        scan_sequencer(clk, rst, adc, address, valid, data, last, spec=spec.scan_sequencer),
+        scan_sequencer(clk, rst, samples, adc=adc, address=address, spec=spec.scan_sequencer),
         readout(
             clk,
             rst,
-            valid,
-            data,
-            last,
-            out_valid,
-            out_data,
-            out_last,
-            broken,
-            held,
-            profile,
+            samples,
+            out,
+            frame_error=broken,
+            held=held,
+            profile=profile,
             spec=spec.readout,
         ),
     )

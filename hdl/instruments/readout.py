@@ -5,7 +5,7 @@ from myhdl import always_comb, always_seq, block
 from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.common.stream import catch_word, position
 from hdl.visualisation.load_profile import load_profile
 
@@ -22,24 +22,20 @@ def show_word(word, shown):
 
 
 @block
-def draw(clk, rst, valid, last, words, profile, *, drawing):
+def draw(clk, rst, results: Stream, words, profile, *, drawing):
     """Draws the profile from the words, beginning in the clock after the last of them came."""
     complete = flag()
-    drawn = [words[slot] for slot in drawing.results]
+    load, position, width, shape = (words[slot] for slot in drawing.results)
 
     @always_seq(clk.posedge, reset=rst)
     def finish():
-        complete.next = valid and last
+        complete.next = results.valid and results.last
 
     return finish, load_profile(
         clk,
         rst,
-        complete,
-        *drawn,
-        profile.valid,
-        profile.x,
-        profile.y,
-        profile.last,
+        Stream(valid=complete, load=load, position=position, width=width, shape=shape),
+        profile,
         spec=drawing.load_profile,
     )
 
@@ -48,18 +44,14 @@ def draw(clk, rst, valid, last, words, profile, *, drawing):
 def readout(
     clk,
     rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
+    in_: Stream,
+    out: Stream,
+    *,
     frame_error,
     held,
     profile,
     load=None,
     image=None,
-    *,
     spec: Readout,
 ):
     """A frame of samples in; its outputs as a frame, held, and drawn (Figures 5.12 and 5.25).
@@ -87,35 +79,26 @@ def readout(
     """
     outputs = spec.outputs
     result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
+    results = Stream(valid=result_valid, data=result, last=result_last)
     count = unsigned(outputs.bit_length())
     words = Words(outputs, lambda: fixed(SIGNAL))
 
     @always_comb
     def show():
-        out_valid.next = result_valid
-        out_data.next = result
-        out_last.next = result_last
+        out.valid.next = result_valid
+        out.data.next = result
+        out.last.next = result_last
 
-    loading = (load, image) if spec.image else ()
+    loading = {"load": load, "image": image} if spec.image else {}
     parts = [
         hardware(spec.network)(
-            clk,
-            rst,
-            in_valid,
-            in_data,
-            in_last,
-            result_valid,
-            result,
-            result_last,
-            frame_error,
-            *loading,
-            spec=spec.network,
+            clk, rst, in_, results, frame_error=frame_error, **loading, spec=spec.network
         ),
         show,
-        position(clk, rst, result_valid, result_last, count, stop=outputs),
-        [catch_word(clk, result_valid, count, result, words[i], slot=i) for i in range(outputs)],
+        position(clk, rst, results, count, stop=outputs),
+        [catch_word(clk, results, count, words[i], slot=i) for i in range(outputs)],
         [show_word(words[i], held[i]) for i in range(outputs)],
     ]
     if spec.load_profile is not None:
-        parts.append(draw(clk, rst, result_valid, result_last, words, profile, drawing=spec))
+        parts.append(draw(clk, rst, results, words, profile, drawing=spec))
     return parts

@@ -5,7 +5,7 @@ from myhdl import always_comb, always_seq, block
 from golden.instruments.uart_instrument import UartInstrument
 from golden.precision import SIGNAL
 from hdl.common.next_point import next_point
-from hdl.common.signals import Group, fixed, flag, unsigned
+from hdl.common.signals import Group, Stream, fixed, flag, unsigned
 from hdl.instruments.readout import readout
 from hdl.link.image_receiver import image_receiver
 from hdl.link.packet_sender import packet_sender
@@ -42,7 +42,7 @@ def slow_profile(clk, rst, profile, dac, *, design: UartInstrument):
 
     return (
         end,
-        next_point(clk, rst, ended, profile, number, x, y, points=points),
+        next_point(clk, rst, profile, shown=ended, number=number, x=x, y=y, points=points),
         pulse_density(clk, rst, x, dac.x, spec=density),
         pulse_density(clk, rst, y, dac.y, spec=density),
     )
@@ -52,6 +52,8 @@ def slow_profile(clk, rst, profile, dac, *, design: UartInstrument):
 def uart_instrument(
     clk,
     rst,
+    out: Stream,
+    *,
     miso,
     sclk,
     cs_n,
@@ -60,12 +62,8 @@ def uart_instrument(
     tx,
     dac,
     converter_error,
-    out_valid,
-    out_data,
-    out_last,
     held,
     profile,
-    *,
     spec: UartInstrument,
 ):
     """Bits of a converter in, results out, and packets on a line.
@@ -94,85 +92,76 @@ def uart_instrument(
     clears every flag and counter, and forgets a loaded image.
     """
     valid, data, last, missing = flag(), fixed(SIGNAL), flag(), flag()
+    samples = Stream(valid=valid, data=data, last=last)
     result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
+    results = Stream(valid=result_valid, data=result, last=result_last)
     broken, unsound, wrong = flag(), flag(), flag()
     byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
+    packets = Stream(valid=byte_valid, data=byte_data, ready=byte_ready)
     load, image, drawn = Group(), Group(), Group()
     # Without a reload no frame is refused, and nothing comes over the line.
-    told = (broken, unsound, wrong) if spec.reload else (Group(), Group(), Group())
+    told = {}
     parts = []
 
     if spec.readout.load_profile is not None:
-        drawn = Group(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
+        drawn = Stream(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
         parts.append(show_profile(drawn, profile))
     if spec.analogue:
         parts.append(slow_profile(clk, rst, drawn, dac, design=spec))
     if spec.reload:
-        load = Group(valid=flag(), data=unsigned(8), last=flag(), ready=flag())
+        load = Stream(valid=flag(), data=unsigned(8), last=flag(), ready=flag())
         image = Group(error=unsound)
+        told = {"frame_error": broken, "image_error": unsound, "line_error": wrong}
         heard_valid, heard = flag(), unsigned(8)
+        received = Stream(valid=heard_valid, data=heard)
         parts += [
-            uart_receiver(clk, rst, rx, heard_valid, heard, wrong, spec=spec.uart_receiver),
-            image_receiver(
-                clk,
-                rst,
-                heard_valid,
-                heard,
-                load.ready,
-                load.valid,
-                load.data,
-                load.last,
-                spec=spec.image_receiver,
-            ),
+            uart_receiver(clk, rst, received, rx=rx, line_error=wrong, spec=spec.uart_receiver),
+            image_receiver(clk, rst, received, load, spec=spec.image_receiver),
         ]
 
     @always_comb
     def show():
         converter_error.next = missing
-        out_valid.next = result_valid
-        out_data.next = result
-        out_last.next = result_last
+        out.valid.next = result_valid
+        out.data.next = result
+        out.last.next = result_last
 
     return (
         converter_reader(
-            clk, rst, miso, sclk, cs_n, mosi, valid, data, last, missing, spec=spec.converter_reader
+            clk,
+            rst,
+            samples,
+            miso=miso,
+            sclk=sclk,
+            cs_n=cs_n,
+            mosi=mosi,
+            converter_error=missing,
+            spec=spec.converter_reader,
         ),
         readout(
             clk,
             rst,
-            valid,
-            data,
-            last,
-            result_valid,
-            result,
-            result_last,
-            broken,
-            held,
-            drawn,
-            load,
-            image,
+            samples,
+            results,
+            frame_error=broken,
+            held=held,
+            profile=drawn,
+            load=load,
+            image=image,
             spec=spec.readout,
         ),
         packet_sender(
             clk,
             rst,
-            valid,
-            data,
-            last,
-            result_valid,
-            result,
-            result_last,
-            missing,
-            *told,
-            drawn,
-            byte_ready,
-            byte_valid,
-            byte_data,
+            samples,
+            results,
+            packets,
+            converter_error=missing,
+            **told,
+            profile=drawn,
             spec=spec.packet_sender,
         ),
-        uart_transmitter(
-            clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter
-        ),
+        uart_transmitter(clk, rst, packets, tx=tx, spec=spec.uart_transmitter),
         show,
         parts,
     )

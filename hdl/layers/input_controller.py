@@ -4,22 +4,21 @@ from myhdl import always_comb, always_seq, block
 
 from golden.layers.input_controller import InputController
 from hdl.common.delay import delay
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
 def input_controller(
     clk,
     rst,
-    in_valid,
-    in_last,
+    in_: Stream,
+    *,
     addr,
     preset,
     accumulate,
     capture,
     out_valid,
     frame_error,
-    *,
     spec: InputController,
 ):
     """Address and controls for the nodes of the input integral (thesis 5.4.5.1, CONTROLLER 1).
@@ -70,25 +69,25 @@ def input_controller(
 
         @always_comb
         def check():
-            done.next = accept and complete and in_last and not early
+            done.next = accept and complete and in_.last and not early
 
         parts += [compare, tick, check]
     else:
 
         @always_comb
         def check():
-            done.next = accept and complete and in_last
+            done.next = accept and complete and in_.last
 
         parts.append(check)
 
     @always_comb
     def look():
-        accept.next = in_valid and not dropping
+        accept.next = in_.valid and not dropping
         complete.next = count == inputs - 1
 
     @always_comb
     def judge():
-        broken.next = accept and (complete or in_last) and not done
+        broken.next = accept and (complete or in_.last) and not done
 
     @always_comb
     def show():
@@ -100,12 +99,12 @@ def input_controller(
         accepted.next = accept
         frame_error.next = broken
         if accept:
-            if complete or in_last:
+            if complete or in_.last:
                 count.next = 0
-                dropping.next = not in_last
+                dropping.next = not in_.last
             else:
                 count.next = count + 1
-        elif in_valid and in_last:
+        elif in_.valid and in_.last:
             dropping.next = False
 
     open_frame = delay(clk, rst, opening, preset, clocks=1)

@@ -9,7 +9,7 @@ from hdl.layers.input_node import input_node
 
 
 @block
-def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, spec: InputIntegral):
+def input_integral(clk, *, in_data, addr, preset, accumulate, capture, out_q, spec: InputIntegral):
     """The weighted sums of all hidden nodes (thesis section 5.4.5.1).
 
     Parameters
@@ -43,13 +43,13 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
         [
             input_node(
                 clk,
-                in_data,
-                weight[j],
-                bias[j],
-                preset,
-                accumulate,
-                capture,
-                out_q[j],
+                in_data=in_data,
+                weight=weight[j],
+                bias=bias[j],
+                preset=preset,
+                accumulate=accumulate,
+                capture=capture,
+                out_data=out_q[j],
                 spec=spec.node,
             )
             for j in range(spec.hidden)

@@ -10,7 +10,7 @@ from hdl.common.signals import fixed, signed
 
 @block
 def input_node(
-    clk, in_data, weight, bias, preset, accumulate, capture, out_data, *, spec: InputNode
+    clk, *, in_data, weight, bias, preset, accumulate, capture, out_data, spec: InputNode
 ):
     """Bias plus weighted sum of the samples of a frame (thesis equation 5.1, Figure 5.9).
 

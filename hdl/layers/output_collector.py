@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.layers.output_collector import OutputCollector
-from hdl.common.signals import Words, fixed, unsigned
+from hdl.common.signals import Stream, Words, fixed, unsigned
 
 
 @block
@@ -21,9 +21,7 @@ def shift_word(clk, load, loaded, following, word):
 
 
 @block
-def output_collector(
-    clk, rst, in_valid, in_data, out_valid, out_data, out_last, *, spec: OutputCollector
-):
+def output_collector(clk, rst, in_: Stream, out: Stream, *, spec: OutputCollector):
     """``in_data_0``, ``in_data_1``, ... as a frame that starts one clock later (section 5.5).
 
     Parameters
@@ -47,22 +45,22 @@ def output_collector(
 
     # The last word is followed by itself.
     shifts = [
-        shift_word(clk, in_valid, in_data[i], words[min(i + 1, outputs - 1)], words[i])
+        shift_word(clk, in_.valid, in_.data[i], words[min(i + 1, outputs - 1)], words[i])
         for i in range(outputs)
     ]
     first = words[0]
 
     @always_seq(clk.posedge, reset=rst)
     def count():
-        if in_valid:
+        if in_.valid:
             remaining.next = outputs
         elif remaining != 0:
             remaining.next = remaining - 1
 
     @always_comb
     def show():
-        out_valid.next = remaining != 0
-        out_last.next = remaining == 1
-        out_data.next = first
+        out.valid.next = remaining != 0
+        out.last.next = remaining == 1
+        out.data.next = first
 
     return shifts, count, show

@@ -3,11 +3,11 @@
 from myhdl import always_comb, always_seq, block
 
 from golden.layers.output_controller import OutputController
-from hdl.common.signals import unsigned
+from hdl.common.signals import Stream, unsigned
 
 
 @block
-def output_controller(clk, rst, in_valid, addr, out_valid, out_last, *, spec: OutputController):
+def output_controller(clk, rst, out: Stream, *, in_valid, addr, spec: OutputController):
     """Row address, one output a clock (thesis section 5.4.5.3, CONTROLLER 2).
 
     Parameters
@@ -33,8 +33,8 @@ def output_controller(clk, rst, in_valid, addr, out_valid, out_last, *, spec: Ou
     @always_comb
     def show():
         addr.next = count
-        out_valid.next = in_valid or count != 0
-        out_last.next = (in_valid or count != 0) and count == outputs - 1
+        out.valid.next = in_valid or count != 0
+        out.last.next = (in_valid or count != 0) and count == outputs - 1
 
     if outputs == 1:
 

@@ -9,7 +9,7 @@ from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
-from hdl.common.signals import fixed, signed, unsigned
+from hdl.common.signals import Stream, fixed, signed, unsigned
 
 
 @block
@@ -74,19 +74,7 @@ def scale(clk, addr, in_data, product, *, factors, width: int):
 
 
 @block
-def output_integral(
-    clk,
-    rst,
-    in_valid,
-    in_last,
-    in_addr,
-    in_r,
-    out_valid,
-    out_data,
-    out_last,
-    *,
-    spec: OutputIntegral,
-):
+def output_integral(clk, rst, in_: Stream, out: Stream, *, spec: OutputIntegral):
     """One output a clock from the activations (thesis equation 5.2, Figure 5.11).
 
     Parameters
@@ -118,8 +106,8 @@ def output_integral(
     products = [
         weigh(
             clk,
-            in_addr,
-            in_r[j],
+            in_.addr,
+            in_.r[j],
             terms[j],
             weights=[row[j] for row in spec.weights],
             coeff_fmt=spec.coeff_fmt,
@@ -128,7 +116,7 @@ def output_integral(
         for j in range(spec.hidden)
     ]
     biases = bias_term(
-        clk, in_addr, bias, biases=spec.biases, coeff_fmt=spec.coeff_fmt, shift=spec.bias_shift
+        clk, in_.addr, bias, biases=spec.biases, coeff_fmt=spec.coeff_fmt, shift=spec.bias_shift
     )
     tree = adder_tree(clk, [*terms, bias], total, width=spec.acc_width)
 
@@ -137,9 +125,9 @@ def output_integral(
     if spec.factors is not None:
         factor_width = max(spec.factors).bit_length() + 1
         exact = signed(spec.acc_width + factor_width)
-        late_addr = unsigned(len(in_addr))
+        late_addr = unsigned(len(in_.addr))
         scaling = [
-            delay(clk, None, in_addr, late_addr, clocks=2 + depth),
+            delay(clk, None, in_.addr, late_addr, clocks=2 + depth),
             scale(clk, late_addr, total, exact, factors=spec.factors, width=factor_width),
         ]
 
@@ -147,9 +135,9 @@ def output_integral(
 
     @always(clk.posedge)
     def keep():
-        out_data.next = result
+        out.data.next = result
 
     clocks = spec.latency
-    mark = delay(clk, rst, in_valid, out_valid, clocks=clocks)
-    close = delay(clk, rst, in_last, out_last, clocks=clocks)
+    mark = delay(clk, rst, in_.valid, out.valid, clocks=clocks)
+    close = delay(clk, rst, in_.last, out.last, clocks=clocks)
     return products, biases, tree, scaling, finish, keep, mark, close

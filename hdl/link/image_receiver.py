@@ -4,11 +4,11 @@ from myhdl import always, always_comb, always_seq, block, concat
 
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packets import IMAGE, SYNC, kind_byte
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def queue_place(clk, put, take, behind, new, following, here, *, place: int):
+def queue_place(clk, *, put, take, behind, new, following, here, place: int):
     """One word of a queue.
 
     A new word comes in at the place behind the last one. All move up when the first one leaves.
@@ -25,13 +25,13 @@ def queue_place(clk, put, take, behind, new, following, here, *, place: int):
 
 
 @block
-def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth: int):
+def queue(clk, rst, in_: Stream, out: Stream, *, depth: int):
     """Words leave in the order in which they came; each stays until it is taken, at least a clock.
 
     The words stand in registers, because not every device has a memory for so few of them.
     """
     stored, behind = unsigned(depth.bit_length()), unsigned(depth.bit_length())
-    words = [unsigned(len(in_data)) for _ in range(depth)]
+    words = [unsigned(len(in_.data)) for _ in range(depth)]
     first = words[0]
     some, take = flag(), flag()
 
@@ -41,7 +41,7 @@ def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth:
 
     @always_comb
     def decide():
-        take.next = some and out_ready
+        take.next = some and out.ready
 
     @always_comb
     def find():
@@ -52,15 +52,15 @@ def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth:
 
     @always_seq(clk.posedge, reset=rst)
     def count():
-        if in_valid:
+        if in_.valid:
             stored.next = behind + 1
         else:
             stored.next = behind
 
     @always_comb
     def show():
-        out_valid.next = some
-        out_data.next = first
+        out.valid.next = some
+        out.data.next = first
 
     return (
         look,
@@ -69,25 +69,23 @@ def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth:
         count,
         show,
         [
-            queue_place(clk, in_valid, take, behind, in_data, following, here, place=i)
+            queue_place(
+                clk,
+                put=in_.valid,
+                take=take,
+                behind=behind,
+                new=in_.data,
+                following=following,
+                here=here,
+                place=i,
+            )
             for i, (here, following) in enumerate(zip(words, [*words[1:], 0], strict=True))
         ],
     )
 
 
 @block
-def image_receiver(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    load_ready,
-    load_valid,
-    load_data,
-    load_last,
-    *,
-    spec: ImageReceiver,
-):
+def image_receiver(clk, rst, in_: Stream, load: Stream, *, spec: ImageReceiver):
     """Finds the packets of images among bytes, and hands the images on.
 
     Parameters
@@ -113,18 +111,18 @@ def image_receiver(
 
     @always_comb
     def look():
-        over.next = idle == final and not in_valid
+        over.next = idle == final and not in_.valid
         filling.next = place == 4
-        named.next = concat(length[8:], in_data)
+        named.next = concat(length[8:], in_.data)
 
     @always_comb
     def decide():
-        put.next = filling and (in_valid or over)
+        put.next = filling and (in_.valid or over)
         ends.next = over or length == 1
 
     @always_seq(clk.posedge, reset=rst)
     def wait_for_byte():
-        if in_valid or over:
+        if in_.valid or over:
             idle.next = 0
         else:
             idle.next = idle + 1
@@ -133,14 +131,14 @@ def image_receiver(
     def step():
         if over:
             place.next = 0
-        elif in_valid:
+        elif in_.valid:
             if place == 0:
-                if in_data == sync:
+                if in_.data == sync:
                     place.next = 1
             elif place == 1:
-                if in_data == kind:
+                if in_.data == kind:
                     place.next = 2
-                elif in_data != sync:
+                elif in_.data != sync:
                     place.next = 0
             elif place == 2:
                 place.next = 3
@@ -154,7 +152,7 @@ def image_receiver(
 
     @always_seq(clk.posedge, reset=rst)
     def count():
-        if in_valid:
+        if in_.valid:
             if filling:
                 length.next = length - 1
             else:
@@ -165,7 +163,7 @@ def image_receiver(
         if over:
             byte_in.next = 0
         else:
-            byte_in.next = in_data
+            byte_in.next = in_.data
 
     @always_comb
     def enter():
@@ -173,8 +171,8 @@ def image_receiver(
 
     @always_comb
     def show():
-        load_data.next = leaving[8:]
-        load_last.next = leaving[8]
+        load.data.next = leaving[8:]
+        load.last.next = leaving[8]
 
     return (
         look,
@@ -184,6 +182,12 @@ def image_receiver(
         count,
         choose,
         enter,
-        queue(clk, rst, put, entering, load_ready, load_valid, leaving, depth=spec.depth),
+        queue(
+            clk,
+            rst,
+            Stream(valid=put, data=entering),
+            Stream(valid=load.valid, data=leaving, ready=load.ready),
+            depth=spec.depth,
+        ),
         show,
     )

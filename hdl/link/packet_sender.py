@@ -14,29 +14,29 @@ from golden.link.packets import (
 from golden.precision import SIGNAL
 from hdl.common.check_byte import check_byte
 from hdl.common.next_point import next_point
-from hdl.common.signals import fixed, flag, unsigned
+from hdl.common.signals import Stream, fixed, flag, unsigned
 from hdl.common.stream import position
 
 
 @block
-def keep_word(clk, rst, valid, count, data, word, *, slot: int):
+def keep_word(clk, rst, in_: Stream, count, word, *, slot: int):
     """``word`` is the latest element at position ``slot``, and 0 before the first one."""
 
     @always_seq(clk.posedge, reset=rst)
     def keep():
-        if valid and count == slot:
-            word.next = data
+        if in_.valid and count == slot:
+            word.next = in_.data
 
     return keep
 
 
 @block
-def keep_frame(clk, rst, valid, data, last, words):
+def keep_frame(clk, rst, in_: Stream, words):
     """``words`` are the latest elements of a stream's frames, by position."""
     count = unsigned(len(words).bit_length())
     return (
-        position(clk, rst, valid, last, count, stop=len(words)),
-        [keep_word(clk, rst, valid, count, data, words[i], slot=i) for i in range(len(words))],
+        position(clk, rst, in_, count, stop=len(words)),
+        [keep_word(clk, rst, in_, count, words[i], slot=i) for i in range(len(words))],
     )
 
 
@@ -90,7 +90,7 @@ def two_bytes(code, high, low):
 
 
 @block
-def stage(clk, begins, taken, fresh, following, here):
+def stage(clk, *, begins, taken, fresh, following, here):
     """One byte of a shift register, which is loaded when a packet begins and moves by bytes."""
 
     @always(clk.posedge)
@@ -107,21 +107,15 @@ def stage(clk, begins, taken, fresh, following, here):
 def packet_sender(
     clk,
     rst,
-    sample_valid,
-    sample_data,
-    sample_last,
-    result_valid,
-    result_data,
-    result_last,
-    converter_error,
-    frame_error,
-    image_error,
-    line_error,
-    profile,
-    out_ready,
-    out_valid,
-    out_data,
+    sample: Stream,
+    result: Stream,
+    out: Stream,
     *,
+    converter_error,
+    frame_error=None,
+    image_error=None,
+    line_error=None,
+    profile=None,
     spec: PacketSender,
 ):
     """Frames of an instrument as packets, one whenever the line is free.
@@ -166,14 +160,14 @@ def packet_sender(
 
     @always_seq(clk.posedge, reset=rst)
     def note():
-        complete.next = result_valid and result_last
-        if result_valid and result_last:
+        complete.next = result.valid and result.last
+        if result.valid and result.last:
             count.next = count + 1
 
     @always_comb
     def look():
-        free.next = out_ready and not sending
-        taken.next = out_ready and sending
+        free.next = out.ready and not sending
+        taken.next = out.ready and sending
 
     @always_comb
     def decide():
@@ -214,8 +208,8 @@ def packet_sender(
         step,
         follow_check,
         check_byte(check, shown, following),
-        keep_frame(clk, rst, sample_valid, sample_data, sample_last, samples),
-        keep_frame(clk, rst, result_valid, result_data, result_last, outputs),
+        keep_frame(clk, rst, sample, samples),
+        keep_frame(clk, rst, result, outputs),
     ]
     if spec.reload:
         frames, images, lines, refused = (flag() for _ in range(4))
@@ -256,7 +250,9 @@ def packet_sender(
     codes = [*samples, *outputs]
     if spec.points:
         point, x, y = unsigned(8), fixed(SIGNAL), fixed(SIGNAL)
-        parts.append(next_point(clk, rst, begins, profile, point, x, y, points=spec.points))
+        parts.append(
+            next_point(clk, rst, profile, shown=begins, number=point, x=x, y=y, points=spec.points)
+        )
         codes += [x, y]
     halves = [(unsigned(8), unsigned(8)) for _ in codes]
     parts += [two_bytes(code, *pair) for code, pair in zip(codes, halves, strict=True)]
@@ -266,7 +262,7 @@ def packet_sender(
     fresh += words
     line = [unsigned(8) for _ in fresh]
     parts += [
-        stage(clk, begins, taken, new, behind, here)
+        stage(clk, begins=begins, taken=taken, fresh=new, following=behind, here=here)
         for new, here, behind in zip(fresh, line, [*line[1:], 0], strict=True)
     ]
     first = line[0]
@@ -280,7 +276,7 @@ def packet_sender(
 
     @always_comb
     def show():
-        out_valid.next = sending
-        out_data.next = shown
+        out.valid.next = sending
+        out.data.next = shown
 
     return parts, split, choose, show

@@ -4,11 +4,11 @@ from myhdl import Signal, always, always_comb, always_seq, block, concat
 
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def uart_receiver(clk, rst, rx, out_valid, out_data, line_error, *, spec: UartReceiver):
+def uart_receiver(clk, rst, out: Stream, *, rx, line_error, spec: UartReceiver):
     """The bytes of a line: start bit, eight bits from the lowest, stop bit.
 
     Parameters
@@ -78,11 +78,11 @@ def uart_receiver(clk, rst, rx, out_valid, out_data, line_error, *, spec: UartRe
 
     @always_seq(clk.posedge, reset=rst)
     def tell():
-        out_valid.next = ends and line
+        out.valid.next = ends and line
         line_error.next = ends and not line
 
     @always_comb
     def show():
-        out_data.next = kept
+        out.data.next = kept
 
     return synchronise, look, decide, divide, step, shift, tell, show

@@ -3,11 +3,11 @@
 from myhdl import Signal, always_comb, always_seq, block, concat, intbv
 
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def uart_transmitter(clk, rst, in_valid, in_data, in_ready, tx, *, spec: UartTransmitter):
+def uart_transmitter(clk, rst, in_: Stream, *, tx, spec: UartTransmitter):
     """Bytes as start bit, eight bits from the lowest, stop bit; the line is 1 between them.
 
     Parameters
@@ -39,7 +39,7 @@ def uart_transmitter(clk, rst, in_valid, in_data, in_ready, tx, *, spec: UartTra
 
     @always_comb
     def take():
-        accept.next = in_valid and ready
+        accept.next = in_.valid and ready
 
     @always_seq(clk.posedge, reset=rst)
     def divide():
@@ -52,14 +52,14 @@ def uart_transmitter(clk, rst, in_valid, in_data, in_ready, tx, *, spec: UartTra
     def step():
         if accept:
             left.next = bits
-            line.next = concat(True, in_data, False)
+            line.next = concat(True, in_.data, False)
         elif ends:
             left.next = left - 1
             line.next = concat(True, line[bits:1])
 
     @always_comb
     def show():
-        in_ready.next = ready
+        in_.ready.next = ready
         tx.next = line[0]
 
     return look, decide, take, divide, step, show

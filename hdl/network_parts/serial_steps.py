@@ -16,7 +16,7 @@ from hdl.engine.serial_accumulate import serial_accumulate
 
 @block
 def serial_steps(
-    clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, *, design: Engine
+    clk, rst, *, run, finish, segment, read, source, store, leaves, ends, acc, design: Engine
 ):
     """Reads the program once for each bit plane of the operands, and adds up the coefficients.
 
@@ -93,28 +93,38 @@ def serial_steps(
         delay(clk, None, first, first_later, clocks=2),
         delay(clk, None, of_output, of_output_later, clocks=2),
         replay_memory(
-            clk, rst, run, finish, coefficient, look_up, word, plane, first, table_word, spec=memory
+            clk,
+            rst,
+            run=run,
+            finish=finish,
+            segment=coefficient,
+            look_up=look_up,
+            word=word,
+            plane=plane,
+            first=first,
+            table_word=table_word,
+            spec=memory,
         ),
         plane_select(
             clk,
-            read,
-            plane_late,
-            kind_late,
-            take_weight,
-            look_up,
-            subtract,
+            word=read,
+            plane=plane_late,
+            kind=kind_late,
+            take_weight=take_weight,
+            look_up=look_up,
+            subtract=subtract,
             spec=design.plane_select,
         ),
         serial_accumulate(
             clk,
-            weight_later,
-            take_weight,
-            subtract,
-            plane_later,
-            first_later,
-            of_output_later,
-            table_word,
-            acc,
+            weight=weight_later,
+            take_weight=take_weight,
+            subtract=subtract,
+            plane=plane_later,
+            first=first_later,
+            of_output=of_output_later,
+            table_word=table_word,
+            acc=acc,
             spec=design.serial_accumulate,
         ),
     )

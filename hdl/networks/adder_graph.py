@@ -7,7 +7,7 @@ from golden.networks.adder_graph import AdderGraph
 from hdl.activation.bipartite import bipartite
 from hdl.activation.bipartite_pair import bipartite_pair
 from hdl.common.delay import connect, delay
-from hdl.common.signals import Words, fixed, flag
+from hdl.common.signals import Stream, Words, fixed, flag
 from hdl.layers.constant_matrix import constant_matrix
 
 
@@ -23,7 +23,7 @@ def never(clk, error):
 
 
 @block
-def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, spec: AdderGraph):
+def adder_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: AdderGraph):
     """A frame of samples in one clock, all outputs in another, without a multiplier.
 
     Parameters
@@ -58,17 +58,29 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     return (
         # The layer that saturates comes first, because proofs of a block are made of its first
         # entity.
-        constant_matrix(clk, r, out_data, spec=spec.second),
-        constant_matrix(clk, in_data, q, spec=spec.first),
-        delay(clk, rst, in_valid, q_valid, clocks=spec.first.latency),
+        constant_matrix(clk, r, out.data, spec=spec.second),
+        constant_matrix(clk, in_.data, q, spec=spec.first),
+        delay(clk, rst, in_.valid, q_valid, clocks=spec.first.latency),
         [connect(q[j], short[n][i]) for n, i, j in places],
         [
-            bipartite_pair(clk, rst, q_valid, short[n], r_valid[n], result[n], spec=table)
+            bipartite_pair(
+                clk,
+                rst,
+                Stream(valid=q_valid, data=short[n]),
+                Stream(valid=r_valid[n], data=result[n]),
+                spec=table,
+            )
             if len(result[n]) == NODES
-            else bipartite(clk, rst, q_valid, short[n][0], r_valid[n], result[n][0], spec=table)
+            else bipartite(
+                clk,
+                rst,
+                Stream(valid=q_valid, data=short[n][0]),
+                Stream(valid=r_valid[n], data=result[n][0]),
+                spec=table,
+            )
             for n, table in enumerate(tables)
         ],
         [connect(result[n][i], r[j]) for n, i, j in places],
-        delay(clk, rst, r_valid[0], out_valid, clocks=spec.second.latency),
+        delay(clk, rst, r_valid[0], out.valid, clocks=spec.second.latency),
         never(clk, frame_error),
     )

@@ -8,7 +8,7 @@ from hdl.common.delay import connect
 from hdl.common.fifo import fifo
 from hdl.common.lookup import hardware
 from hdl.common.past import past_whole
-from hdl.common.signals import fixed, flag, unsigned
+from hdl.common.signals import Stream, fixed, flag, unsigned
 from hdl.common.stream import position
 
 
@@ -16,16 +16,11 @@ from hdl.common.stream import position
 def gate(
     clk,
     rst,
-    s_axis_tvalid,
-    s_axis_tready,
-    s_axis_tdata,
-    s_axis_tlast,
-    valid,
-    data,
-    last,
+    s_axis: Stream,
+    out: Stream,
+    *,
     done,
     full,
-    *,
     inputs: int,
     slots: int,
     spacing: int,
@@ -50,23 +45,23 @@ def gate(
 
     @always_comb
     def judge():
-        accept.next = s_axis_tvalid and ready
-        good.next = s_axis_tvalid and ready and final and s_axis_tlast and not dropping
+        accept.next = s_axis.tvalid and ready
+        good.next = s_axis.tvalid and ready and final and s_axis.tlast and not dropping
 
     @always_comb
     def show():
-        s_axis_tready.next = ready
+        s_axis.tready.next = ready
         done.next = good
-        data.next = s_axis_tdata[bits:].signed()
+        out.data.next = s_axis.tdata[bits:].signed()
 
     @always_seq(clk.posedge, reset=rst)
     def step():
         if accept:
             if dropping:
-                dropping.next = not s_axis_tlast
-            elif final or s_axis_tlast:
+                dropping.next = not s_axis.tlast
+            elif final or s_axis.tlast:
                 place.next = 0
-                dropping.next = not s_axis_tlast
+                dropping.next = not s_axis.tlast
             else:
                 place.next = place + 1
 
@@ -120,11 +115,11 @@ def gate(
         # ended there; the elements that are dropped do not reach the network.
         @always_comb
         def send():
-            valid.next = empty != 0 or (accept and not dropping)
+            out.valid.next = empty != 0 or (accept and not dropping)
             if empty != 0:
-                last.next = empty == 1
+                out.last.next = empty == 1
             else:
-                last.next = s_axis_tlast != final
+                out.last.next = s_axis.tlast != final
 
         parts += [look, count, send]
     else:
@@ -134,7 +129,7 @@ def gate(
             ready.next = dropping or not shut
 
         # The network itself drops the same elements that are dropped here.
-        parts += [look, connect(accept, valid), connect(s_axis_tlast, last)]
+        parts += [look, connect(accept, out.valid), connect(s_axis.tlast, out.last)]
 
     return find, judge, show, step, parts
 
@@ -159,21 +154,7 @@ def credit(clk, rst, done, left, full, *, frames: int):
 
 
 @block
-def axis_network(
-    clk,
-    rst,
-    s_axis_tvalid,
-    s_axis_tready,
-    s_axis_tdata,
-    s_axis_tlast,
-    m_axis_tvalid,
-    m_axis_tready,
-    m_axis_tdata,
-    m_axis_tlast,
-    frame_error,
-    *,
-    spec: AxisNetwork,
-):
+def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec: AxisNetwork):
     """A packet of samples in, a packet of outputs out, either side may wait.
 
     Parameters
@@ -209,11 +190,14 @@ def axis_network(
     outputs = spec.outputs
     final_place = outputs - 1
     valid, data, last = flag(), fixed(SIGNAL), flag()
+    samples = Stream(valid=valid, data=data, last=last)
     done, left, full = flag(), flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     # This stays open, because the outputs of a frame are counted where they leave.
     result_last = flag()
+    results = Stream(valid=result_valid, data=result, last=result_last)
     fetch, word = flag(), fixed(SIGNAL)
+    fetched = Stream(valid=m_axis.tvalid, data=word, ready=m_axis.tready)
     place = unsigned(outputs.bit_length())
     closing = flag()
     # The first frames only serve later ones as past frames, so nothing leaves for them.
@@ -231,52 +215,28 @@ def axis_network(
 
     @always_comb
     def show():
-        m_axis_tdata.next = word
-        m_axis_tlast.next = closing
+        m_axis.tdata.next = word
+        m_axis.tlast.next = closing
 
     return (
         gate(
             clk,
             rst,
-            s_axis_tvalid,
-            s_axis_tready,
-            s_axis_tdata,
-            s_axis_tlast,
-            valid,
-            data,
-            last,
-            done,
-            full,
+            s_axis,
+            samples,
+            done=done,
+            full=full,
             inputs=spec.inputs,
             slots=spec.slots,
             spacing=spec.spacing,
             whole=spec.network.busy > 0,
         ),
         hardware(spec.network)(
-            clk,
-            rst,
-            valid,
-            data,
-            last,
-            result_valid,
-            result,
-            result_last,
-            frame_error,
-            spec=spec.network,
+            clk, rst, samples, results, frame_error=frame_error, spec=spec.network
         ),
-        fifo(
-            clk,
-            rst,
-            result_valid,
-            result,
-            m_axis_tready,
-            m_axis_tvalid,
-            word,
-            fetch,
-            depth=frames * outputs,
-        ),
+        fifo(clk, rst, results, fetched, fetch=fetch, depth=frames * outputs),
         look,
-        position(clk, rst, fetch, left, place, stop=outputs),
+        position(clk, rst, Stream(valid=fetch, last=left), place, stop=outputs),
         close,
         show,
         credit(clk, rst, yields, left, full, frames=frames),

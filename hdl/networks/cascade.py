@@ -5,7 +5,7 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag
+from hdl.common.signals import Stream, Words, fixed, flag
 from hdl.common.stream import catch, late_stream, window
 from hdl.layers.output_collector import output_collector
 from hdl.network_parts.good_frame import good_frame, judge
@@ -13,109 +13,48 @@ from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 
 @block
-def stage(
-    clk,
-    rst,
-    valid,
-    data,
-    last,
-    next_valid,
-    next_data,
-    next_last,
-    *,
-    network,
-    multiplexer,
-):
+def stage(clk, rst, in_: Stream, following: Stream, *, network, multiplexer):
     """One network, and the stream for the next one, in which the result stands in its slot."""
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
     # These stay open: each frame has one output, and errors of parts of frames do not matter.
     result_last, broken = flag(), flag()
+    seen = Stream(valid=seen_valid, data=in_.data, last=seen_last)
+    late = Stream(valid=late_valid, data=late_data, last=late_last)
 
     return (
-        window(clk, rst, valid, last, seen_valid, seen_last, elements=network.inputs),
+        window(clk, rst, in_, seen, elements=network.inputs),
         hardware(network)(
             clk,
             rst,
-            seen_valid,
-            data,
-            seen_last,
-            result_valid,
-            result,
-            result_last,
-            broken,
+            seen,
+            Stream(valid=result_valid, data=result, last=result_last),
+            frame_error=broken,
             spec=network,
         ),
-        late_stream(
-            clk,
-            rst,
-            valid,
-            data,
-            last,
-            late_valid,
-            late_data,
-            late_last,
-            clocks=network.latency,
-        ),
+        late_stream(clk, rst, in_, late, clocks=network.latency),
         stream_multiplexer(
-            clk,
-            rst,
-            late_valid,
-            late_data,
-            late_last,
-            result_valid,
-            result,
-            next_valid,
-            next_data,
-            next_last,
-            spec=multiplexer,
+            clk, rst, late, following, result_valid=result_valid, result=result, spec=multiplexer
         ),
     )
 
 
 @block
-def store(
-    clk,
-    rst,
-    valid,
-    data,
-    last,
-    good_valid,
-    good_data,
-    good_last,
-    frame_error,
-    *,
-    controller,
-    collector,
-):
+def store(clk, rst, in_: Stream, good: Stream, *, frame_error, controller, collector):
     """Passes good frames on, one element a clock; a wrong frame only gives its error."""
     words = Words(collector.outputs, lambda: fixed(SIGNAL))
     complete = flag()
     return (
         good_frame(
-            clk, rst, valid, data, last, words, complete, frame_error, controller=controller
+            clk, rst, in_, words, good=complete, frame_error=frame_error, controller=controller
         ),
-        output_collector(
-            clk, rst, complete, words, good_valid, good_data, good_last, spec=collector
-        ),
+        output_collector(clk, rst, Stream(valid=complete, data=words), good, spec=collector),
     )
 
 
 @block
-def cascade(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    *,
-    spec: Cascade,
-):
+def cascade(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Cascade):
     """A frame of samples and free slots in, a frame of outputs out (section 5.5, Figure 5.12).
 
     Parameters
@@ -153,23 +92,26 @@ def cascade(
 
     controller, collector = spec.input_controller, spec.frame_store
     if collector is None:
-        first_valid, first_data, first_last = in_valid, in_data, in_last
-        front = judge(clk, rst, in_valid, in_last, complete, frame_error, controller=controller)
+        first = in_
+        front = judge(clk, rst, in_, good=complete, frame_error=frame_error, controller=controller)
     else:
-        first_valid, first_data, first_last = flag(), fixed(SIGNAL), flag()
+        first_data, first_last, first_valid = fixed(SIGNAL), flag(), flag()
+        first = Stream(valid=first_valid, data=first_data, last=first_last)
         front = store(
             clk,
             rst,
-            in_valid,
-            in_data,
-            in_last,
-            first_valid,
-            first_data,
-            first_last,
-            frame_error,
+            in_,
+            first,
+            frame_error=frame_error,
             controller=controller,
             collector=collector,
         )
+    # What each network sees.
+    streams = [
+        first,
+        *(Stream(valid=valid[i], data=data[i], last=last[i]) for i in range(final)),
+    ]
+    tail = Stream(valid=tail_valid, data=tail_data, last=tail_last)
 
     return (
         front,
@@ -177,12 +119,8 @@ def cascade(
             stage(
                 clk,
                 rst,
-                valid[i - 1] if i else first_valid,
-                data[i - 1] if i else first_data,
-                last[i - 1] if i else first_last,
-                valid[i],
-                data[i],
-                last[i],
+                streams[i],
+                streams[i + 1],
                 network=spec.networks[i],
                 multiplexer=spec.multiplexers[i],
             )
@@ -191,44 +129,14 @@ def cascade(
         hardware(spec.networks[final])(
             clk,
             rst,
-            valid[final - 1],
-            data[final - 1],
-            last[final - 1],
-            gathered_valid,
-            gathered[final],
-            final_last,
-            broken,
+            streams[final],
+            Stream(valid=gathered_valid, data=gathered[final], last=final_last),
+            frame_error=broken,
             spec=spec.networks[final],
         ),
-        late_stream(
-            clk,
-            rst,
-            valid[final - 1],
-            data[final - 1],
-            last[final - 1],
-            tail_valid,
-            tail_data,
-            tail_last,
-            clocks=wait,
-        ),
-        catch(
-            clk,
-            rst,
-            tail_valid,
-            tail_data,
-            tail_last,
-            gathered,
-            first=spec.inputs,
-            slots=final,
-        ),
+        late_stream(clk, rst, streams[final], tail, clocks=wait),
+        catch(clk, rst, tail, gathered, first=spec.inputs, slots=final),
         output_collector(
-            clk,
-            rst,
-            gathered_valid,
-            gathered,
-            out_valid,
-            out_data,
-            out_last,
-            spec=spec.output_collector,
+            clk, rst, Stream(valid=gathered_valid, data=gathered), out, spec=spec.output_collector
         ),
     )

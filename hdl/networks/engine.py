@@ -16,7 +16,7 @@ from golden.engine.program import (
     WORD_WIDTH,
 )
 from golden.networks.engine import Engine
-from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
 from hdl.engine.image_loader import image_loader
@@ -31,21 +31,7 @@ from hdl.network_parts.serial_steps import serial_steps
 
 
 @block
-def engine(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    load=None,
-    image=None,
-    *,
-    spec: Engine,
-):
+def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=None, spec: Engine):
     """A frame of sensor samples in, a frame of outputs out, on one multiplier or on none.
 
     Parameters
@@ -89,47 +75,43 @@ def engine(
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
-        out_valid.next = leaves
+        out.valid.next = leaves
         finish.next = ends
 
     @always_comb
     def show():
-        out_data.next = data[WIDTH:OUTPUT_SHIFT].signed()
-        out_last.next = finish
+        out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        out.last.next = finish
 
     if spec.loaded:
         frames = (
             image_loader(
                 clk,
                 rst,
-                load.valid,
-                load.data,
-                load.last,
-                busy,
-                load.ready,
-                halt,
-                put,
-                put_addr,
-                put_word,
-                before_last,
-                image.error,
+                load,
+                busy=busy,
+                halt=halt,
+                write=put,
+                write_addr=put_addr,
+                word=put_word,
+                before_last=before_last,
+                image_error=image.error,
                 spec=spec.image_loader,
             ),
             frame_guard(
                 clk,
                 rst,
-                in_valid,
-                in_last,
-                halt,
-                before_last,
-                store,
-                finish,
-                start,
-                run,
-                busy,
-                write,
-                write_addr,
-                frame_error,
+                in_,
+                halt=halt,
+                before_last=before_last,
+                store=store,
+                finish=finish,
+                start=start,
+                run=run,
+                busy=busy,
+                write=write,
+                write_addr=write_addr,
+                frame_error=frame_error,
                 spec=spec.frame_guard,
             ),
         )
@@ -137,15 +119,14 @@ def engine(
         frames = frame_check(
             clk,
             rst,
-            in_valid,
-            in_last,
-            store,
-            finish,
-            start,
-            run,
-            write,
-            write_addr,
-            frame_error,
+            in_,
+            store=store,
+            finish=finish,
+            start=start,
+            run=run,
+            write=write,
+            write_addr=write_addr,
+            frame_error=frame_error,
             spec=spec.frame_check,
         )
 
@@ -153,13 +134,32 @@ def engine(
         leave,
         show,
         frames,
-        operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
+        operand_memory(
+            clk,
+            write=write,
+            write_addr=write_addr,
+            data=data,
+            read_addr=source,
+            word=read,
+            spec=spec.operand_memory,
+        ),
         table_address(clk, read, segment, spec=table),
-        round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
+        round_saturate(clk, run, acc, in_.data, data, spec=spec.round_saturate),
     )
     if spec.serial:
         return common, serial_steps(
-            clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, design=spec
+            clk,
+            rst,
+            run=run,
+            finish=finish,
+            segment=segment,
+            read=read,
+            source=source,
+            store=store,
+            leaves=leaves,
+            ends=ends,
+            acc=acc,
+            design=spec,
         )
 
     @always_comb
@@ -188,29 +188,29 @@ def engine(
         program = program_ram(
             clk,
             rst,
-            start,
-            run,
-            finish,
-            segment,
-            look_up,
-            put,
-            put_addr,
-            put_word,
-            word,
-            table_word,
+            start=start,
+            run=run,
+            finish=finish,
+            segment=segment,
+            look_up=look_up,
+            write=put,
+            write_addr=put_addr,
+            data=put_word,
+            word=word,
+            table_word=table_word,
             spec=spec.program_ram,
         )
     else:
         program = program_memory(
             clk,
             rst,
-            start,
-            run,
-            finish,
-            segment,
-            look_up,
-            word,
-            table_word,
+            start=start,
+            run=run,
+            finish=finish,
+            segment=segment,
+            look_up=look_up,
+            word=word,
+            table_word=table_word,
             spec=spec.program_memory,
         )
 
@@ -223,13 +223,13 @@ def engine(
         operand_select(clk, read, kind, operand, spec=spec.operand_select),
         multiply_accumulate(
             clk,
-            operand,
-            weight,
-            take_intercept,
-            table_word,
-            first,
-            first_of_output,
-            acc,
+            operand=operand,
+            weight=weight,
+            take_intercept=take_intercept,
+            table_word=table_word,
+            first=first,
+            first_of_output=first_of_output,
+            acc=acc,
             spec=spec.multiply_accumulate,
         ),
     )

@@ -4,7 +4,7 @@ from myhdl import block
 
 from golden.networks.hybrid import Hybrid
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.layers.input_controller import input_controller
 from hdl.layers.input_integral import input_integral
 from hdl.layers.output_controller import output_controller
@@ -12,19 +12,7 @@ from hdl.layers.output_integral import output_integral
 
 
 @block
-def hybrid(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    *,
-    spec: Hybrid,
-):
+def hybrid(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Hybrid):
     """A frame of sensor samples in, a frame of outputs out (thesis section 5.4, Figure 5.8).
 
     Parameters
@@ -51,41 +39,43 @@ def hybrid(
     r_valid = Words(hidden, flag)
     row = unsigned(spec.output_controller.addr_width)
     row_valid, row_last = flag(), flag()
+    rows = Stream(valid=row_valid, last=row_last, addr=row, r=r)
 
     return (
         input_controller(
             clk,
             rst,
-            in_valid,
-            in_last,
-            addr,
-            preset,
-            accumulate,
-            capture,
-            q_valid,
-            frame_error,
+            in_,
+            addr=addr,
+            preset=preset,
+            accumulate=accumulate,
+            capture=capture,
+            out_valid=q_valid,
+            frame_error=frame_error,
             spec=spec.input_controller,
         ),
         input_integral(
-            clk, in_data, addr, preset, accumulate, capture, q, spec=spec.input_integral
+            clk,
+            in_data=in_.data,
+            addr=addr,
+            preset=preset,
+            accumulate=accumulate,
+            capture=capture,
+            out_q=q,
+            spec=spec.input_integral,
         ),
         [
-            hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
+            hardware(activation)(
+                clk,
+                rst,
+                Stream(valid=q_valid, data=q[j]),
+                Stream(valid=r_valid[j], data=r[j]),
+                spec=activation,
+            )
             for j, activation in enumerate(spec.activations)
         ],
         output_controller(
-            clk, rst, r_valid[0], row, row_valid, row_last, spec=spec.output_controller
+            clk, rst, rows, in_valid=r_valid[0], addr=row, spec=spec.output_controller
         ),
-        output_integral(
-            clk,
-            rst,
-            row_valid,
-            row_last,
-            row,
-            r,
-            out_valid,
-            out_data,
-            out_last,
-            spec=spec.output_integral,
-        ),
+        output_integral(clk, rst, rows, out, spec=spec.output_integral),
     )

@@ -6,24 +6,12 @@ from golden.networks.multiple import Multiple
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag
+from hdl.common.signals import Stream, Words, fixed, flag
 from hdl.layers.output_collector import output_collector
 
 
 @block
-def multiple(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    *,
-    spec: Multiple,
-):
+def multiple(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Multiple):
     """A frame of samples in, a frame with one output of each network out (section 3.12).
 
     Parameters
@@ -58,14 +46,10 @@ def multiple(
         hardware(network)(
             clk,
             rst,
-            in_valid,
-            in_data,
-            in_last,
-            result_valid[i],
-            destination(i),
-            result_last[i],
+            in_,
+            Stream(valid=result_valid[i], data=destination(i), last=result_last[i]),
             # All controllers judge the same frames, so the error of one of them is enough.
-            frame_error if i == 0 else broken[i],
+            frame_error=frame_error if i == 0 else broken[i],
             spec=network,
         )
         for i, network in enumerate(spec.networks)
@@ -81,11 +65,8 @@ def multiple(
         output_collector(
             clk,
             rst,
-            result_valid[slowest],
-            aligned,
-            out_valid,
-            out_data,
-            out_last,
+            Stream(valid=result_valid[slowest], data=aligned),
+            out,
             spec=spec.output_collector,
         ),
     )

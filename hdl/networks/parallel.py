@@ -6,7 +6,7 @@ from golden.networks.parallel import Parallel
 from golden.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.layers.input_controller import input_controller
 from hdl.layers.neuron import neuron
 
@@ -18,7 +18,7 @@ def late(clk, rst, data, data_late, *, clocks: int):
 
 
 @block
-def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, spec: Parallel):
+def parallel(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Parallel):
     """A frame of samples in one clock, all outputs in another (thesis section 5.2).
 
     Parameters
@@ -51,21 +51,20 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     return (
         # A frame is one element, which is the last of its frame. The two ports take two signals: if
         # they shared one, the exported entity would read only one of its ports.
-        connect(in_valid, last),
+        connect(in_.valid, last),
         input_controller(
             clk,
             rst,
-            in_valid,
-            last,
-            addr,
-            preset,
-            accumulate,
-            accepted,
-            whole,
-            frame_error,
+            Stream(valid=in_.valid, last=last),
+            addr=addr,
+            preset=preset,
+            accumulate=accumulate,
+            capture=accepted,
+            out_valid=whole,
+            frame_error=frame_error,
             spec=controller,
         ),
-        [neuron(clk, in_data, q[j], spec=part) for j, part in enumerate(spec.hidden_neurons)],
+        [neuron(clk, in_.data, q[j], spec=part) for j, part in enumerate(spec.hidden_neurons)],
         # A neuron has at least three stages, as many as the controller has up to ``capture``.
         late(
             clk,
@@ -75,9 +74,15 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
             clocks=spec.hidden_neurons[0].latency - controller.latency + 1,
         ),
         [
-            hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
+            hardware(activation)(
+                clk,
+                rst,
+                Stream(valid=q_valid, data=q[j]),
+                Stream(valid=r_valid[j], data=r[j]),
+                spec=activation,
+            )
             for j, activation in enumerate(spec.activations)
         ],
-        [neuron(clk, r, out_data[i], spec=part) for i, part in enumerate(spec.output_neurons)],
-        delay(clk, rst, r_valid[0], out_valid, clocks=spec.output_neurons[0].latency),
+        [neuron(clk, r, out.data[i], spec=part) for i, part in enumerate(spec.output_neurons)],
+        delay(clk, rst, r_valid[0], out.valid, clocks=spec.output_neurons[0].latency),
     )

@@ -5,24 +5,12 @@ from myhdl import block
 from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
-from hdl.common.signals import fixed, flag
+from hdl.common.signals import Stream, fixed, flag
 from hdl.sensing.frame_window import frame_window
 
 
 @block
-def windowed(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    *,
-    spec: Windowed,
-):
+def windowed(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Windowed):
     """A frame of samples in, a frame of outputs of it and of past ones out.
 
     Parameters
@@ -44,31 +32,10 @@ def windowed(
     outputs. Reset clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
+    samples = Stream(valid=valid, data=data, last=last)
     # This stays open, because the frame window sends no frame that the network refuses.
     broken = flag()
     return (
-        frame_window(
-            clk,
-            rst,
-            in_valid,
-            in_data,
-            in_last,
-            valid,
-            data,
-            last,
-            frame_error,
-            spec=spec.frame_window,
-        ),
-        hardware(spec.network)(
-            clk,
-            rst,
-            valid,
-            data,
-            last,
-            out_valid,
-            out_data,
-            out_last,
-            broken,
-            spec=spec.network,
-        ),
+        frame_window(clk, rst, in_, samples, frame_error=frame_error, spec=spec.frame_window),
+        hardware(spec.network)(clk, rst, samples, out, frame_error=broken, spec=spec.network),
     )

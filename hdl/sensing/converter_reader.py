@@ -8,7 +8,7 @@ from golden.sensing.converter_parts import STRAIGHT
 from golden.sensing.converter_reader import ConverterReader
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
-from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 
 
 @block
@@ -53,7 +53,7 @@ def scan(clk, rst, slot, starts, *, reader: ConverterReader):
 
 
 @block
-def transfer(clk, rst, starts, running, half, read, turn, *, halves: int, clocks: int):
+def transfer(clk, rst, *, starts, running, half, read, turn, halves: int, clocks: int):
     """Counts the half periods of a transfer: ``half`` is their number, from 0.
 
     ``sclk`` is low in the even ones and high in the odd ones, each one clock late, because it comes
@@ -187,18 +187,7 @@ def to_sample(received, sample, *, reader: ConverterReader):
 
 @block
 def converter_reader(
-    clk,
-    rst,
-    miso,
-    sclk,
-    cs_n,
-    mosi,
-    out_valid,
-    out_data,
-    out_last,
-    converter_error,
-    *,
-    spec: ConverterReader,
+    clk, rst, out: Stream, *, miso, sclk, cs_n, mosi, converter_error, spec: ConverterReader
 ):
     """Each sensor in turn through an SPI, and the frames of scans that went right.
 
@@ -309,23 +298,23 @@ def converter_reader(
             for i in range(1, inputs):
                 ring[i].next = ring[i - 1]
         if sending:
-            out_data.next = ring[last_slot]
+            out.data.next = ring[last_slot]
 
     @always_seq(clk.posedge, reset=rst)
     def strobe():
-        out_valid.next = sending
-        out_last.next = closing
+        out.valid.next = sending
+        out.last.next = closing
 
     return (
         scan(clk, rst, slot, starts, reader=spec),
         transfer(
             clk,
             rst,
-            starts,
-            running,
-            half,
-            read,
-            turn,
+            starts=starts,
+            running=running,
+            half=half,
+            read=read,
+            turn=turn,
             halves=halves,
             clocks=spec.half_clocks,
         ),

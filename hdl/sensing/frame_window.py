@@ -7,11 +7,11 @@ from golden.sensing.frame_window import FrameWindow
 from hdl.common.delay import delay
 from hdl.common.past import past_whole
 from hdl.common.rom import rom
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def judge(clk, rst, in_valid, in_last, accept, good, broken, *, sensors: int, spacing: int):
+def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing: int):
     """Tells which samples belong to frames, and how frames end: as input_controller, undelayed."""
     final = sensors - 1
     count = unsigned(max(1, final.bit_length()))
@@ -34,54 +34,42 @@ def judge(clk, rst, in_valid, in_last, accept, good, broken, *, sensors: int, sp
 
         @always_comb
         def check():
-            good.next = accept and complete and in_last and not early
+            good.next = accept and complete and in_.last and not early
 
         parts += [compare, tick, check]
     else:
 
         @always_comb
         def check():
-            good.next = accept and complete and in_last
+            good.next = accept and complete and in_.last
 
         parts.append(check)
 
     @always_comb
     def look():
-        accept.next = in_valid and not dropping
+        accept.next = in_.valid and not dropping
         complete.next = count == final
 
     @always_comb
     def refuse():
-        broken.next = accept and (complete or in_last) and not good
+        broken.next = accept and (complete or in_.last) and not good
 
     @always_seq(clk.posedge, reset=rst)
     def step():
         if accept:
-            if complete or in_last:
+            if complete or in_.last:
                 count.next = 0
-                dropping.next = not in_last
+                dropping.next = not in_.last
             else:
                 count.next = count + 1
-        elif in_valid and in_last:
+        elif in_.valid and in_.last:
             dropping.next = False
 
     return parts, look, refuse, step
 
 
 @block
-def frame_window(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    *,
-    spec: FrameWindow,
-):
+def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: FrameWindow):
     """After each good frame the samples of it and of past ones that a network takes.
 
     Parameters
@@ -115,7 +103,7 @@ def frame_window(
     @always(clk.posedge)
     def write():
         if accept:
-            ring[place].next = in_data
+            ring[place].next = in_.data
 
     @always_seq(clk.posedge, reset=rst)
     def advance():
@@ -147,17 +135,16 @@ def frame_window(
 
     @always(clk.posedge)
     def read():
-        out_data.next = ring[read_addr]
+        out.data.next = ring[read_addr]
 
     return (
         judge(
             clk,
             rst,
-            in_valid,
-            in_last,
-            accept,
-            good,
-            broken,
+            in_,
+            accept=accept,
+            good=good,
+            broken=broken,
             sensors=spec.sensors,
             spacing=spec.spacing,
         ),
@@ -174,6 +161,6 @@ def frame_window(
         ),
         find,
         read,
-        delay(clk, rst, sending, out_valid, clocks=2),
-        delay(clk, rst, closing, out_last, clocks=2),
+        delay(clk, rst, sending, out.valid, clocks=2),
+        delay(clk, rst, closing, out.last, clocks=2),
     )

@@ -5,11 +5,11 @@ from myhdl import always, always_comb, always_seq, block
 
 from golden.sensing.scan_sequencer import ScanSequencer
 from hdl.common.rom import rom
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import Stream, flag, unsigned
 
 
 @block
-def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spec: ScanSequencer):
+def scan_sequencer(clk, rst, out: Stream, *, adc, address, spec: ScanSequencer):
     """The converter's codes, late in each slot, as a stream of frames (sections 5.4.4 and 5.5).
 
     Parameters
@@ -78,14 +78,14 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
 
     @always_seq(clk.posedge, reset=rst)
     def strobe():
-        out_valid.next = take
-        out_last.next = take and slot == final
+        out.valid.next = take
+        out.last.next = take and slot == final
 
     @always(clk.posedge)
     def keep():
         address.next = selected
         if take:
-            out_data.next = adc
+            out.data.next = adc
 
     return (
         step,

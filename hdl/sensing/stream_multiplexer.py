@@ -4,24 +4,13 @@ from myhdl import always, block
 
 from golden.sensing.stream_multiplexer import StreamMultiplexer
 from hdl.common.delay import delay
-from hdl.common.signals import fixed, unsigned
+from hdl.common.signals import Stream, fixed, unsigned
 from hdl.common.stream import position
 
 
 @block
 def stream_multiplexer(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    result_valid,
-    result,
-    out_valid,
-    out_data,
-    out_last,
-    *,
-    spec: StreamMultiplexer,
+    clk, rst, in_: Stream, out: Stream, *, result_valid, result, spec: StreamMultiplexer
 ):
     """The stream one clock later, element ``spec.slot`` of each frame replaced (section 5.5).
 
@@ -43,7 +32,7 @@ def stream_multiplexer(
     held = fixed(spec.fmt)
     count = unsigned(spec.count_width)
 
-    counter = position(clk, rst, in_valid, in_last, count, stop=slot + 1)
+    counter = position(clk, rst, in_, count, stop=slot + 1)
 
     @always(clk.posedge)
     def hold():
@@ -53,10 +42,10 @@ def stream_multiplexer(
     @always(clk.posedge)
     def splice():
         if count == slot:
-            out_data.next = held
+            out.data.next = held
         else:
-            out_data.next = in_data
+            out.data.next = in_.data
 
-    mark = delay(clk, rst, in_valid, out_valid, clocks=1)
-    close = delay(clk, rst, in_last, out_last, clocks=1)
+    mark = delay(clk, rst, in_.valid, out.valid, clocks=1)
+    close = delay(clk, rst, in_.last, out.last, clocks=1)
     return counter, hold, splice, mark, close

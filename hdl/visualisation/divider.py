@@ -5,12 +5,12 @@ from myhdl import always, always_comb, always_seq, block, concat
 from golden.visualisation.divider import Divider
 from hdl.common.delay import delay
 from hdl.common.scale import scale
-from hdl.common.signals import flag, signed, unsigned
+from hdl.common.signals import Stream, flag, signed, unsigned
 from hdl.common.widen import widen
 
 
 @block
-def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, spec: Divider):
+def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
     """``in_distance`` times the gain by ``in_width``, a bit of the quotient a clock.
 
     Parameters
@@ -53,12 +53,12 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
 
     @always(clk.posedge)
     def take():
-        if in_valid:
+        if in_.valid:
             numerator.next = product
-            if in_width == 0:
+            if in_.width == 0:
                 divisor.next = 1
             else:
-                divisor.next = in_width
+                divisor.next = in_.width
 
     @always_comb
     def align():
@@ -112,15 +112,15 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
             remaining.next = out_bits
         elif remaining != 0:
             remaining.next = remaining - 1
-        out_valid.next = remaining == 1 and not load
+        out.valid.next = remaining == 1 and not load
 
     @always_comb
     def show():
-        out_data.next = digits
+        out.data.next = digits
 
     return (
-        scale(in_distance, product, factor=spec.gain),
-        delay(clk, rst, in_valid, load, clocks=1),
+        scale(in_.distance, product, factor=spec.gain),
+        delay(clk, rst, in_.valid, load, clocks=1),
         take,
         align,
         split,

@@ -4,13 +4,11 @@ from myhdl import always, always_comb, block
 
 from golden.visualisation.exp_interpolator import ExpInterpolator
 from hdl.common.delay import delay
-from hdl.common.signals import unsigned
+from hdl.common.signals import Stream, unsigned
 
 
 @block
-def exp_interpolator(
-    clk, rst, in_valid, in_word, in_offset, out_valid, out_data, *, spec: ExpInterpolator
-):
+def exp_interpolator(clk, rst, in_: Stream, out: Stream, *, spec: ExpInterpolator):
     """``in_word`` times 1 - delta, two clocks later.
 
     Parameters
@@ -40,18 +38,18 @@ def exp_interpolator(
 
     @always_comb
     def flip():
-        flipped.next = in_offset ^ ones
+        flipped.next = in_.offset ^ ones
 
     @always(clk.posedge)
     def multiply():
         factor.next = flipped + base
-        word.next = in_word
+        word.next = in_.word
         product.next = word * factor
 
     # The words of exp_memory keep the product below 1.
     @always_comb
     def cut():
-        out_data.next = product[word_width + frac : frac]
+        out.data.next = product[word_width + frac : frac]
 
-    mark = delay(clk, rst, in_valid, out_valid, clocks=2)
+    mark = delay(clk, rst, in_.valid, out.valid, clocks=2)
     return flip, multiply, cut, mark

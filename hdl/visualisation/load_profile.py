@@ -6,7 +6,7 @@ from golden.fixed import Rounding
 from golden.visualisation.load_profile import DISTANCE_CLOCKS, RECTANGLE, TRIANGLE, LoadProfile
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
-from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.common.widen import widen
 from hdl.visualisation.divider import divider
 from hdl.visualisation.exp_interpolator import exp_interpolator
@@ -62,21 +62,7 @@ def distance_from(clk, x, centre, distance):
 
 
 @block
-def load_profile(
-    clk,
-    rst,
-    in_valid,
-    in_load,
-    in_position,
-    in_width,
-    in_shape,
-    out_valid,
-    out_x,
-    out_y,
-    out_last,
-    *,
-    spec: LoadProfile,
-):
+def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
     """One ramp of points for the results of a frame (equation 3.18, thesis Figure 5.25).
 
     Parameters
@@ -128,7 +114,7 @@ def load_profile(
 
     @always_seq(clk.posedge, reset=rst)
     def advance():
-        if in_valid:
+        if in_.valid:
             waiting.next = True
         elif restart:
             waiting.next = False
@@ -170,31 +156,47 @@ def load_profile(
     @always(clk.posedge)
     def keep():
         if product_valid:
-            out_x.next = x
-            out_y.next = height
+            out.x.next = x
+            out.y.next = height
 
     @always_comb
     def show():
-        out_valid.next = point_valid
-        out_last.next = point_last
+        out.valid.next = point_valid
+        out.last.next = point_last
 
     return (
-        results(clk, in_valid, [in_load, in_position, in_width, in_shape], next_results),
+        results(clk, in_.valid, [in_.load, in_.position, in_.width, in_.shape], next_results),
         results(clk, restart, next_results, held_results),
         start,
         advance,
-        ramp(clk, rst, ask, x_valid, x, x_last, spec=spec.ramp),
+        ramp(clk, rst, Stream(valid=x_valid, data=x, last=x_last), in_valid=ask, spec=spec.ramp),
         distance_from(clk, x, centre, distance),
         delay(clk, rst, x_valid, distance_valid, clocks=DISTANCE_CLOCKS),
         clip,
-        divider(clk, rst, distance_valid, distance, positive_width, t_valid, t, spec=spec.divider),
+        divider(
+            clk,
+            rst,
+            Stream(valid=distance_valid, distance=distance, width=positive_width),
+            Stream(valid=t_valid, data=t),
+            spec=spec.divider,
+        ),
         choose,
-        power_fold(clk, rst, t_valid, t, power, power_valid, powered, spec=spec.power_fold),
+        power_fold(
+            clk,
+            rst,
+            Stream(valid=t_valid, data=t, power=power),
+            Stream(valid=power_valid, data=powered),
+            spec=spec.power_fold,
+        ),
         split,
         exp_memory(clk, addr, word, spec=spec.exp_memory),
         delay(clk, rst, power_valid, word_valid, clocks=spec.exp_memory.latency),
         exp_interpolator(
-            clk, rst, word_valid, word, offset, value_valid, value, spec=spec.exp_interpolator
+            clk,
+            rst,
+            Stream(valid=word_valid, word=word, offset=offset),
+            Stream(valid=value_valid, data=value),
+            spec=spec.exp_interpolator,
         ),
         widen(value, wide_value),
         multiply,

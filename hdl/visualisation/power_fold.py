@@ -5,12 +5,12 @@ from myhdl import always, always_comb, always_seq, block
 from golden.fixed import Rounding
 from golden.visualisation.power_fold import PowerFold
 from hdl.common.requantise import requantise
-from hdl.common.signals import flag, signed, unsigned
+from hdl.common.signals import Stream, flag, signed, unsigned
 from hdl.common.widen import widen
 
 
 @block
-def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, spec: PowerFold):
+def power_fold(clk, rst, in_: Stream, out: Stream, *, spec: PowerFold):
     """``in_data`` to the power ``in_power`` (thesis section 5.8, Figure 5.25).
 
     Parameters
@@ -48,28 +48,28 @@ def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, sp
     @always(clk.posedge)
     def fold():
         product.next = acc * held
-        if in_valid:
-            held.next = in_data
+        if in_.valid:
+            held.next = in_.data
             acc.next = first
-            uses.next = in_power - 1
+            uses.next = in_.power - 1
         elif rounded:
             acc.next = kept
             uses.next = uses - 1
 
     @always_seq(clk.posedge, reset=rst)
     def count():
-        if in_valid:
+        if in_.valid:
             remaining.next = clocks
         elif remaining != 0:
             remaining.next = remaining - 1
-        out_valid.next = remaining == 1 and not in_valid
+        out.valid.next = remaining == 1 and not in_.valid
 
     @always_comb
     def show():
-        out_data.next = acc
+        out.data.next = acc
 
     return (
-        widen(in_data, wide_data),
+        widen(in_.data, wide_data),
         requantise(wide_data, first, shift=spec.in_frac - spec.out_frac, rounding=Rounding.ROUND),
         widen(product, wide_product),
         requantise(wide_product, kept, shift=spec.in_frac, rounding=Rounding.ROUND),

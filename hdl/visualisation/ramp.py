@@ -4,11 +4,11 @@ from myhdl import Signal, always, always_comb, always_seq, block, intbv
 
 from golden.visualisation.ramp import Ramp
 from hdl.common.delay import delay
-from hdl.common.signals import signed
+from hdl.common.signals import Stream, signed
 
 
 @block
-def ramp(clk, rst, in_valid, out_valid, out_data, out_last, *, spec: Ramp):
+def ramp(clk, rst, out: Stream, *, in_valid, spec: Ramp):
     """One position for each ``in_valid``, from the first again after the last (Figure 5.25).
 
     Parameters
@@ -45,8 +45,8 @@ def ramp(clk, rst, in_valid, out_valid, out_data, out_last, *, spec: Ramp):
     @always(clk.posedge)
     def keep():
         if in_valid:
-            out_data.next = acc >> guard
-            out_last.next = acc == high
+            out.data.next = acc >> guard
+            out.last.next = acc == high
 
-    mark = delay(clk, rst, in_valid, out_valid, clocks=1)
+    mark = delay(clk, rst, in_valid, out.valid, clocks=1)
     return add, count, keep, mark

@@ -47,9 +47,9 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     """
     ports = port_signals(design)
     whole = design.stream == "words"
-    clk, rst, valid, data = (ports[name] for name in ("clk", "rst", "in_valid", "in_data"))
-    last = ports.get("in_last")
-    out_valid, out_data, error = (ports[name] for name in ("out_valid", "out_data", "frame_error"))
+    clk, rst, error = (ports[name] for name in ("clk", "rst", "frame_error"))
+    samples, results = ports["in_"], ports["out"]
+    data, last = samples.data, None if whole else samples.last
     clocks = [None, *_clocks(design, frames, whole)]
     clocks += [None] * (design.output_clocks[-1] + 2)
     seen: list[int] = []
@@ -58,7 +58,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     def drive():
         for t, clock in enumerate(clocks):
             rst.next = t == 0
-            valid.next = clock is not None
+            samples.valid.next = clock is not None
             if clock is not None and whole:
                 for k, code in enumerate(clock[0]):
                     data[k].next = int(code)
@@ -67,8 +67,8 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
             yield delay(1)
             if t and error:
                 raise RuntimeError(f"{design.entity}: a frame was refused in clock {t}")
-            if t and out_valid:
-                seen.extend(int(word) for word in (out_data if whole else [out_data]))
+            if t and results.valid:
+                seen.extend(int(word) for word in (results.data if whole else [results.data]))
             clk.next = True
             yield delay(1)
             clk.next = False
