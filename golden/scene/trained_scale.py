@@ -61,7 +61,7 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
                 raise InputError(
                     f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
                     f"has {reason}: {path.name} was not trained here or not by this scene; run "
-                    "make train, which determines the scale, or give { offset = , factor = } for a "
+                    "make train to determine the scale, or give { offset = , factor = } for a "
                     "network from elsewhere, which is the range of the codes"
                 )
             found[name] = scale
