@@ -29,7 +29,7 @@ TIMES: dict[str, float] = {}
 # Tests that simulate, synthesise, or measure.
 LONG = (
     *("test_benches", "test_cells", "test_export", "test_handover", "test_image", "test_lean"),
-    *("test_new_block", "test_new_design", "test_report", "test_site", "test_synth"),
+    *("test_new_block", "test_new_design", "test_pages", "test_report", "test_site", "test_synth"),
     "test_tutorial",
 )
 

@@ -25,8 +25,6 @@ from tb.report.measure.simulators import SCENE
 from tb.report.measure.table import Cell, Table
 from tb.report.page import run_time
 
-pytestmark = pytest.mark.pages
-
 SVG = "{http://www.w3.org/2000/svg}"
 # These records are measured again in every run, and end alike on every machine.
 COMPARED = ("series", "plate", "swing", "swing_damping", "iterations")
