@@ -20,6 +20,7 @@ from shared import Shared
 from golden.machine import closing
 from golden.scene import Scene, load_scene
 from golden.store import VARIABLE
+from hdl.synth.tools import run_tool
 from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
@@ -149,6 +150,15 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
     """The folder that all workers of a run share. Each worker has its own below that of the run."""
     folder = tmp_path_factory.getbasetemp()
     return Shared(folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder)
+
+
+@pytest.fixture(scope="session")
+def yosys(shared: Shared) -> None:
+    """Yosys has run once: its first run on a machine compiles it, on all cores, for a minute.
+
+    Tests of two workers that call it first would each compile it.
+    """
+    shared.once("yosys", lambda: run_tool("yosys", ["-V"], shared.folder))
 
 
 @pytest.fixture

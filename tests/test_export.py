@@ -205,6 +205,7 @@ def test_the_latch_check_finds_a_latch(tmp_path: Path) -> None:
     assert "latch" in result.stderr
 
 
+@pytest.mark.usefixtures("yosys")
 @pytest.mark.parametrize("scene", SCENES)
 def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
     folder = build / scene / "verilog"

@@ -172,6 +172,7 @@ def test_words_are_counted_as_often_as_they_stand_there() -> None:
     assert missing == sum(map(int, texts)) > 0
 
 
+@pytest.mark.usefixtures("yosys")
 def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:
     path = write_scene(tmp_path, "idle", "exact", [with_zeros()], activation="precise")
     monkeypatch.setattr(sys, "argv", ["make lean", str(path)])

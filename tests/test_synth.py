@@ -223,6 +223,7 @@ def test_a_product_that_a_port_shows_keeps_its_register_outside() -> None:
     assert "p" in cells
 
 
+@pytest.mark.usefixtures("yosys")
 def test_a_latch_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "keeps.v").write_text(
         "module keeps(input e, input d, output reg q); always @* if (e) q = d; endmodule\n"
@@ -306,6 +307,7 @@ def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
     assert {family: set(cells) for family, cells in budget.items()} == expected
 
 
+@pytest.mark.usefixtures("yosys")
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: str) -> None:
     scene = load_scene("digit-load")
@@ -322,6 +324,7 @@ def test_the_pages_hold_what_is_recorded() -> None:
         assert page.read_text() == text, f"{page}: run: python -m tb.report.page.datasheets"
 
 
+@pytest.mark.usefixtures("yosys")
 def test_the_command(tmp_path: Path) -> None:
     mlp = random_mlp((1, 1, 1), 1.0, 1)
     scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp])))
