@@ -1,7 +1,7 @@
-"""What code does, as text, and which modules take part in it.
+"""Digests of code: of some modules and of everything that they import.
 
-A key of the store (``golden/store.py``) has the code by which an answer was found. Words are no
-part of that: a comment, a docstring, or an import that moves, runs nothing again.
+A key of the store (``golden/store.py``) holds a digest of the code that found the answer. Comments,
+docstrings and imports are no part of this digest, so a change of these computes nothing again.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from pathlib import Path
 from golden.fingerprint import ROOT, fingerprint
 from golden.folders import ROOMS
 
-# Read as text: to parse all modules would take longer than many a command. Of what only looks like
-# an import, as in a docstring, no more comes than a module too many.
+# Imports are found by this pattern, because parsing all modules would take longer than many
+# commands. A line of a docstring that looks like an import only adds a module to the closure.
 IMPORT = re.compile(
     r"^ *(?:from ([\w.]+) import (?:\(([^)]*)\)|([^\n#]*))|import ([^\n#]*))", re.MULTILINE
 )
 NAME = re.compile(r"(?:^|,)\s*([\w.]+)")
-# Modules that import others by names that they compose: all of these packages may be meant.
+# These modules compose the names of modules that they import. Each may import any module of the
+# packages that are listed.
 DISCOVERIES = {
     "golden.networks.designs": ("golden.networks",),
     "golden.network_files.network_file": ("golden.network_files",),
@@ -41,26 +42,26 @@ DISCOVERIES = {
 
 
 def everything(importer: str, imported: str) -> bool:
-    """Every import is followed."""
+    """Follow every import."""
     return True
 
 
 def closure(
     modules: Iterable[str], follow: Callable[[str, str], bool] = everything
 ) -> dict[str, Path]:
-    """Some modules of tactus and all that they import of it, each with its file.
+    """Some modules of tactus, and all modules of tactus that they import, with their files.
 
     Parameters
     ----------
     modules : iterable of str
-        Names; of a package what its ``__init__`` imports.
+        Names of modules. The name of a package stands for its ``__init__``.
     follow : callable
-        From who imports and what is imported to whether that takes part.
+        Says, for the names of an importing and an imported module, whether the second takes part.
 
     Raises
     ------
     ValueError
-        For a name that is no module of tactus, as ``__main__``.
+        For a name that is no module of tactus, such as ``__main__``.
     """
     found: dict[str, Path] = {}
     waiting = list(modules)
@@ -77,18 +78,18 @@ def closure(
 
 
 def code(modules: Iterable[str], follow: Callable[[str, str], bool] = everything) -> str:
-    """A digest of what some modules and all that they import do."""
+    """A digest of the code of some modules and of everything that they import."""
     return digest_of(closure(modules, follow))
 
 
 def digest_of(modules: dict[str, Path], without: tuple[str, ...] = ()) -> str:
-    """A digest of what these modules do, without their constants of some names."""
+    """A digest of the code of these modules, without the constants that ``without`` names."""
     return fingerprint([], *(f"{n} {code_of(path, without)}" for n, path in modules.items()))
 
 
 @cache
 def file_of(name: str) -> Path | None:
-    """The file of a module of tactus; of any other name nothing."""
+    """The file of a module of tactus, or None for any other name."""
     parts = name.split(".")
     if parts[0] not in ROOMS:
         return None
@@ -100,14 +101,14 @@ def file_of(name: str) -> Path | None:
 def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
     """The lines of a file without docstrings, comments, imports and empty lines.
 
-    So a module that moves, or whose imports move, is still the same. The lines are taken as they
-    stand: what ``ast.unparse`` makes of them differs between versions of Python.
+    So a module stays the same when it or one of its imports moves. The lines are taken as they are,
+    because the output of ``ast.unparse`` differs between versions of Python.
 
     Parameters
     ----------
     path : Path
     without : tuple of str
-        Names of constants that are left out, too.
+        Names of constants that are left out as well.
     """
     text = path.read_text(encoding="utf-8")
     lines = _without_comments(text)
@@ -131,24 +132,24 @@ def _without_comments(text: str) -> list[str]:
 
 
 def _says(node: ast.stmt) -> bool:
-    """Whether it does nothing: an import, a docstring, or any other constant that nothing takes."""
+    """Whether a statement does nothing: an import, a docstring, or another unused constant."""
     text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     return text or isinstance(node, (ast.Import, ast.ImportFrom))
 
 
 def _names(node: ast.stmt) -> set[str]:
-    """What it gives a value to."""
+    """The names to which a statement assigns."""
     targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
     return {target.id for target in targets if isinstance(target, ast.Name)}
 
 
 @cache
 def _imported(name: str, path: Path) -> tuple[str, ...]:
-    """What a module imports, anywhere in it: a type that it names alone stands for its values."""
+    """The modules that a module imports anywhere, also those that it needs for types alone."""
     found: list[str] = []
     for module, several, line, plain in IMPORT.findall(path.read_text(encoding="utf-8")):
         if module:
-            # Of a package, its modules are imported by name.
+            # A name that is imported from a package may be one of its modules.
             found += [module, *(f"{module}.{n}" for n in NAME.findall(several or line))]
         else:
             found += NAME.findall(plain)

@@ -1,18 +1,18 @@
-"""What is kept between runs, all of it in one folder: ``build/store``.
+"""The store: one folder, ``build/store``, for everything that is kept between runs.
 
-An answer is kept under a key: its kind and the parts that enter it, each by its name. A part is a
-file or a folder by its content, code by what it does (``golden/closure.py``), or a fact, such as a
-seed or the version of a tool. The parts stand in the file beside the answer, so that two files tell
-why something was done anew.
+An answer is kept under a key. The key holds its kind and all parts on which the answer depends,
+each under a name. A part is the content of a file or a folder, a digest of code
+(``golden/closure.py``), or a fact such as a seed or the version of a tool. The file of an answer
+shows these parts as well, so a comparison of two files tells why something was computed again.
 
-A file is written beside its place and renamed, so of two processes that find one answer at once
-each leaves a whole one. A file that is damaged counts as none. Where ``TACTUS_STORE`` names a
-folder, that is the store: a nightly run names an empty one, and so takes nothing that another run
-found.
+Each file is written beside its place and then renamed. If two processes find the same answer at
+once, each of them leaves a complete file. A damaged file counts as missing. The environment
+variable ``TACTUS_STORE`` names another folder: the nightly run names an empty one, so it uses
+nothing that an earlier run found.
 
-No library does this: ``diskcache`` keeps pickles in a database, which nobody can read, and has had
-no release since 2023; ``joblib.Memory`` keys a function by its own text alone, without what that
-calls, and empties its folder when the text changes, whoever else reads there.
+Two libraries were considered. ``diskcache`` keeps pickles in a database, which nobody can read, and
+has had no release since 2023. ``joblib.Memory`` makes its key from the text of one function,
+without the functions that it calls, and empties its folder whenever that text changes.
 """
 
 from __future__ import annotations
@@ -31,21 +31,21 @@ from golden.folders import BUILD
 from golden.input_error import InputError
 
 VARIABLE = "TACTUS_STORE"
-# A longer text stands in a key as its digest.
+# A longer text is replaced by its digest in a key.
 LONGEST = 200
 Part = str | int | Path | Sequence["Part"]
 
 
 @dataclass(frozen=True)
 class Key:
-    """What an answer is of.
+    """The key of an answer.
 
     Attributes
     ----------
     kind : str
-        A folder of the store.
+        The folder of the store in which the answer is kept.
     parts : dict of str
-        What enters, by name.
+        Everything on which the answer depends, by name.
     """
 
     kind: str
@@ -58,12 +58,12 @@ class Key:
 
 
 def key(kind: str, **parts: Part) -> Key:
-    """The key of an answer; files and folders enter it as they are now."""
-    return Key(kind, {name: _told(parts[name]) for name in sorted(parts)})
+    """Make the key of an answer from the present contents of its files and folders."""
+    return Key(kind, {name: _as_text(parts[name]) for name in sorted(parts)})
 
 
 def read(asked: Key, build: Path = BUILD) -> Any:
-    """The answer that is kept under a key; None where there is none, or a damaged one."""
+    """The answer that is kept under a key, or None if it is missing or damaged."""
     found = read_kept(place(asked, build))
     if not isinstance(found, dict) or found.get("key") != asked.parts:
         return None
@@ -72,30 +72,30 @@ def read(asked: Key, build: Path = BUILD) -> Any:
 
 
 def write(asked: Key, answer: Any, build: Path = BUILD) -> Any:
-    """Keep what JSON can hold; the answer as it will be read.
+    """Keep an answer, and return it as a later ``read`` will give it.
 
     Raises
     ------
     ValueError
-        For None, which stands for no answer, and for numbers that JSON cannot hold.
+        For None, which ``read`` gives for a missing answer, and for numbers that JSON cannot hold.
     InputError
-        Where it cannot be written.
+        When the file cannot be written.
     """
     if answer is None:
         raise ValueError(f"{asked.kind}: got None, expected an answer")
-    told = json.loads(json.dumps(answer, allow_nan=False))
-    write_kept(place(asked, build), {"key": asked.parts, "sum": _sum(told), "answer": told})
-    return told
+    kept = json.loads(json.dumps(answer, allow_nan=False))
+    write_kept(place(asked, build), {"key": asked.parts, "sum": _sum(kept), "answer": kept})
+    return kept
 
 
 def once(asked: Key, work: Callable[[], Any], build: Path = BUILD) -> Any:
-    """The answer that is kept, or else what ``work`` finds, which is kept from now on."""
+    """The kept answer. If there is none, the answer of ``work``, which is kept from now on."""
     found = read(asked, build)
     return write(asked, work(), build) if found is None else found
 
 
 def place(asked: Key, build: Path = BUILD, suffix: str = ".json") -> Path:
-    """Where the answer of a key stands, in the store of a folder for results."""
+    """The file for the answer of a key, in the store of a folder for results."""
     return store(build) / asked.kind / f"{asked.digest}{suffix}"
 
 
@@ -105,7 +105,7 @@ def store(build: Path = BUILD) -> Path:
     Raises
     ------
     InputError
-        Where the environment names one that depends on where a process stands.
+        When ``TACTUS_STORE`` is no absolute path, which would mean another folder elsewhere.
     """
     named = os.environ.get(VARIABLE, "")
     if named and not Path(named).is_absolute():
@@ -113,10 +113,12 @@ def store(build: Path = BUILD) -> Path:
     return Path(named) if named else build / "store"
 
 
-def _told(part: Part) -> str:
+def _as_text(part: Part) -> str:
     if isinstance(part, Path):
         return fingerprint([part])
-    text = str(part) if isinstance(part, (str, int)) else json.dumps([_told(one) for one in part])
+    text = (
+        str(part) if isinstance(part, (str, int)) else json.dumps([_as_text(one) for one in part])
+    )
     short = len(text) <= LONGEST and text.isprintable()
     return text if short else hashlib.sha256(text.encode()).hexdigest()
 

@@ -1,4 +1,4 @@
-"""What an activation lacks, because its neuron cannot reach it."""
+"""Parts that an activation does not have because its neuron never reaches them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TABLE_WORDS = "table words that no neuron reaches"
 
 @singledispatch
 def left_out(_: ActivationBlock) -> Counter[str]:
-    """How many of what the neuron cannot need and the block therefore lacks."""
+    """How many parts of each kind the block lacks because the neuron cannot need them."""
     return Counter()
 
 

@@ -1,4 +1,4 @@
-"""How data goes through what stands around a network, for the picture of the datapath."""
+"""How data flow through the blocks around a network, for the picture of the datapath."""
 
 from __future__ import annotations
 

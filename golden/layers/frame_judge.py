@@ -1,4 +1,4 @@
-"""Which frames are taken: what every block that judges frames has in common."""
+"""The decision which frames are good, for every block that makes it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.fixed import Codes
 from golden.port import CLOCKED, given, taken
 
-# What is judged, and what is said of a frame that is wrong.
+# The ports of the stream that is judged, and the port that reports a wrong frame.
 JUDGED = (
     *CLOCKED,
     taken("in_valid", "the stream holds a sample"),
@@ -22,7 +22,7 @@ BROKEN = given("frame_error", "high for one clock, one clock after the sample th
 
 @dataclass(frozen=True)
 class FrameScan:
-    """What was decided for each sample, as arrays of one length.
+    """The decision about each sample, as arrays of equal length.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class FrameScan:
     done : bool array
         The sample completes a frame that yields a result.
     error : bool array
-        The sample breaks the frame: ``frame_error`` follows for one clock.
+        The sample breaks the frame, so ``frame_error`` follows for one clock.
     """
 
     addr: Codes
@@ -43,11 +43,11 @@ class FrameScan:
 
 
 class FrameJudge(Protocol):
-    """What decides which frames a network takes."""
+    """A block that decides which frames a network accepts."""
 
     @property
     def inputs(self) -> int:
-        """Elements of a good frame."""
+        """Number of elements of a good frame."""
 
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for elements that arrive after a reset; see ``judge``."""
@@ -73,8 +73,8 @@ def judge(
     apart : int
         Least clocks from the last sample of a good frame to the last sample of the next.
     at_once : bool
-        They are counted to the first sample of the next frame, and one that comes before is dropped
-        with all of its frame.
+        Count these clocks to the first sample of the next frame instead. A sample that comes too
+        early is dropped together with its whole frame.
     """
     flags = np.asarray(last, dtype=bool)
     times = np.asarray(clock, dtype=np.int64)

@@ -23,15 +23,15 @@ class Design(Network):
     Attributes
     ----------
     arrangements : tuple of str
-        Those in which a scene may use it.
+        The arrangements in which a scene may use it.
     together : tuple of str
-        Those of them whose networks it takes as one.
+        The arrangements for which one design holds all networks.
     precisions : tuple of str
         The precisions for which it is made.
     known_activations : tuple of str
-        Those that it computes; empty for all.
+        The activations that it can compute; empty for all.
     activation_choices : bool
-        Whether it takes an activation's options.
+        Whether a scene may set options of the activation.
     half_codes : bool
         Whether it accepts activations whose codes stand for the middle of their step.
     options : tuple of str
@@ -65,12 +65,12 @@ class Design(Network):
         Parameters
         ----------
         mlps : sequence of Mlp
-            One, or all networks of an arrangement that the design takes ``together``.
+            One network, or all networks of an arrangement in ``together``.
         settings : Settings
         arrangement : str
-            How the networks stand to each other.
+            How the networks are connected.
         variant : str
-            Tells it from other networks of the same design.
+            A name that distinguishes it from other networks of the same design.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class Design(Network):
 
     @classmethod
     def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
-        """What ``of`` gives, of settings that the design knows.
+        """Make the design for ``of``, from settings that are already checked.
 
         Raises
         ------

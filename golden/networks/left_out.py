@@ -1,4 +1,4 @@
-"""What the hardware of a network does not need and therefore lacks, in words."""
+"""Texts about parts that a network does not need and its hardware therefore does not have."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from golden.networks.windowed import Windowed
 
 @singledispatch
 def left_out(block: Block) -> list[str]:
-    """What a network lacks; of one that stands around others, what these lack."""
+    """The texts for a network. A network around other networks has the texts of these."""
     inside = (part for part in block.parts() if isinstance(part, Network))
     return [text for part in inside for text in left_out(part)]
 
@@ -93,7 +93,7 @@ def _(network: AdderGraph) -> list[str]:
 
 @left_out.register
 def _(network: Engine) -> list[str]:
-    # What is counted as words costs memory and, one each, a clock of every frame.
+    # Each word that is left out saves memory, and each step saves a clock of every frame.
     graph, program = network.graph, network.program
     texts = []
     if network.serial:
@@ -113,12 +113,12 @@ def _(network: Engine) -> list[str]:
 
 
 def of_hidden_nodes(network: Design, activations: Sequence[ActivationBlock]) -> list[str]:
-    """What the activations of all hidden nodes lack together, and nodes that are not built."""
+    """Texts about parts that the activations lack in total, and about nodes that are not built."""
     counts: Counter[str] = sum(map(left_out_of, activations), Counter())
     return [f"{n} {what}" for what, n in sorted(counts.items())] + of_useless_nodes(network)
 
 
 def of_useless_nodes(network: Design) -> list[str]:
-    """Hidden nodes that are not built, where there are any."""
+    """A text about hidden nodes that are not built, if there are any."""
     count = network.useless_nodes
     return [f"{count} hidden nodes whose weights to the outputs are 0"] if count else []

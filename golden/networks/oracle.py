@@ -1,6 +1,6 @@
-"""What a design must compute, in integers of any width, and how far that may be from real numbers.
+"""The results that a design must give, in unlimited integers, and bounds on their error.
 
-Nothing here is shared, folded or cut as hardware is, so that both can be compared.
+Nothing here is shared, folded or cut as it is in hardware, so the two can be compared.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _(design: Parallel) -> ExactLayers:
 
 @singledispatch
 def exact(design: Design, frames: Codes) -> Codes:
-    """Output codes as integers of any width compute them, layer by layer."""
+    """Output codes, computed layer by layer in unlimited integers."""
     return exact_layers(design).process(frames)
 
 
@@ -73,7 +73,7 @@ def _(design: AdderGraph, frames: Codes) -> Codes:
 
 @singledispatch
 def hidden_weights(design: Design) -> list[Sequence[int]]:
-    """A code for each input of each hidden sum; their signs tell what drives it to an end."""
+    """A code for each input of each hidden sum. Their signs tell which inputs drive it to an end."""
     return [node.weights for node in exact_layers(design).hidden]
 
 
@@ -99,10 +99,10 @@ def error_bounds(design: Design, mlp: Mlp, precision: Precision, sensors: int) -
     ----------
     design : Design
     mlp : Mlp
-        The network that it is the design of, all of its hidden nodes built.
+        The network of the design, of which all hidden nodes are built.
     precision : Precision
     sensors : int
-        Inputs that are samples; those behind them are outputs of earlier networks.
+        How many inputs are samples; the others are outputs of earlier networks.
     """
     return two_layer_bounds(mlp, precision, exact_layers(design).activations)
 
@@ -114,7 +114,7 @@ def _(design: Engine, mlp: Mlp, _precision: Precision, sensors: int) -> Real:
 
 @error_bounds.register
 def _(design: AdderGraph, mlp: Mlp, precision: Precision, _sensors: int) -> Real:
-    # What cutting adds is ConstantMatrix.errors.
+    # ConstantMatrix.errors is the part of the error that comes from dropped bits.
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     q_off = _off(mlp.w1, mlp.b1, first, design.first)
@@ -127,12 +127,12 @@ def _(design: AdderGraph, mlp: Mlp, precision: Precision, _sensors: int) -> Real
 def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
     """How far each result can be from the real sum of samples of magnitude 1 at most.
 
-    What rounding took from weights and bias, what cutting moves, and half a step of the result,
-    with one unit of the sum for the halves that its constant loses.
+    The error has three parts: the rounding of weights and bias; the bits that are dropped in the
+    sum, with one unit more for the halves that its constant loses; and half a step of the result.
     """
-    taken = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
-    taken += np.abs(biases - layer.fmt.to_real(layer.biases))
+    rounding = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
+    rounding += np.abs(biases - layer.fmt.to_real(layer.biases))
     units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
     step = 2.0**-matrix.out_fmt.frac
-    result: Real = taken + (units / 2.0**matrix.out_shift + 0.5) * step
+    result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step
     return result

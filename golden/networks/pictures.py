@@ -1,4 +1,4 @@
-"""How data goes through the parts of a network, for the picture of the datapath."""
+"""How data flow through the parts of a network, for the picture of the datapath."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from golden.precision import SIGNAL
 
 @singledispatch
 def flow_of(_: Block) -> Flow | None:
-    """How data goes through the parts of a block; None where their list tells it all."""
+    """How data flow through the parts of a block; None if the list of parts says enough."""
     return None
 
 

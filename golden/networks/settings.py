@@ -1,4 +1,4 @@
-"""What is chosen of a design's hardware, as the section ``[hardware]`` of a scene names it."""
+"""The settings of a design's hardware, as the section ``[hardware]`` of a scene gives them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from golden.precision import EXACT, Precision
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything beside the weights that the hardware of a network depends on.
+    """Everything on which the hardware of a network depends, except its weights.
 
     Attributes
     ----------
@@ -18,12 +18,12 @@ class Settings:
     activation : str
         A name of ``SCHEMES``.
     activation_options : mapping
-        What is chosen of the activation's options.
+        The options of the activation that are set.
     options : mapping
-        What is chosen of the design's own ``options``.
+        The options of the design that are set.
     lean : bool
-        Leave out what the weights make useless: hidden nodes, segments of activations, terms of a
-        sum. Results are the same either way.
+        Whether to leave out what the weights make useless: hidden nodes, segments of activations,
+        and terms of a sum. The results are the same either way.
     """
 
     precision: Precision = EXACT
@@ -33,5 +33,5 @@ class Settings:
     lean: bool = True
 
 
-# The exact precision with its own activation, and every option as a design has it.
+# The exact precision with its own activation, and the default of every option.
 DEFAULTS = Settings()

@@ -1,13 +1,13 @@
-"""Results of benches that passed, each kept under a key of all that enters it.
+"""The results of benches that passed, each kept under a key of all that it depends on.
 
-That is what is simulated, the code of the bench and of what it imports, the twin, the seed and the
-number of frames, and the tools.
+The key holds the simulated files, the code of the bench and of everything that it imports, the
+twin, the seed, the number of frames, and the versions of the tools. Failures are not kept.
 
-A scene finds designs by discovery, so every bench loads nearly all of ``golden``. What it meets of
-that is less: its own twin, of which the key has the value and the code of every class in it. What
-reads scenes and builds twins is a part only of a bench that asks for the scene or for what stands
-around its block, as for recorded frames; then the files of the scene and the twins of the whole
-design are parts, too. Failures are not kept.
+A scene finds its designs by discovery, so a bench loads nearly all of ``golden``. It uses much
+less: its own twin. So the key holds the value of the twin and the code of every class in it. Some
+benches also ask for the scene or for the blocks around their own, for instance to play recorded
+frames. Only for these the key also holds the code that reads scenes, the files of the scene, and
+the twins of the whole design.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from tb.common.tools import version
 
 FACTS = ("compared", "seconds", "facts")
 PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
-# Hands every bench its twin, and the scene to those that ask.
+# This module gives every bench its twin, and the scene to the benches that ask for it.
 BENCH = "tb.common.bench"
 ASKS = {"scene", "design", "around"}
-# What these say is in the exported files.
+# The effect of these modules is in the exported files.
 ELSEWHERE = ("tb.common.cases", "tb.common.small")
 NAMES = ("CASES", "FAULTS")
 SCENE = "golden.scene"
-# These name all that a scene can choose. What they import of blocks becomes a twin, or no part.
+# These list everything that a scene can choose. The blocks that they import matter only as twins.
 REGISTRIES = ("golden.activation.schemes", "golden.networks.designs")
 BLOCKS = tuple(
     f"golden.{area}."
@@ -67,7 +67,7 @@ def kept(job: Job) -> Outcome | None:
 
 
 def run_and_keep(job: Job) -> Outcome:
-    """Run a bench, whatever is kept of it."""
+    """Run a bench, even if a result is kept, and keep the new result."""
     asked = bench_key(job)
     outcome = run_job(job)
     if outcome.passed:
@@ -81,7 +81,7 @@ def run_kept(job: Job) -> Outcome:
 
 
 def bench_key(job: Job) -> store.Key:
-    """All that enters the result of a bench."""
+    """The key of the result of a bench."""
     return store.key(
         "bench",
         entity=job.entity,
@@ -96,7 +96,7 @@ def bench_key(job: Job) -> store.Key:
 
 
 def _twin_parts(job: Job) -> dict[str, store.Part]:
-    """What a bench has of ``golden``: its twin and, if it asks for more, all of the scene."""
+    """The parts of the key from ``golden``: the twin and, if the bench asks for it, the scene."""
     twin = job.twin
     found: dict[str, store.Part] = {"twin": repr(twin), "twins": code_of_twins(twin)}
     modules = bench_modules(job.area, job.block)
@@ -116,7 +116,7 @@ def _modules(area: str, block: str) -> dict[str, Path]:
 
 
 def bench_modules(area: str, block: str) -> dict[str, Path]:
-    """The module of a bench and what it imports, but for what reads scenes and makes cases."""
+    """The bench and all modules that it imports, except those that read scenes or make cases."""
     return dict(_modules(area, block))
 
 
@@ -126,7 +126,7 @@ def _follow_from_bench(importer: str, imported: str) -> bool:
 
 
 def _follow(importer: str, imported: str) -> bool:
-    """What a scene or a registry imports of blocks is not followed."""
+    """Whether an import is followed: blocks that a scene or a registry imports are not."""
     chooses = _is_scene(importer) or importer in REGISTRIES
     return not (chooses and imported.startswith(BLOCKS))
 
@@ -161,7 +161,7 @@ def _nodes(path: Path) -> tuple[ast.AST, ...]:
 
 
 def code_of_twins(twin: Block) -> str:
-    """A digest of what all classes in a twin do."""
+    """A digest of the code of all classes in a twin."""
     return _code(frozenset(module for block in walk(twin) for module in _classes(block)))
 
 
@@ -172,12 +172,12 @@ def _code(modules: frozenset[str]) -> str:
 
 @cache
 def _reading() -> str:
-    """What reads scenes does, without what builds the twins."""
+    """A digest of the code that reads scenes, without the code that builds twins."""
     return digest_of(closure([SCENE], _follow))
 
 
 def _classes(value: object) -> Iterator[str]:
-    """The modules of the classes of a value and of all in it."""
+    """The modules of the classes of a value and of everything that it holds."""
     if is_dataclass(value):
         yield type(value).__module__
         inner = [getattr(value, field.name) for field in fields(value)]
@@ -192,6 +192,6 @@ def _classes(value: object) -> Iterator[str]:
 
 @cache
 def _tools(simulator: str) -> list[str]:
-    """Asked once: a scene may have hundreds of benches."""
+    """The versions of the tools, asked only once because a scene may have hundreds of benches."""
     packages = [f"{name} {version_of(name)}" for name in PACKAGES]
     return [version(simulator), f"python {platform.python_version()}", *packages]
