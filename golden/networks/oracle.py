@@ -73,7 +73,7 @@ def _(design: AdderGraph, frames: Codes) -> Codes:
 
 @singledispatch
 def hidden_weights(design: Design) -> list[Sequence[int]]:
-    """A code for each input of each hidden sum. Their signs tell which inputs drive it to an end."""
+    """A code per input of each hidden sum; their signs tell which inputs drive it to an end."""
     return [node.weights for node in exact_layers(design).hidden]
 
 
