@@ -86,12 +86,16 @@ class Port:
         return f"{kind}{meaning}"
 
 
-def taken(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
+def input_port(
+    name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = ""
+) -> Port:
     """An input port."""
     return Port(name, "in", meaning, kind, constant)
 
 
-def given(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
+def output_port(
+    name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = ""
+) -> Port:
     """An output port."""
     return Port(name, "out", meaning, kind, constant)
 
@@ -101,6 +105,6 @@ def group(port: Port, count: int) -> tuple[Port, ...]:
     return tuple(replace(port, name=f"{port.name}_{n}", number=n) for n in range(count))
 
 
-CLOCK = taken("clk", "clock, rising edge")
-RESET = taken("rst", "synchronous reset, active high")
+CLOCK = input_port("clk", "clock, rising edge")
+RESET = input_port("rst", "synchronous reset, active high")
 CLOCKED = (CLOCK, RESET)

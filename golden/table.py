@@ -259,7 +259,7 @@ def _refuse_separator(path: Path, text: str) -> None:
             shown = change.replace("\t", "\\t")
             raise InputError(
                 f"{path}: got {got}, expected a comma{' and decimal points' if decimal else ''}; "
-                f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv makes it so"
+                f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv converts it"
             )
     words = header.split()
     if len(words) > 1 and any(len(line.split()) == len(words) for line in text.splitlines()[1:2]):

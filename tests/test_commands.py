@@ -100,21 +100,6 @@ def ready() -> None:
     ("words", "message"),
     [
         (["demo", "SCENE=digit-singel"], "did you mean 'digit-single'?"),
-        (["vhdl", "SCENE=nowhere.toml"], "scene 'nowhere.toml': no such scene"),
-        (["verilog", "SCENE=finger"], "expected a path to a .toml file or one of"),
-        (["train", "SCENE=finger"], "expected a path to a .toml file or one of"),
-        (["sim", "BLOCK=engin"], "did you mean 'engine'?"),
-        (["sim", "BLOCK=engine", "SIM=modelsim"], "SIM=modelsim: no such simulator, expected"),
-        (["sim", "BLOCK=engine", "SIM=icaru"], "did you mean 'icarus'?"),
-        (["sim", "NETLIST=virtex"], "NETLIST=virtex: no such netlist, expected one of 1, virtex-2"),
-        (["sim", "NETLIST=1", "SIM=ghdl"], "netlists run in icarus alone"),
-        (["mutate", "BLOCK=engin"], "BLOCK=engin: no such block; did you mean 'engine'?"),
-        (
-            ["sim", "NETLIST=ecp5", "RECORD=1"],
-            "every family, expected NETLIST=1 or NETLIST=unknown",
-        ),
-        (["sim", "RECORD=1"], "RECORD=1: got no NETLIST, expected 1 or unknown"),
-        (["sim", "FRAMES=0"], "FRAMES=0: expected a whole number, 1 to"),
         (["sim", "BLOCK=hybrid", "SEED=one"], "SEED=one: expected a whole number, 0 to"),
     ],
 )

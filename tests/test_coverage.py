@@ -12,7 +12,7 @@ from shared import Shared
 from golden.activation.abs_unit import AbsUnit
 from golden.block import Block
 from golden.border import Border, State
-from golden.port import Unsigned, given, taken
+from golden.port import Unsigned, input_port, output_port
 from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, add, missing
 from tb.common.runner import Job, run_job
@@ -77,7 +77,7 @@ class Counter(Block):
 
     @property
     def ports(self):
-        return (taken("in_valid", ""), given("addr", "", Unsigned(2, last=2)))
+        return (input_port("in_valid", ""), output_port("addr", "", Unsigned(2, last=2)))
 
     @property
     def unreachable(self) -> dict[str, str]:

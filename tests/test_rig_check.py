@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import Desk
 
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, faults
 from golden.rig.check import before_training, everything
@@ -19,7 +18,6 @@ from golden.table import read_table, write_table
 from tb.check import check, tools
 from tb.common.cases import random_mlp, write_scene
 
-ROOT = Path(__file__).parents[1]
 NAMES = ["x0", "x1", "x2", "y0", "y1"]
 
 
@@ -233,37 +231,20 @@ def test_missing_tools_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     assert [f.subject for f in tools() if f.verdict == WARNING] == ["ghdl", "iverilog"]
 
 
-# --- the commands
-
-
-def run(*words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-
-
-def test_the_command_ends_with_2_where_there_is_a_fault(path: Path) -> None:
-    done = run("tb.check", str(path), "--build", str(path.parent / "build"))
-    assert (done.returncode, done.stderr) == (0, "")
+def test_the_command_ends_with_2_where_there_is_a_fault(desk: Desk, path: Path) -> None:
+    assert desk.call("check", str(path)) == (0, "")
     no_network(path)
     folder_for_a_file(path)
-    done = run("tb.check", str(path), "--build", str(path.parent / "build"))
-    assert done.returncode == 2
-    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, listed above\n"
+    count = len(faults(findings_of(path)))
+    assert desk.call("check", str(path)) == (2, f"error: {path}: {count} faults, listed above\n")
 
 
-def test_no_search_begins_with_a_fault(path: Path) -> None:
-    """Both faults are reported, and neither network is changed."""
+def test_no_search_begins_with_a_fault(desk: Desk, path: Path) -> None:
+    """Both faults are reported, and nothing is changed, neither a network nor a folder."""
     folder_for_a_file(path)
     column(path, "x1", lambda x: 0 * x)
-    network = path.with_name("rig.npz").read_bytes()
-    done = run("golden.commands.train", str(path), "--build", str(path.parent / "build"))
-    assert done.returncode == 2
-    assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error", "error"]
-    assert "in every row" in done.stderr
-    assert "rig-1.npz: cannot be written: got a folder" in done.stderr
-    assert not (path.parent / "build").exists()
-    assert path.with_name("rig.npz").read_bytes() == network
+    desk.refuses("train", str(path), says="in every row", faults=2)
+    assert "rig-1.npz: cannot be written: got a folder" in desk.call("train", str(path))[1]
 
 
 def test_training_does_not_ask_for_the_networks_that_it_writes(path: Path) -> None:

@@ -306,7 +306,3 @@ def test_the_command(scene: Scene) -> None:
     assert "y1 below" in rows[1]
     assert UNLIKE not in rows[1]
     assert rows[2].endswith(UNLIKE)
-    for words in ((str(scene.path), "", "a.csv"), (str(scene.path), str(source), "")):
-        refused = run(*words)
-        assert refused.returncode == 2
-        assert "=: missing, expected a .csv file" in refused.stderr

@@ -364,12 +364,6 @@ def test_the_command_says_what_it_saw_and_writes(tmp_path: Path) -> None:
     assert "  who    left out  no numbers, line 2 holds 'me'" in done.stdout
     assert f"wrote {tmp_path / 'rig.toml'}: 2 networks in cascade, 3 sensors" in done.stdout
     assert read_table(path, ["s1"]).shape == (60, 1)
-    again = run(str(path), "force,place")
-    assert again.returncode == 2
-    assert (
-        again.stderr == f"error: {tmp_path / 'rig.toml'}: is there already; choose another "
-        "name with TO=\n"
-    )
 
 
 def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
@@ -379,21 +373,6 @@ def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert [line.partition(": ")[0] for line in done.stderr.splitlines()] == ["error"] * 3
     assert not path.with_suffix(".toml").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["", "force"], "CSV=: missing"),
-        (["nowhere.csv", "force"], "nowhere.csv: no such file"),
-        (["docs/tutorial/readings.csv", "force", "--to", "rig.txt"], "got the ending '.txt'"),
-    ],
-)
-def test_words_that_cannot_be(words: list[str], message: str) -> None:
-    done = run(*words)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
 
 
 def test_an_editor_finds_the_schema_of_what_is_written(tmp_path: Path) -> None:

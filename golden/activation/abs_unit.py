@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, Fix
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,13 @@ class AbsUnit(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a code"),
-            taken("in_data", "code", self.fmt, "fmt"),
-            given("out_valid", "`out_mag` and `out_negative` hold a result"),
-            given("out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac), "mag_width"),
-            given("out_negative", "the code was below 0"),
+            input_port("in_valid", "`in_data` holds a code"),
+            input_port("in_data", "code", self.fmt, "fmt"),
+            output_port("out_valid", "`out_mag` and `out_negative` hold a result"),
+            output_port(
+                "out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac), "mag_width"
+            ),
+            output_port("out_negative", "the code was below 0"),
         )
 
     @property

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import Border, border_among
 from golden.fixed import Codes, Fix
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ class ActivationBlock(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a code"),
-            taken("in_data", "q, or q / Q where sums are normalised", self.in_fmt, "in_fmt"),
-            given("out_valid", "`out_data` holds a result"),
-            given(
+            input_port("in_valid", "`in_data` holds a code"),
+            input_port("in_data", "q, or q / Q where sums are normalised", self.in_fmt, "in_fmt"),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port(
                 "out_data", "r, which stays at least as long as the input", self.out_fmt, "out_fmt"
             ),
         )

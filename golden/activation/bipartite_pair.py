@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, group, taken
+from golden.port import CLOCKED, Port, group, input_port, output_port
 
 NODES = 2
 
@@ -47,10 +47,10 @@ class BipartitePair(Block):
         node = self.activation
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a code of either node"),
-            *group(taken("in_data", "q of node *", node.in_fmt, "in_fmt"), NODES),
-            given("out_valid", "`out_data` holds a result of either node"),
-            *group(given("out_data", "r of node *", node.out_fmt, "out_fmt"), NODES),
+            input_port("in_valid", "`in_data` holds a code of either node"),
+            *group(input_port("in_data", "q of node *", node.in_fmt, "in_fmt"), NODES),
+            output_port("out_valid", "`out_data` holds a result of either node"),
+            *group(output_port("out_data", "r of node *", node.out_fmt, "out_fmt"), NODES),
         )
 
     @property

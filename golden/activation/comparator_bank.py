@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, check_unsigned
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -63,16 +63,16 @@ class ComparatorBank(Block):
         mag = Unsigned(self.mag_width)
         return (
             *CLOCKED,
-            taken("in_valid", "`in_mag` holds a magnitude"),
-            taken("in_mag", "magnitude of q, with its fraction bits", mag, "mag_width"),
-            given("out_valid", "`out_addr` and `out_mag` hold a result"),
-            given(
+            input_port("in_valid", "`in_mag` holds a magnitude"),
+            input_port("in_mag", "magnitude of q, with its fraction bits", mag, "mag_width"),
+            output_port("out_valid", "`out_addr` and `out_mag` hold a result"),
+            output_port(
                 "out_addr",
                 "segment number less one, which is the number of thresholds exceeded",
                 Unsigned(self.addr_width, last=len(self.thresholds)),
                 "addr_width",
             ),
-            given("out_mag", "`in_mag`, one clock later", mag, "mag_width"),
+            output_port("out_mag", "`in_mag`, one clock later", mag, "mag_width"),
         )
 
     @property

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, Fix, Rounding, check_unsigned
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -78,22 +78,24 @@ class GradEqn(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "the three operands belong together and are valid"),
-            taken("in_mag", "magnitude of q", Unsigned(self.mag_width, self.mag_frac), "mag_width"),
-            taken(
+            input_port("in_valid", "the three operands belong together and are valid"),
+            input_port(
+                "in_mag", "magnitude of q", Unsigned(self.mag_width, self.mag_frac), "mag_width"
+            ),
+            input_port(
                 "in_coeff",
                 "gradient G_n",
                 Unsigned(self.coeff_width, self.coeff_frac),
                 "coeff_width",
             ),
-            taken(
+            input_port(
                 "in_intercept",
                 "intercept i_n",
                 Unsigned(self.intercept_width, self.intercept_frac),
                 "intercept_width",
             ),
-            given("out_valid", "`out_data` holds a result"),
-            given(
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port(
                 "out_data",
                 "magnitude of the activation",
                 Unsigned(self.out_fmt.width - 1, self.out_fmt.frac),

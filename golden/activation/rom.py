@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned, real_texts
 from golden.input_error import InputError
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ class Rom(Block):
     def ports(self) -> tuple[Port, ...]:
         address, word = self.port_meanings
         return (
-            taken("addr", address, Unsigned(self.addr_width), "addr_width"),
-            given("word", word, Unsigned(self.width, self.frac), "width"),
+            input_port("addr", address, Unsigned(self.addr_width), "addr_width"),
+            output_port("word", word, Unsigned(self.width, self.frac), "width"),
         )
 
     @property

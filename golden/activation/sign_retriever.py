@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class SignRetriever(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_mag` and `in_negative` are valid"),
-            taken(
+            input_port("in_valid", "`in_mag` and `in_negative` are valid"),
+            input_port(
                 "in_mag", "magnitude", Unsigned(self.fmt.width - 1, self.fmt.frac), "fmt.width - 1"
             ),
-            taken("in_negative", "the result is to be negative"),
-            given("out_valid", "`out_data` holds a result"),
-            given("out_data", "the magnitude with its sign", self.fmt, "fmt"),
+            input_port("in_negative", "the result is to be negative"),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port("out_data", "the magnitude with its sign", self.fmt, "fmt"),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.border import Border, State
 from golden.engine.pipeline import Pipeline
 from golden.input_error import InputError
 from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ class FrameCheck(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *JUDGED,
-            taken("store", "a result is ready; only while `run` is high"),
-            taken("finish", "the last output of the frame leaves"),
-            given("start", "the program's first step is done in the next clock"),
-            given("run", "a frame is computed"),
-            given("write", "high one clock after an accepted sample or a result"),
-            given(
+            input_port("store", "a result is ready; only while `run` is high"),
+            input_port("finish", "the last output of the frame leaves"),
+            output_port("start", "the program's first step is done in the next clock"),
+            output_port("run", "a frame is computed"),
+            output_port("write", "high one clock after an accepted sample or a result"),
+            output_port(
                 "write_addr",
                 "address of that sample or result",
                 Unsigned(self.addr_width),

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.engine.pipeline import Pipeline
 from golden.fixed import Codes
 from golden.layers.frame_judge import JUDGED
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,16 @@ class FrameGuard(Block):
         addr = Unsigned(self.addr_width)
         return (
             *JUDGED,
-            taken("halt", "no frame is accepted; never high while `busy` is"),
-            taken("before_last", "samples of a frame minus 2", addr, "addr_width"),
-            taken("store", "a result is ready; only while `run` is high"),
-            taken("finish", "the last output of the frame leaves"),
-            given("start", "the program's first step is done in the next clock"),
-            given("run", "a frame is computed"),
-            given("busy", "a frame is being computed or is about to be"),
-            given("write", "high one clock after an accepted sample or a result"),
-            given("write_addr", "address of that sample or result", addr, "addr_width"),
-            given("frame_error", "high for one clock, one clock after what breaks a frame"),
+            input_port("halt", "no frame is accepted; never high while `busy` is"),
+            input_port("before_last", "samples of a frame minus 2", addr, "addr_width"),
+            input_port("store", "a result is ready; only while `run` is high"),
+            input_port("finish", "the last output of the frame leaves"),
+            output_port("start", "the program's first step is done in the next clock"),
+            output_port("run", "a frame is computed"),
+            output_port("busy", "a frame is being computed or is about to be"),
+            output_port("write", "high one clock after an accepted sample or a result"),
+            output_port("write_addr", "address of that sample or result", addr, "addr_width"),
+            output_port("frame_error", "high for one clock, one clock after what breaks a frame"),
         )
 
     @property

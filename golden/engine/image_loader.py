@@ -13,7 +13,7 @@ from golden.border import State
 from golden.engine.image import BEFORE_LAST, CHECK_BYTES, LAST_ADDR, WORD_BYTES
 from golden.engine.program import WORD_WIDTH
 from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -73,27 +73,27 @@ class ImageLoader(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("load_valid", "`load_data` holds a byte of an image"),
-            taken("load_data", "the byte", Unsigned(8)),
-            taken("load_last", "the byte is the last of the image"),
-            taken("busy", "a frame is computed, so bytes must wait"),
-            given("load_ready", "a byte is taken in this clock if there is one"),
-            given("halt", "no frame is accepted in this clock"),
-            given("write", "`word` is written to the program memory"),
-            given(
+            input_port("load_valid", "`load_data` holds a byte of an image"),
+            input_port("load_data", "the byte", Unsigned(8)),
+            input_port("load_last", "the byte is the last of the image"),
+            input_port("busy", "a frame is computed, so bytes must wait"),
+            output_port("load_ready", "a byte is taken in this clock if there is one"),
+            output_port("halt", "no frame is accepted in this clock"),
+            output_port("write", "`word` is written to the program memory"),
+            output_port(
                 "write_addr",
                 "address of `word`",
                 Unsigned(self.program_addr_width),
                 "program_addr_width",
             ),
-            given("word", "a word of the image", Unsigned(WORD_WIDTH)),
-            given(
+            output_port("word", "a word of the image", Unsigned(WORD_WIDTH)),
+            output_port(
                 "before_last",
                 "samples of a frame minus 2",
                 Unsigned(self.operand_addr_width),
                 "operand_addr_width",
             ),
-            given("image_error", "the last image was not valid"),
+            output_port("image_error", "the last image was not valid"),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.engine.fields import signed_code
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -32,17 +32,17 @@ class MultiplyAccumulate(Accumulator):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("operand", "multiplicand", WORD),
-            taken(
+            input_port("operand", "multiplicand", WORD),
+            input_port(
                 "weight",
                 "weight of the program, or 0 if the table gives the coefficient",
                 Unsigned(WIDTH),
             ),
-            taken("take_intercept", "take the intercept of the table, not its slope"),
-            taken("table_word", "intercept and slope, or 0", Unsigned(PRODUCT_WIDTH)),
-            taken("first", "two clocks after an operand: its product starts a sum"),
-            taken("first_of_output", "its product starts the sum of an output"),
-            given("acc", "the sum, four clocks after the operand", Fix(self.acc_width, 0)),
+            input_port("take_intercept", "take the intercept of the table, not its slope"),
+            input_port("table_word", "intercept and slope, or 0", Unsigned(PRODUCT_WIDTH)),
+            input_port("first", "two clocks after an operand: its product starts a sum"),
+            input_port("first_of_output", "its product starts the sum of an output"),
+            output_port("acc", "the sum, four clocks after the operand", Fix(self.acc_width, 0)),
         )
 
     @property

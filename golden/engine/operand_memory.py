@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.engine.formats import WIDTH
 from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 WORD = Fix(WIDTH, 0)
 
@@ -41,11 +41,11 @@ class OperandMemory(Block):
         addr = Unsigned(self.addr_width)
         return (
             CLOCK,
-            taken("write", "`data` is written"),
-            taken("write_addr", "address of the write", addr, "addr_width"),
-            taken("data", "a sample or a result, whose format is that of its neuron", WORD),
-            taken("read_addr", "address of the read", addr, "addr_width"),
-            given(
+            input_port("write", "`data` is written"),
+            input_port("write_addr", "address of the write", addr, "addr_width"),
+            input_port("data", "a sample or a result, whose format is that of its neuron", WORD),
+            input_port("read_addr", "address of the read", addr, "addr_width"),
+            output_port(
                 "word",
                 f"the word at `read_addr`, {self.latency} clock{'s' * (self.latency > 1)} later",
                 WORD,

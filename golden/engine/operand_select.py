@@ -13,7 +13,7 @@ from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class OperandSelect(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("word", "word that was read", WORD),
-            taken(
+            input_port("word", "word that was read", WORD),
+            input_port(
                 "kind",
                 "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
                 Unsigned(2),
             ),
-            given("operand", "operand, registered", WORD),
+            output_port("operand", "operand, registered", WORD),
         )
 
     @property

@@ -13,7 +13,7 @@ from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from golden.engine.replay import CLEAR, SIGN
 from golden.fixed import Codes
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -39,16 +39,18 @@ class PlaneSelect(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("word", "word that was read", WORD),
-            taken("plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)),
-            taken(
+            input_port("word", "word that was read", WORD),
+            input_port(
+                "plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)
+            ),
+            input_port(
                 "kind",
                 "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
                 Unsigned(2),
             ),
-            given("take_weight", "the weight of the program counts; one clock after `word`"),
-            given("look_up", "the word of the table counts; one clock after `word`"),
-            given("subtract", "the coefficient is subtracted; one clock after `word`"),
+            output_port("take_weight", "the weight of the program counts; one clock after `word`"),
+            output_port("look_up", "the word of the table counts; one clock after `word`"),
+            output_port("subtract", "the coefficient is subtracted; one clock after `word`"),
         )
 
     @property

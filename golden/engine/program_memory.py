@@ -11,7 +11,7 @@ from golden.border import State
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import ProgramWords, Stepped, counters, later
 from golden.fixed import Codes
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,11 @@ class ProgramMemory(ProgramWords, Stepped):
         word = Unsigned(WORD_WIDTH)
         return (
             *self.counter_ports,
-            taken("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
-            given("word", f"the word at the counter, {later(self.latency)}", word),
-            given("table_word", f"the word at `segment`, {later(self.look_up_latency)}", word),
+            input_port("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
+            output_port("word", f"the word at the counter, {later(self.latency)}", word),
+            output_port(
+                "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
+            ),
         )
 
     def process(

@@ -12,7 +12,7 @@ from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import Stepped, counters, later
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -60,19 +60,23 @@ class ProgramRam(Stepped):
         word = Unsigned(WORD_WIDTH)
         return (
             *self.counter_ports,
-            taken(
+            input_port(
                 "look_up",
                 "the word at `segment` is read; otherwise, and in a write, `table_word` is 0",
             ),
-            taken("write", "`data` is written, and nothing is read"),
-            taken("write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"),
-            taken("data", "a word of an image", word),
-            given(
+            input_port("write", "`data` is written, and nothing is read"),
+            input_port(
+                "write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"
+            ),
+            input_port("data", "a word of an image", word),
+            output_port(
                 "word",
                 f"the word at the counter, {later(self.latency)}; unchanged by a write",
                 word,
             ),
-            given("table_word", f"the word at `segment`, {later(self.look_up_latency)}", word),
+            output_port(
+                "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
+            ),
         )
 
     @property

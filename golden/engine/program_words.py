@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,12 @@ class Stepped(Block):
         segment = Unsigned(self.segment_addr_width)
         return (
             *CLOCKED,
-            taken("start", "the counter steps"),
-            taken("run", "the counter steps; otherwise it rests at the first word of the program"),
-            taken("finish", "the counter returns to the first word of the program"),
-            taken("segment", "address of a word of the table", segment, "segment_addr_width"),
+            input_port("start", "the counter steps"),
+            input_port(
+                "run", "the counter steps; otherwise it rests at the first word of the program"
+            ),
+            input_port("finish", "the counter returns to the first word of the program"),
+            input_port("segment", "address of a word of the table", segment, "segment_addr_width"),
         )
 
     @property

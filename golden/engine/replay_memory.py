@@ -15,7 +15,7 @@ from golden.engine.program_words import ProgramWords
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import ALL, DEEP, END, WIDE
 from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -40,25 +40,25 @@ class ReplayMemory(ProgramWords):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken(
+            input_port(
                 "run", "words are read; otherwise the first word of the program in the first plane"
             ),
-            taken("finish", "from the next clock on the same as without `run`"),
-            taken(
+            input_port("finish", "from the next clock on the same as without `run`"),
+            input_port(
                 "segment",
                 "address of a slope or an intercept",
                 Unsigned(self.segment_addr_width),
                 "segment_addr_width",
             ),
-            taken("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
-            given("word", "word of the program", Unsigned(WORD_WIDTH)),
-            given(
+            input_port("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
+            output_port("word", "word of the program", Unsigned(WORD_WIDTH)),
+            output_port(
                 "plane",
                 "plane of `word`: one bit of 19 is set; the highest clears the sum",
                 Unsigned(CLEAR + 1),
             ),
-            given("first", "`word` is the first of its pass"),
-            given("table_word", "the word at `segment`, 1 clock later", Unsigned(WIDTH)),
+            output_port("first", "`word` is the first of its pass"),
+            output_port("table_word", "the word at `segment`, 1 clock later", Unsigned(WIDTH)),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.border import Border
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, given, taken
+from golden.port import CLOCK, Port, input_port, output_port
 from golden.precision import SIGNAL
 
 
@@ -38,10 +38,10 @@ class RoundSaturate(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("run", "a frame is computed"),
-            taken("acc", "the sum", Fix(self.acc_width, 0)),
-            taken("sample", "sample x", SIGNAL),
-            given("word", "word for the operand memory, one clock later", WORD),
+            input_port("run", "a frame is computed"),
+            input_port("acc", "the sum", Fix(self.acc_width, 0)),
+            input_port("sample", "sample x", SIGNAL),
+            output_port("word", "word for the operand memory, one clock later", WORD),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.engine.fields import signed_code
 from golden.engine.formats import WIDTH
 from golden.engine.replay import CLEAR, HALF_OUTPUT_PLANE, HALF_PLANE
 from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -32,16 +32,18 @@ class SerialAccumulate(Accumulator):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("weight", "weight of the program", Unsigned(WIDTH)),
-            taken("take_weight", "`weight` counts"),
-            taken("subtract", "the coefficient is subtracted"),
-            taken("plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)),
-            taken("first", "the word is the first of its pass"),
-            taken("of_output", "the sum is that of an output"),
-            taken(
+            input_port("weight", "weight of the program", Unsigned(WIDTH)),
+            input_port("take_weight", "`weight` counts"),
+            input_port("subtract", "the coefficient is subtracted"),
+            input_port(
+                "plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)
+            ),
+            input_port("first", "the word is the first of its pass"),
+            input_port("of_output", "the sum is that of an output"),
+            input_port(
                 "table_word", "word of the table, or 0; one clock after `weight`", Unsigned(WIDTH)
             ),
-            given("acc", "the sum, three clocks later", Fix(self.acc_width, 0)),
+            output_port("acc", "the sum, three clocks later", Fix(self.acc_width, 0)),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.border import Border
 from golden.engine.formats import HIDDEN
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCK, Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ class TableAddress(Block):
         addr = Unsigned(self.addr_width, last=last)
         return (
             CLOCK,
-            taken("q", "a hidden sum", HIDDEN),
-            given("addr", "segment of q, one clock later", addr, "addr_width"),
+            input_port("q", "a hidden sum", HIDDEN),
+            output_port("addr", "segment of q, one clock later", addr, "addr_width"),
         )
 
     @property

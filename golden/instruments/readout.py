@@ -11,7 +11,7 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
-from golden.port import Port, given, group
+from golden.port import Port, group, output_port
 from golden.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
@@ -77,15 +77,17 @@ class Readout(Network):
     @property
     def result_ports(self) -> tuple[Port, ...]:
         """The ports of the held outputs and, where one is drawn, of the profile."""
-        held = group(given("held", "output *, until the next of its kind", SIGNAL), self.outputs)
+        held = group(
+            output_port("held", "output *, until the next of its kind", SIGNAL), self.outputs
+        )
         if self.load_profile is None:
             return held
         return (
             *held,
-            given("profile_valid", "`profile_x` and `profile_y` hold a new point"),
-            given("profile_x", "i_p, which stays until the next point", SIGNAL),
-            given("profile_y", "f(i_p), which stays until the next point", SIGNAL),
-            given("profile_last", "the point is the last of the ramp; high for one clock"),
+            output_port("profile_valid", "`profile_x` and `profile_y` hold a new point"),
+            output_port("profile_x", "i_p, which stays until the next point", SIGNAL),
+            output_port("profile_y", "f(i_p), which stays until the next point", SIGNAL),
+            output_port("profile_last", "the point is the last of the ramp; high for one clock"),
         )
 
     @property

@@ -19,7 +19,7 @@ from golden.link.packets import image_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
 from golden.networks.engine import Engine
-from golden.port import Port, given, taken
+from golden.port import Port, input_port, output_port
 from golden.precision import SIGNAL
 from golden.visualisation.pulse_density import PulseDensity
 
@@ -84,10 +84,14 @@ class UartInstrument(ConverterInstrument):
         dac = ("x", "i_p"), ("y", "f(i_p)")
         return (
             *own[:6],
-            *([taken("rx", "from the computer: images; comes at any time")] if self.reload else []),
-            given("tx", "to the computer: packets; from a register"),
             *(
-                given(f"dac_{axis}", f"the density of its ones is {name}; from a register")
+                [input_port("rx", "from the computer: images; comes at any time")]
+                if self.reload
+                else []
+            ),
+            output_port("tx", "to the computer: packets; from a register"),
+            *(
+                output_port(f"dac_{axis}", f"the density of its ones is {name}; from a register")
                 for axis, name in dac
                 if self.analogue
             ),

@@ -17,7 +17,7 @@ from golden.input_error import InputError
 from golden.layers.closest import closest
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
-from golden.port import CLOCK, Port, given, group, taken
+from golden.port import CLOCK, Port, group, input_port, output_port
 from golden.precision import FACTOR_LIMIT
 
 # Dropped bits move a result by a unit or so, so a sum in the middle between two results may still
@@ -150,8 +150,8 @@ class ConstantMatrix(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            *group(taken("in_data", "sample *", self.in_fmt, "in_fmt"), self.inputs),
-            *group(given("out_data", "result *", self.out_fmt, "out_fmt"), len(self.weights)),
+            *group(input_port("in_data", "sample *", self.in_fmt, "in_fmt"), self.inputs),
+            *group(output_port("out_data", "result *", self.out_fmt, "out_fmt"), len(self.weights)),
         )
 
     @property

@@ -9,15 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.fixed import Codes
-from golden.port import CLOCKED, given, taken
+from golden.port import CLOCKED, input_port, output_port
 
 # The ports of the stream that is judged, and the port that reports a wrong frame.
 JUDGED = (
     *CLOCKED,
-    taken("in_valid", "the stream holds a sample"),
-    taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+    input_port("in_valid", "the stream holds a sample"),
+    input_port("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
 )
-BROKEN = given("frame_error", "high for one clock, one clock after the sample that breaks a frame")
+BROKEN = output_port(
+    "frame_error", "high for one clock, one clock after the sample that breaks a frame"
+)
 
 
 @dataclass(frozen=True)

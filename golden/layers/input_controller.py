@@ -10,7 +10,7 @@ from golden.block import Block
 from golden.border import Border, State
 from golden.input_error import InputError
 from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
-from golden.port import Port, Unsigned, given
+from golden.port import Port, Unsigned, output_port
 
 
 @dataclass(frozen=True)
@@ -63,16 +63,16 @@ class InputController(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *JUDGED,
-            given(
+            output_port(
                 "addr",
                 "position of the sample in its frame, in the same clock",
                 Unsigned(self.addr_width, last=self.inputs - 1),
                 "addr_width",
             ),
-            given("preset", "two clocks after the first sample of a frame"),
-            given("accumulate", "two clocks after each accepted sample"),
-            given("capture", "three clocks after the last sample of a good frame"),
-            given(
+            output_port("preset", "two clocks after the first sample of a frame"),
+            output_port("accumulate", "two clocks after each accepted sample"),
+            output_port("capture", "three clocks after the last sample of a good frame"),
+            output_port(
                 "out_valid",
                 "four clocks after the last sample: the nodes hold the sums of the frame",
             ),

@@ -13,7 +13,7 @@ from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.input_node import InputNode
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import WeightedSum
-from golden.port import CLOCK, Port, Unsigned, given, group, taken
+from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class InputIntegral(WeightedSum):
     @property
     def ports(self) -> tuple[Port, ...]:
         node = self.node
-        q = given(
+        q = output_port(
             "out_q",
             "hidden node *: q, or q / Q where sums are normalised; held until the next `capture`",
             self.out_fmt,
@@ -86,7 +86,7 @@ class InputIntegral(WeightedSum):
         return (
             CLOCK,
             node.sample,
-            taken(
+            input_port(
                 "addr",
                 "position of the sample in its frame, in the same clock",
                 Unsigned(self.addr_width, last=self.inputs - 1),

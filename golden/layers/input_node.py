@@ -11,7 +11,7 @@ from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum
-from golden.port import CLOCK, Port, given, taken
+from golden.port import CLOCK, Port, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -43,18 +43,20 @@ class InputNode(WeightedSum):
     @property
     def sample(self) -> Port:
         """The sample that all nodes of a layer share."""
-        return taken("in_data", "a sample", self.in_fmt, "in_fmt")
+        return input_port("in_data", "a sample", self.in_fmt, "in_fmt")
 
     @property
     def controls(self) -> tuple[Port, ...]:
         """The signals with which CONTROLLER 1 controls all nodes of a layer."""
         return (
-            taken(
+            input_port(
                 "preset",
                 "two clocks after the first sample of a frame: add its product to the bias",
             ),
-            taken("accumulate", "two clocks after each sample: take the sum into the accumulator"),
-            taken(
+            input_port(
+                "accumulate", "two clocks after each sample: take the sum into the accumulator"
+            ),
+            input_port(
                 "capture",
                 "one clock after the last `accumulate` of a frame: hand the sum to the output",
             ),
@@ -65,10 +67,12 @@ class InputNode(WeightedSum):
         return (
             CLOCK,
             self.sample,
-            taken("weight", "weight of the sample, in the same clock", self.coeff_fmt, "coeff_fmt"),
-            taken("bias", "bias, in the clock of `preset`", self.coeff_fmt, "coeff_fmt"),
+            input_port(
+                "weight", "weight of the sample, in the same clock", self.coeff_fmt, "coeff_fmt"
+            ),
+            input_port("bias", "bias, in the clock of `preset`", self.coeff_fmt, "coeff_fmt"),
             *self.controls,
-            given(
+            output_port(
                 "out_data",
                 "q, or q / Q where sums are normalised; held until the next `capture`",
                 self.out_fmt,

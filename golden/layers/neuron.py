@@ -11,7 +11,7 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import tree_depth
-from golden.port import CLOCK, Port, given, group, taken
+from golden.port import CLOCK, Port, group, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Neuron(NodeSum):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        samples = taken("in_data", "sample *", self.in_fmt, "in_fmt")
+        samples = input_port("in_data", "sample *", self.in_fmt, "in_fmt")
         return (
             CLOCK,
             *group(samples, len(self.weights)),
-            given(
+            output_port(
                 "out_data",
                 "q of a hidden neuron, or q / Q where sums are normalised; y of an output",
                 self.out_fmt,

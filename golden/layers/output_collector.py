@@ -10,7 +10,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, group, taken
+from golden.port import CLOCKED, Port, group, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,11 @@ class OutputCollector(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "the results of a frame are there, for this clock"),
-            *group(taken("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
-            given("out_valid", "`out_data` holds a result"),
-            given("out_data", "result, in the order of the networks", self.fmt, "fmt"),
-            given("out_last", "the result is the last of the frame"),
+            input_port("in_valid", "the results of a frame are there, for this clock"),
+            *group(input_port("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port("out_data", "result, in the order of the networks", self.fmt, "fmt"),
+            output_port("out_last", "the result is the last of the frame"),
         )
 
     @property

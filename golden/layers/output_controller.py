@@ -9,7 +9,7 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -52,18 +52,18 @@ class OutputController(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken(
+            input_port(
                 "in_valid",
                 "one clock long: the activations of a frame are valid for `outputs` clocks",
             ),
-            given(
+            output_port(
                 "addr",
                 "row of weights, 0 in the clock of `in_valid`, then one row a clock",
                 Unsigned(self.addr_width, last=self.outputs - 1),
                 "addr_width",
             ),
-            given("out_valid", "`addr` holds a row"),
-            given("out_last", "the row is the last of the frame"),
+            output_port("out_valid", "`addr` holds a row"),
+            output_port("out_last", "the row is the last of the frame"),
         )
 
     @property

@@ -11,7 +11,7 @@ from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
 from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum, tree_depth
-from golden.port import CLOCKED, Port, Unsigned, given, group, taken
+from golden.port import CLOCKED, Port, Unsigned, group, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -59,21 +59,23 @@ class OutputIntegral(WeightedSum):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        r = taken("in_r", "r of hidden node *", self.in_fmt, "in_fmt")
+        r = input_port("in_r", "r of hidden node *", self.in_fmt, "in_fmt")
         return (
             *CLOCKED,
-            taken("in_valid", "`in_addr` holds a row, and the activations belong to its frame"),
-            taken("in_last", "the row is the last of the frame"),
-            taken(
+            input_port(
+                "in_valid", "`in_addr` holds a row, and the activations belong to its frame"
+            ),
+            input_port("in_last", "the row is the last of the frame"),
+            input_port(
                 "in_addr",
                 "row, 0 to outputs - 1",
                 Unsigned(self.addr_width, last=self.outputs - 1),
                 "addr_width",
             ),
             *group(r, self.hidden),
-            given("out_valid", "`out_data` holds an output"),
-            given("out_data", "output y", self.out_fmt, "out_fmt"),
-            given("out_last", "the output is the last of the frame"),
+            output_port("out_valid", "`out_data` holds an output"),
+            output_port("out_data", "output y", self.out_fmt, "out_fmt"),
+            output_port("out_last", "the output is the last of the frame"),
         )
 
     @property

@@ -13,7 +13,7 @@ from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.link.packets import IMAGE, SYNC, kind_byte
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 # The states of a packet: waiting for SYNC, the kind, two bytes of the length, and the image.
 PLACES = 5
@@ -79,12 +79,12 @@ class ImageReceiver(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a byte from the line"),
-            taken("in_data", "the byte", Unsigned(8)),
-            taken("load_ready", "a byte of the image is taken in this clock"),
-            given("load_valid", "`load_data` holds a byte of an image, until it is taken"),
-            given("load_data", "the byte", Unsigned(8)),
-            given("load_last", "the byte is the last of the image"),
+            input_port("in_valid", "`in_data` holds a byte from the line"),
+            input_port("in_data", "the byte", Unsigned(8)),
+            input_port("load_ready", "a byte of the image is taken in this clock"),
+            output_port("load_valid", "`load_data` holds a byte of an image, until it is taken"),
+            output_port("load_data", "the byte", Unsigned(8)),
+            output_port("load_last", "the byte is the last of the image"),
         )
 
     @property

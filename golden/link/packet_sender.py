@@ -13,7 +13,7 @@ from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.precision import SIGNAL
 
 # The number of a point has one byte.
@@ -96,30 +96,30 @@ class PacketSender(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         errors = (
-            taken("frame_error", "a frame is refused in this clock"),
-            taken("image_error", "the last image was not valid"),
-            taken("line_error", "a byte without a stop bit came; high for one clock"),
+            input_port("frame_error", "a frame is refused in this clock"),
+            input_port("image_error", "the last image was not valid"),
+            input_port("line_error", "a byte without a stop bit came; high for one clock"),
         )
         drawn = (
-            taken("profile_valid", "`profile_x` and `profile_y` hold a new point"),
-            taken("profile_x", "i_p", SIGNAL),
-            taken("profile_y", "f(i_p)", SIGNAL),
-            taken("profile_last", "the point is the last of the ramp"),
+            input_port("profile_valid", "`profile_x` and `profile_y` hold a new point"),
+            input_port("profile_x", "i_p", SIGNAL),
+            input_port("profile_y", "f(i_p)", SIGNAL),
+            input_port("profile_last", "the point is the last of the ramp"),
         )
         return (
             *CLOCKED,
-            taken("sample_valid", "`sample_data` holds an element of the network's frame"),
-            taken("sample_data", "the samples, and in a cascade slots", SIGNAL),
-            taken("sample_last", "the element is the last of the frame"),
-            taken("result_valid", "`result_data` holds an output"),
-            taken("result_data", "output y", SIGNAL),
-            taken("result_last", "the output is the last of the frame"),
-            taken("converter_error", "no frame leaves the reader"),
+            input_port("sample_valid", "`sample_data` holds an element of the network's frame"),
+            input_port("sample_data", "the samples, and in a cascade slots", SIGNAL),
+            input_port("sample_last", "the element is the last of the frame"),
+            input_port("result_valid", "`result_data` holds an output"),
+            input_port("result_data", "output y", SIGNAL),
+            input_port("result_last", "the output is the last of the frame"),
+            input_port("converter_error", "no frame leaves the reader"),
             *(errors if self.reload else ()),
             *(drawn if self.points else ()),
-            taken("out_ready", "a byte is taken in this clock"),
-            given("out_valid", "`out_data` holds a byte, until it is taken"),
-            given("out_data", "the byte", Unsigned(8)),
+            input_port("out_ready", "a byte is taken in this clock"),
+            output_port("out_valid", "`out_data` holds a byte, until it is taken"),
+            output_port("out_data", "the byte", Unsigned(8)),
         )
 
     @property

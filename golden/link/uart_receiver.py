@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
 from golden.link.uart_transmitter import BYTE_BITS, check_divisor
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -67,10 +67,12 @@ class UartReceiver(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("rx", "the line; comes at any time"),
-            given("out_valid", "`out_data` holds a byte, for this clock"),
-            given("out_data", "the byte, where `out_valid`", Unsigned(8)),
-            given("line_error", "one clock long: a byte without a stop bit, which is dropped"),
+            input_port("rx", "the line; comes at any time"),
+            output_port("out_valid", "`out_data` holds a byte, for this clock"),
+            output_port("out_data", "the byte, where `out_valid`", Unsigned(8)),
+            output_port(
+                "line_error", "one clock long: a byte without a stop bit, which is dropped"
+            ),
         )
 
     @property

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 # A byte has a start bit, eight bits from the lowest on, and a stop bit.
 BYTE_BITS = 10
@@ -60,10 +60,10 @@ class UartTransmitter(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a byte"),
-            taken("in_data", "the byte", Unsigned(8)),
-            given("in_ready", "a byte is taken in this clock if there is one"),
-            given("tx", "the line; from a register"),
+            input_port("in_valid", "`in_data` holds a byte"),
+            input_port("in_data", "the byte", Unsigned(8)),
+            output_port("in_ready", "a byte is taken in this clock if there is one"),
+            output_port("tx", "the line; from a register"),
         )
 
     @property

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
-from golden.port import CLOCK, RESET, Port, given, taken
+from golden.port import CLOCK, RESET, Port, input_port, output_port
 from golden.precision import SIGNAL
 
 # AXI4-Stream carries whole bytes.
@@ -60,18 +60,18 @@ class AxisNetwork(Network):
         return (
             replace(CLOCK, meaning=f"{CLOCK.meaning}: ACLK"),
             replace(RESET, meaning=f"{RESET.meaning}: ARESETn the other way round"),
-            taken("s_axis_tvalid", "`s_axis_tdata` holds a sample"),
-            given("s_axis_tready", "a valid sample is accepted in this clock"),
-            taken(
+            input_port("s_axis_tvalid", "`s_axis_tdata` holds a sample"),
+            output_port("s_axis_tready", "a valid sample is accepted in this clock"),
+            input_port(
                 "s_axis_tdata",
                 f"sample x, {SIGNAL}, in the lower {SIGNAL.width} bits; the upper ones are ignored",
                 TDATA,
             ),
-            taken("s_axis_tlast", "the sample is the last of the frame"),
-            given("m_axis_tvalid", "`m_axis_tdata` holds an output until it is accepted"),
-            taken("m_axis_tready", "a valid output is accepted in this clock"),
-            given("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
-            given("m_axis_tlast", "the output is the last of the frame"),
+            input_port("s_axis_tlast", "the sample is the last of the frame"),
+            output_port("m_axis_tvalid", "`m_axis_tdata` holds an output until it is accepted"),
+            input_port("m_axis_tready", "a valid output is accepted in this clock"),
+            output_port("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
+            output_port("m_axis_tlast", "the output is the last of the frame"),
             frame_error("of the wrong length"),
         )
 

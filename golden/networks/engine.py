@@ -32,7 +32,7 @@ from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.design import Design
 from golden.networks.settings import Settings
-from golden.port import Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, input_port, output_port
 from golden.precision import EXACT
 
 # The kinds of multiplier, the smallest hardware first.
@@ -44,11 +44,11 @@ LEAST_ACC_WIDTH = 38
 # So many bits hold the sums of any scene with weights below 512.
 WHOLE_ACC_WIDTH = 44
 LOAD_PORTS = (
-    taken("load_valid", "`load_data` holds a byte of an image"),
-    taken("load_data", "the byte", Unsigned(8)),
-    taken("load_last", "the byte is the last of the image"),
-    given("load_ready", "a byte is taken in this clock; not while a frame is computed"),
-    given("image_error", "the last image was not valid"),
+    input_port("load_valid", "`load_data` holds a byte of an image"),
+    input_port("load_data", "the byte", Unsigned(8)),
+    input_port("load_last", "the byte is the last of the image"),
+    output_port("load_ready", "a byte is taken in this clock; not while a frame is computed"),
+    output_port("image_error", "the last image was not valid"),
 )
 
 

@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.frame_judge import FrameJudge
-from golden.port import CLOCKED, Port, given, group, taken
+from golden.port import CLOCKED, Port, group, input_port, output_port
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
@@ -41,10 +41,10 @@ class Network(Block):
         if self.stream == "words":
             return (
                 *CLOCKED,
-                taken("in_valid", "`in_data_*` hold the samples of a frame"),
-                *group(taken("in_data", "sample x of sensor *", SIGNAL), self.inputs),
-                given("out_valid", "`out_data_*` hold the outputs of a frame"),
-                *group(given("out_data", "output y, number *", SIGNAL), self.outputs),
+                input_port("in_valid", "`in_data_*` hold the samples of a frame"),
+                *group(input_port("in_data", "sample x of sensor *", SIGNAL), self.inputs),
+                output_port("out_valid", "`out_data_*` hold the outputs of a frame"),
+                *group(output_port("out_data", "output y, number *", SIGNAL), self.outputs),
                 frame_error("that comes too early"),
             )
         return super().ports
@@ -168,18 +168,18 @@ def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
     """
     return (
         *CLOCKED,
-        taken("in_valid", f"`in_data` holds {element}"),
-        taken("in_data", meaning, SIGNAL),
-        taken("in_last", "this is the last element of the frame"),
-        given("out_valid", "`out_data` holds an output"),
-        given("out_data", "output y, in the order of the scene's outputs", SIGNAL),
-        given("out_last", "the output is the last of the frame"),
+        input_port("in_valid", f"`in_data` holds {element}"),
+        input_port("in_data", meaning, SIGNAL),
+        input_port("in_last", "this is the last element of the frame"),
+        output_port("out_valid", "`out_data` holds an output"),
+        output_port("out_data", "output y, in the order of the scene's outputs", SIGNAL),
+        output_port("out_last", "the output is the last of the frame"),
         frame_error(refused),
     )
 
 
 def frame_error(refused: str) -> Port:
     """The port that reports refused frames; its text says which frames those are."""
-    return given(
+    return output_port(
         "frame_error", f"high for one clock for each frame {refused}, which gives no outputs"
     )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
@@ -148,13 +148,13 @@ class ConverterReader(Scan):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("miso", "from the converter, with a pull-up"),
-            given("sclk", "to the converter: clock of the transfer; from a register"),
-            given("cs_n", "to the converter: low for a transfer; from a register"),
-            given("mosi", "to the converter: command; from a register"),
-            given("out_valid", "`out_data` holds a new sample"),
-            given("out_data", "sample, held until the next one", self.fmt, "fmt"),
-            given("out_last", "the sample is the last of the frame"),
+            input_port("miso", "from the converter, with a pull-up"),
+            output_port("sclk", "to the converter: clock of the transfer; from a register"),
+            output_port("cs_n", "to the converter: low for a transfer; from a register"),
+            output_port("mosi", "to the converter: command; from a register"),
+            output_port("out_valid", "`out_data` holds a new sample"),
+            output_port("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            output_port("out_last", "the sample is the last of the frame"),
             error_port(),
         )
 
@@ -238,7 +238,7 @@ class ConverterReader(Scan):
 
 def error_port() -> Port:
     """The port for a converter that is missing or stuck."""
-    return given(
+    return output_port(
         "converter_error",
         "high from a transfer that no converter can have sent to the first scan without one; a "
         "scan with such a transfer gives no frame",

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 from golden.window import Window
 
 
@@ -102,19 +102,19 @@ class FrameWindow(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a sample"),
-            taken("in_data", "sample x, in the order of the scene's sensors", self.fmt, "fmt"),
-            taken("in_last", "the sample is the last of the frame"),
-            given("out_valid", "`out_data` holds an element"),
-            given(
+            input_port("in_valid", "`in_data` holds a sample"),
+            input_port("in_data", "sample x, in the order of the scene's sensors", self.fmt, "fmt"),
+            input_port("in_last", "the sample is the last of the frame"),
+            output_port("out_valid", "`out_data` holds an element"),
+            output_port(
                 "out_data",
                 "a sample of the newest frame or of a past one, in the order of `window.taps`; "
                 "then `slots` elements of any content",
                 self.fmt,
                 "fmt",
             ),
-            given("out_last", "the element is the last of the frame"),
-            given(
+            output_port("out_last", "the element is the last of the frame"),
+            output_port(
                 "frame_error",
                 "high for one clock for each frame of the wrong length or that comes too early, "
                 "which does not enter the past",

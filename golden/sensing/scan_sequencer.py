@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
 
@@ -117,21 +117,21 @@ class ScanSequencer(Scan):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken(
+            input_port(
                 "adc",
                 "code of the converter, of the sensor that `address` selects",
                 self.fmt,
                 "fmt",
             ),
-            given(
+            output_port(
                 "address",
                 "to the analogue multiplexer: sensor that is selected; from a register",
                 Unsigned(self.address_width),
                 "address_width",
             ),
-            given("out_valid", "`out_data` holds a new sample"),
-            given("out_data", "sample, held until the next one", self.fmt, "fmt"),
-            given("out_last", "the sample is the last of the frame"),
+            output_port("out_valid", "`out_data` holds a new sample"),
+            output_port("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            output_port("out_last", "the sample is the last of the frame"),
         )
 
     @property

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -50,19 +50,19 @@ class StreamMultiplexer(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds an element"),
-            taken("in_data", "element", self.fmt, "fmt"),
-            taken("in_last", "the element is the last of the frame"),
-            taken("result_valid", "`result` holds a result"),
-            taken("result", "result, held from the next clock on", self.fmt, "fmt"),
-            given("out_valid", "`out_data` holds an element"),
-            given(
+            input_port("in_valid", "`in_data` holds an element"),
+            input_port("in_data", "element", self.fmt, "fmt"),
+            input_port("in_last", "the element is the last of the frame"),
+            input_port("result_valid", "`result` holds a result"),
+            input_port("result", "result, held from the next clock on", self.fmt, "fmt"),
+            output_port("out_valid", "`out_data` holds an element"),
+            output_port(
                 "out_data",
                 "the element, or the stored result in place of element `slot`",
                 self.fmt,
                 "fmt",
             ),
-            given("out_last", "the element is the last of the frame"),
+            output_port("out_last", "the element is the last of the frame"),
         )
 
     @property

@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -83,21 +83,23 @@ class Divider(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "distance and width are there, for this clock"),
-            taken(
+            input_port("in_valid", "distance and width are there, for this clock"),
+            input_port(
                 "in_distance",
                 "distance from the load",
                 Unsigned(self.distance_width),
                 "distance_width",
             ),
-            taken(
+            input_port(
                 "in_width",
                 "width, with the binary point of the distance",
                 Unsigned(self.width_width),
                 "width_width",
             ),
-            given("out_valid", "`out_data` holds a new quotient"),
-            given("out_data", "quotient t", Unsigned(self.out_width, self.out_frac), "out_width"),
+            output_port("out_valid", "`out_data` holds a new quotient"),
+            output_port(
+                "out_data", "quotient t", Unsigned(self.out_width, self.out_frac), "out_width"
+            ),
         )
 
     @property

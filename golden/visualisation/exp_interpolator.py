@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -50,16 +50,16 @@ class ExpInterpolator(Block):
         word = Unsigned(self.word_width, self.word_width)
         return (
             *CLOCKED,
-            taken("in_valid", "word and offset are there, for this clock"),
-            taken("in_word", "exp(-x0)", word, "word_width"),
-            taken(
+            input_port("in_valid", "word and offset are there, for this clock"),
+            input_port("in_word", "exp(-x0)", word, "word_width"),
+            input_port(
                 "in_offset",
                 "lower bits of x",
                 Unsigned(self.offset_width, self.frac),
                 "offset_width",
             ),
-            given("out_valid", "`out_data` holds a result"),
-            given("out_data", "exp(-x)", word, "word_width"),
+            output_port("out_valid", "`out_data` holds a result"),
+            output_port("out_data", "exp(-x)", word, "word_width"),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.units import POSITION_MM, WIDTH_MM
@@ -93,15 +93,15 @@ class LoadProfile(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "the results of a frame are there, for this clock"),
-            taken("in_load", "load d", self.fmt, "fmt"),
-            taken("in_position", "position i_m", self.fmt, "fmt"),
-            taken("in_width", "width w", self.fmt, "fmt"),
-            taken("in_shape", "shape s", self.fmt, "fmt"),
-            given("out_valid", "`out_x` and `out_y` hold a new point"),
-            given("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
-            given("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
-            given("out_last", "the point is the last of the ramp; high for one clock"),
+            input_port("in_valid", "the results of a frame are there, for this clock"),
+            input_port("in_load", "load d", self.fmt, "fmt"),
+            input_port("in_position", "position i_m", self.fmt, "fmt"),
+            input_port("in_width", "width w", self.fmt, "fmt"),
+            input_port("in_shape", "shape s", self.fmt, "fmt"),
+            output_port("out_valid", "`out_x` and `out_y` hold a new point"),
+            output_port("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
+            output_port("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
+            output_port("out_last", "the point is the last of the ramp; high for one clock"),
         )
 
     @property

@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,13 @@ class PowerFold(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "t and P are there, for this clock"),
-            taken("in_data", "t", Unsigned(self.in_width, self.in_frac), "in_width"),
-            taken("in_power", "P, 1 to `max_power`", Unsigned(self.power_width), "power_width"),
-            given("out_valid", "`out_data` holds a new power"),
-            given(
+            input_port("in_valid", "t and P are there, for this clock"),
+            input_port("in_data", "t", Unsigned(self.in_width, self.in_frac), "in_width"),
+            input_port(
+                "in_power", "P, 1 to `max_power`", Unsigned(self.power_width), "power_width"
+            ),
+            output_port("out_valid", "`out_data` holds a new power"),
+            output_port(
                 "out_data",
                 "t^P, which stays until the clock in which the next pair comes",
                 Unsigned(self.out_width, self.out_frac),

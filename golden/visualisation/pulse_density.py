@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class PulseDensity(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_data", "the code, in every clock", self.fmt, "fmt"),
-            given("out_bit", "the bit; from a register"),
+            input_port("in_data", "the code, in every clock", self.fmt, "fmt"),
+            output_port("out_bit", "the bit; from a register"),
         )
 
     @property

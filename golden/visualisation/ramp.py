@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, given, taken
+from golden.port import CLOCKED, Port, input_port, output_port
 
 # The ramp's constants stay below 2**30, from where on MyHDL converts them wrongly.
 ACC_LIMIT = 30
@@ -95,10 +95,10 @@ class Ramp(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "the next position is requested"),
-            given("out_valid", "`out_data` holds a new position"),
-            given("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
-            given("out_last", "the position is the last of the ramp; held as long as it"),
+            input_port("in_valid", "the next position is requested"),
+            output_port("out_valid", "`out_data` holds a new position"),
+            output_port("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
+            output_port("out_last", "the position is the last of the ramp; held as long as it"),
         )
 
     @property

@@ -35,8 +35,8 @@ class Costs:
     timing : Timing
     share : dict
         See ``shares``.
-    latency_us, frames_per_second : float
-        The latency and the rate at the clock that was reached.
+    frames_per_second : float
+        The rate at the clock that was reached.
     current : bool
         Whether the record belongs to the Verilog that the scene exports now.
     """
@@ -44,7 +44,6 @@ class Costs:
     cells: Cells
     timing: Timing
     share: dict[str, Any]
-    latency_us: float
     frames_per_second: float
     current: bool
 
@@ -60,7 +59,6 @@ def costs(scene: Scene, design: Network) -> Costs | None:
         cells,
         timing,
         shares(scene, design, cells),
-        design.output_clocks[-1] / timing.clock_mhz,
         1e6 * timing.clock_mhz / design.interval,
         verilog == digest(BUILD / scene.name / "verilog"),
     )
