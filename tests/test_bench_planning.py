@@ -94,6 +94,8 @@ def plan(subject: Subject) -> None:
     """Run each test of a bench up to its first play, or to its end if it plays nothing."""
     tests = vars(BENCHES[subject.twin.block]).values()
     for test in [value for value in tests if isinstance(value, TestGenerator)]:
+        if not getattr(test, "applies", lambda _: True)(subject.twin):
+            continue
         with suppress(PlannedError, StopIteration):
             test.func(subject).send(None)
 

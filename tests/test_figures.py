@@ -280,7 +280,7 @@ def test_a_past_helps_and_only_x_is_linear(past) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["clases"], "error: TABLE=clases: no such table, expected one of networks, "),
+        (["clases"], "error: TABLE=clases: no such table, expected one of activations, "),
         (["clases"], "did you mean 'classes'?"),
         (["--seed", "-1", "series"], "error: SEED=-1: expected a whole number, 0 to 4294967295"),
     ],

@@ -218,15 +218,16 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
 
 
 def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> None:
-    """Its own, and those that play what the whole design does; none of a scene without it."""
+    """Its own, those that play the whole design, and those that import the oracles of designs."""
     benches = sources.benches()
     sources.add(TWIN, CODE)
     found = changed(benches, sources.benches())
     asking = {
         (job.scene.name, job.block)
         for job in sources.jobs
-        if job.scene.name == "digit"
-        and kept.asks_for_scene(kept.bench_modules(job.area, job.block))
+        for modules in [kept.bench_modules(job.area, job.block)]
+        if (job.scene.name == "digit" and kept.asks_for_scene(modules))
+        or "golden.networks.oracle" in modules
     }
     assert ("digit", "engine") in asking
     assert found == {("digit", "round_saturate"), *asking}

@@ -88,8 +88,12 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
 
     def chosen(test: Test) -> Test:
         given = os.environ.get(CONFIGURATION)
-        # Outside a simulator a bench is read for its cases and faults.
-        return cocotb.test()(test) if given is None or applies(_under_test(given)) else test
+        if given is not None:
+            return cocotb.test()(test) if applies(_under_test(given)) else test
+        # Outside a simulator a bench is read for its cases and faults, and planned.
+        found = cocotb.test()(test)
+        found.applies = applies
+        return found
 
     return chosen
 
