@@ -7,8 +7,8 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL HARDWARE LABELS LINKS MACHINE NETLIST NOISE ONLY OUTPUT OUTPUTS PAGES PORT PYTHON \
-	RECORD RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
+GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NOISE OUTPUT OUTPUTS PAGES PORT PYTHON \
+	RECORD RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -22,7 +22,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
+.PHONY: help demo test sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
 
 # What is wanted, and of whom, is said once, in tb/commands.py, which needs no environment for this.
 help:
@@ -38,11 +38,8 @@ $(CALLED): $(READY)
 	@$(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) $(if $(MACHINE),tests/machines.py --only="$$MACHINE" --show --whole,tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
-		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
-
-machines: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) tests/machines.py --only="$$ONLY" --tests="$$TESTS" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record) \
+		$(if $(GROUP),--group="$$GROUP") $(if $(MACHINE),--machine="$$MACHINE") --tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs

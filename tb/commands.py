@@ -164,8 +164,8 @@ COMMANDS = (
         "names, or with PAGES=1 those of the documentation. ALL=1 adds every constant of every "
         "scene; "
         "SAMPLE= adds a random part of these tests that takes about so many seconds. RECORD=1 with "
-        "ALL=1 records how long each test takes. MACHINE= runs the tests as they would run on "
-        "another machine.",
+        "ALL=1 records how long each test takes. MACHINE= imitates another machine and runs the "
+        "tests of its group, whose result may differ there; GROUP= chooses a group.",
         (
             TESTS,
             BLOCK,
@@ -174,13 +174,8 @@ COMMANDS = (
             option("SAMPLE", "180"),
             RECORD,
             word("MACHINE", "name"),
+            word("GROUP", "name"),
         ),
-    ),
-    Command(
-        "machines",
-        "Imitates other machines one after the other, and runs on each the tests whose result "
-        "may differ there; WHOLE=1 runs all tests.",
-        (word("ONLY", "name"), TESTS, flag("WHOLE"), ALL),
     ),
     Command(
         "sim",

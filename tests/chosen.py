@@ -7,11 +7,13 @@ import os
 import sys
 from pathlib import Path
 
-from machines import CORES
+from groups import group_of
+from machines import machine_of, run_on
 
 from golden.cli import run, whole, words, would
 from tb.common.where import check_name
 
+CORES = ("-n", "logical", "--dist", "worksteal")
 MOST_SECONDS = 86400
 
 
@@ -22,7 +24,7 @@ def files_of_pages() -> list[str]:
     return [f"tests/{file.name}" for file in marked]
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(prog="make test", description=__doc__)
     parser.add_argument("--tests", default="", help="arguments of pytest, quoted as for a shell")
     parser.add_argument("--block", help="what concerns a block")
@@ -30,6 +32,8 @@ def main() -> None:
     parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
     parser.add_argument("--sample", type=whole("SAMPLE", 1, MOST_SECONDS))
     parser.add_argument("--record", action="store_true", help="with ALL=1, how long its tests take")
+    parser.add_argument("--group", help="the tests whose result a kind of machine may change")
+    parser.add_argument("--machine", help="the machine to imitate; alone, the tests of its group")
     arguments = parser.parse_args()
     command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
     chosen = words("TESTS", arguments.tests)
@@ -38,11 +42,21 @@ def main() -> None:
         chosen += ["--block", arguments.block]
     if arguments.pages:
         chosen += ["-m", "pages", *([] if arguments.tests else files_of_pages())]
-    would(f"run {' '.join(['pytest', *chosen])}")
+    work = f"run {' '.join(['pytest', *chosen])}"
+    machine = None if arguments.machine is None else machine_of(arguments.machine)
+    name = arguments.group
+    if machine and name is None and not chosen:
+        name = machine.group
+    if name is not None:
+        chosen += [f"--deselect=tests/{test}" for test in group_of(name).leaves_out()]
+        work += f" for group {name}"
+    would(f"{work} as on {machine.machine}" if machine else work)
+    if machine:
+        return run_on(machine, name or "")
     command += ["--record"] * arguments.record
     if arguments.sample:
         command += ["--sample", str(arguments.sample)]
-    os.execv(sys.executable, [*command, *chosen])
+    return os.execv(sys.executable, [*command, *chosen])
 
 
 if __name__ == "__main__":

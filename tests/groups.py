@@ -1,8 +1,10 @@
-"""What each kind of machine may change, and which tests of ``make machines`` it runs."""
+"""The groups of tests: what each kind of machine may change, and which tests it runs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from golden.input_error import InputError
 
 
 @dataclass(frozen=True)
@@ -143,4 +145,17 @@ NUMBERS = Group(
     "the last bit of a floating-point result, and what follows from it",
     (SIMULATED, EXPORTED, EXPORTED_AGAIN, READ, STARTED),
 )
-GROUPS = (EVERYTHING, VERSIONS, FILES, ORDER, NUMBERS)
+GROUPS = {group.name: group for group in (EVERYTHING, VERSIONS, FILES, ORDER, NUMBERS)}
+
+
+def group_of(name: str) -> Group:
+    """The group of that name.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if name not in GROUPS:
+        raise InputError(f"GROUP={name}: no such group, expected {', '.join(GROUPS)}")
+    return GROUPS[name]

@@ -61,16 +61,10 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
     given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]
     chosen = [
-        *([f"--block={given['BLOCK']}"] if "BLOCK" in given else []),
+        *(f"--{n.lower()}={given[n]}" for n in ("BLOCK", "GROUP", "MACHINE") if n in given),
         *(["--pages"] if "PAGES" in given else []),
     ]
-    if item.command.name == "machines":
-        return "machines", [f"--only={given.get('ONLY', '')}", *words]
-    return (
-        ("machines", [f"--only={given['MACHINE']}", *words])
-        if "MACHINE" in given
-        else ("chosen", [*chosen, *words])
-    )
+    return "chosen", [*chosen, *words]
 
 
 def call(item: Documented, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:

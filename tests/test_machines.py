@@ -1,116 +1,138 @@
-"""Tests make machines: which tests it runs, what it prints, and what the pages say of it."""
+"""Tests the machines of make test MACHINE=: their matrix, how they run, and what they leave out."""
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
+import chosen
 import machines
 import pytest
 import yaml
-from groups import EVERYTHING, FILES, GROUPS, SIMULATED, Group, Rest
-from machines import MACHINES, NOT_COPIED, ROOT, Machine, copy_checkout, main
+from groups import EVERYTHING, GROUPS, SIMULATED
+from machines import NOT_COPIED, ROOT, WORKFLOW, Machine, has_effect, run_on
 
-OTHERS = {
-    "green": Machine("passes", FILES, {"TZ": "Pacific/Chatham"}),
-    "never": Machine("cannot be", holds="False", needs="another world"),
-    "again": Machine("green by another name", FILES, {"TZ": "Pacific/Chatham"}),
-}
-RESTS = {id(rest): rest for group in GROUPS for rest in group.rests}.values()
+from golden.input_error import InputError
+from golden.machine import SETTINGS
+
+MACHINES = machines.machines()
+RESTS = {id(rest): rest for group in GROUPS.values() for rest in group.rests}.values()
 
 
-@pytest.fixture
-def asks(tmp_path: Path) -> list[str]:
-    """Arguments that run one test, which only passes in the time zone of machine ``green``."""
+def make_test(*variables: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["make", "--no-print-directory", "test", f"VENV={sys.prefix}", *variables],
+        cwd=ROOT,
+        env={name: text for name, text in os.environ.items() if name != "TZ"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_make_test_runs_as_another_machine(tmp_path: Path) -> None:
     test = tmp_path / "test_zone.py"
-    test.write_text("import os\n\ndef test_zone():\n    assert os.environ.get('TZ') == ")
-    with test.open("a") as handle:
-        handle.write(f"{OTHERS['green'].environment['TZ']!r}\n")
-    return ["--tests", f"-p no:cacheprovider {test}"]
+    zone = MACHINES["time-zone"].env["TZ"]
+    test.write_text(f"import os\n\ndef test_zone():\n    assert os.environ.get('TZ') == {zone!r}\n")
+    tests = f"TESTS=-n 0 -p no:cacheprovider {test}"
+    as_machine, as_here = make_test(tests, "MACHINE=time-zone"), make_test(tests)
+    assert (as_machine.returncode, as_here.returncode) == (0, 2)
+    assert "1 passed" in as_machine.stdout
+    assert "1 failed" in as_here.stdout
 
 
-def run(monkeypatch: pytest.MonkeyPatch, folder: Path, *arguments: str) -> int:
-    """Run ``make machines`` with the machines of this test."""
-    monkeypatch.setattr(sys, "argv", ["machines", *arguments])
-    monkeypatch.setattr(machines, "MACHINES", OTHERS | {"red": Machine("nothing changed")})
-    monkeypatch.setattr(machines, "LOGS", folder / "logs")
-    monkeypatch.delenv("TZ", raising=False)
-    return main()
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("--machine=lokale", "MACHINE=lokale: no such machine, expected numpy-avx2, "),
+        ("--machine=--help", "MACHINE=--help: no such machine, expected numpy-avx2, "),
+        ("--group=letters", "GROUP=letters: no such group, expected everything, versions, "),
+    ],
+)
+def test_an_unknown_name_is_refused(
+    monkeypatch: pytest.MonkeyPatch, word: str, message: str
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["chosen", word])
+    with pytest.raises(InputError, match=message):
+        chosen.main()
 
 
-def test_a_line_for_each_and_red_if_one_is(monkeypatch, tmp_path, capsys, asks) -> None:
-    assert run(monkeypatch, tmp_path, *asks) == 1
-    green, never, again, red, last = capsys.readouterr().out.splitlines()
-    assert re.fullmatch(r"passed   green +chosen +\d+ s  1 passed in .*", green)
-    assert re.fullmatch(r"not run  never +needs another world", never)
-    assert re.fullmatch(r"passed   again +is green here", again)
-    assert re.fullmatch(r"failed   red +chosen +\d+ s  1 failed in .*; see .*red\.log", red)
-    assert last == "machines: 2 passed, 1 failed, 1 not run"
-    assert "assert None == 'Pacific/Chatham'" in (tmp_path / "logs" / "red.log").read_text()
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("LC_ALL", "de_DE.KOI-9"),
+        ("OPENBLAS_CORETYPE", "Z80"),
+        ("OPENBLAS_NUM_THREADS", "0"),
+        ("PYTHON", "python2.9"),
+    ],
+)
+def test_a_variable_without_effect_is_refused(name: str, value: str) -> None:
+    """Otherwise the tests would pass as on this machine."""
+    with pytest.raises(InputError, match=f"MACHINE=other: {name}={value} has no effect"):
+        run_on(Machine("other", "", "files", {name: value}, run="true"), "files")
 
 
-def test_what_cannot_be_is_an_error_where_it_is_asked_for(monkeypatch, tmp_path, asks) -> None:
-    assert run(monkeypatch, tmp_path, "--only=green", *asks) == 0
-    assert run(monkeypatch, tmp_path, "--only=green never", *asks) == 2
-    assert run(monkeypatch, tmp_path, "--only=gren", *asks) == 2
-    assert run(monkeypatch, tmp_path, "--only=--help", *asks) == 2
+def test_what_the_processor_still_does_has_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machines, "numpy_targets", lambda: ["SSE2", "AVX512_SKX"])
+    assert has_effect("NPY_DISABLE_CPU_FEATURES", "X86_V3")
+    assert not has_effect("NPY_DISABLE_CPU_FEATURES", "X86_V4")
 
 
-def test_the_line_has_what_pytest_counted() -> None:
-    """This holds even if make prints something after it."""
-    counted = "1 failed, 2 passed, 3 warnings in 4.05s (0:00:04)"
-    assert machines.closing(f"a\n== {counted} ==\nmake: *** [test] Error 1\n") == counted
-    assert machines.closing("no such package\nmake: *** [.venv] Error 1\n").startswith("make: ")
-
-
-def test_make_test_runs_as_another_machine(asks) -> None:
-    words = ["make", "--no-print-directory", "test", f"VENV={sys.prefix}", f"TESTS={asks[1]}"]
-    environment = {name: text for name, text in os.environ.items() if name != "TZ"}
-    for machine, code, closing in (("time-zone", 0, "1 passed"), ("default", 2, "1 failed")):
-        result = subprocess.run(
-            [*words, f"MACHINE={machine}"],
-            cwd=ROOT,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert result.returncode == code, result.stdout + result.stderr
-        assert closing in result.stdout
-
-
-def test_a_copy_has_the_files_and_the_umask(tmp_path: Path) -> None:
-    machine = Machine("", copy="takt", umask=0o077)
-    copy_checkout(tmp_path / "takt", machine)
-    files = [path for path in (tmp_path / "takt").rglob("*") if path.is_file()]
-    assert (tmp_path / "takt" / "tests" / "machines.py") in files
-    assert not any(path.stat().st_mode & 0o077 for path in files)
-    assert {path.name for path in (tmp_path / "takt").iterdir()} >= {"golden", "hdl", "tb"}
-    assert not (tmp_path / "takt" / "build").exists()
+def test_a_machine_has_its_folder_and_its_commands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first command that fails ends the run, and the copy has no more than the checkout."""
+    monkeypatch.setenv("MACHINE", "here")
+    monkeypatch.setenv("MAKEFLAGS", "-n")
+    there = tmp_path / "there"
+    said = '"$PWD" "$GROUP" "$VENV" "$SIZE" "${MACHINE-none}" "${MAKEFLAGS-none}"'
+    run = f"printf '%s\\n' {said} > {shlex.quote(str(there))}; ls -A >> {there}; false; rm {there}"
+    machine = Machine("other", "", "order", {"SIZE": "3"}, "takt ü s", run)
+    assert run_on(machine, "files") == 1
+    folder, *words = there.read_text(encoding="utf-8").splitlines()
+    assert Path(folder).name == "takt ü s"
+    assert not Path(folder).exists()
+    assert words[:5] == ["files", ".venv", "3", "none", "none"]
+    assert {"Makefile", "golden", "hdl", "tb", "tests", ".github"} <= {*words[5:]}
+    assert not {"build", ".git", ".venv"} & {*words[5:]}
     ignored = (ROOT / ".gitignore").read_text().split()
-    assert {line.strip("/") for line in ignored} <= {*NOT_COPIED, ".venv"} | {
-        ".mypy_cache",
-        ".ruff_cache",
-        ".pytest_cache",
-    }
+    caches = {".mypy_cache", ".ruff_cache", ".pytest_cache"}
+    assert {line.strip("/") for line in ignored} <= {*NOT_COPIED, ".venv"} | caches
 
 
-def test_a_machine_runs_its_group_or_all(monkeypatch, tmp_path, capsys) -> None:
-    rests = (Rest("One.", ("test_a.py", "test_b.py::test_c")), Rest("Other.", ("test_d.py",)))
-    few = replace(OTHERS["green"], group=Group("few", "little", rests))
-    monkeypatch.setitem(OTHERS, "green", few)
-    left_out = [f"--deselect=tests/{name}" for name in (*rests[0].tests, *rests[1].tests)]
+@pytest.mark.parametrize(
+    ("words", "group"),
+    [
+        ([], "order"),
+        (["--group=files"], "files"),
+        (["--tests=tests/test_lut.py"], ""),
+        (["--pages"], ""),
+        (["--pages", "--group=files"], "files"),
+    ],
+)
+def test_a_machine_runs_its_group_or_what_is_named(
+    monkeypatch: pytest.MonkeyPatch, words: list[str], group: str
+) -> None:
     ran = []
-    monkeypatch.setattr(machines, "run", lambda machine, tests, output: ran.append(tests) or 0)
-    for words in ([], ["--whole"], ["--all"], ["--tests", "tests/test_a.py"]):
-        assert run(monkeypatch, tmp_path, "--only=green", *words) == 0
-    assert ran == [left_out, [], ["--all"], ["tests/test_a.py"]]
-    said = [line.split()[2] for line in capsys.readouterr().out.splitlines()]
-    assert said == ["few", "everything", "everything", "chosen"]
+    monkeypatch.setattr(chosen, "run_on", lambda machine, group: ran.append((machine, group)))
+    monkeypatch.setattr(sys, "argv", ["chosen", "--machine=hash-seed-1", *words])
+    chosen.main()
+    assert ran == [(MACHINES["hash-seed-1"], group)]
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_a_group_leaves_its_rests_out(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    ran: list[list[str]] = []
+    monkeypatch.setattr(os, "execv", lambda _, command: ran.append(command))
+    monkeypatch.setattr(sys, "argv", ["chosen", f"--group={name}"])
+    chosen.main()
+    left_out = [word for word in ran[0] if word.startswith("--deselect")]
+    rests = GROUPS[name].rests
+    assert left_out == [f"--deselect=tests/{test}" for rest in rests for test in rest.tests]
 
 
 def test_what_is_left_out_is_there_and_has_a_reason() -> None:
@@ -125,30 +147,33 @@ def test_what_is_left_out_is_there_and_has_a_reason() -> None:
 def test_every_test_is_in_a_group_besides_everything() -> None:
     """Simulated tests are an exception."""
     assert EVERYTHING.leaves_out() == []
-    assert {machine.group.name for machine in MACHINES.values()} == {g.name for g in GROUPS}
     for file in {path.name for path in (ROOT / "tests").glob("test_*.py")} - {*SIMULATED.tests}:
-        groups = [group.name for group in GROUPS if file not in group.leaves_out()]
-        assert groups != ["everything"], file
+        groups = [group for group in GROUPS.values() if file not in group.leaves_out()]
+        assert groups != [EVERYTHING], file
 
 
-def test_every_night_runs_every_machine() -> None:
-    text = (ROOT / ".github" / "workflows" / "machines.yml").read_text()
-    matrix = yaml.safe_load(text)["jobs"]["machine"]["strategy"]["matrix"]
-    named = [*matrix["machine"], *(entry["machine"] for entry in matrix["include"])]
-    assert sorted(named) == sorted(MACHINES)
+def test_the_matrix_says_what_the_script_reads() -> None:
+    job = yaml.safe_load(WORKFLOW.read_text(encoding="utf-8"))["jobs"]["machine"]
+    assert job["steps"][-1] == {"run": "make test MACHINE=${{ matrix.machine }}"}
+    assert len(job["strategy"]["matrix"]["include"]) == len(MACHINES)
+    for machine in MACHINES.values():
+        assert machine.group in GROUPS
+        assert all(isinstance(value, str) for value in machine.env.values())
+        # A command of a machine may change the owner or the rights of its folder.
+        assert machine.folder or machine.run == "make test"
+    assert {name: MACHINES[name].env for name in SETTINGS} == SETTINGS
 
 
 def test_the_page_has_every_machine() -> None:
     page = (ROOT / "docs" / "verification.md").read_text()
-    rows = re.findall(r"^\| `([\w.-]+)` \| (\w+) \| (.*?) \| (.*?) \|$", page, re.M)
-    assert rows == [
+    rows = re.findall(
+        r"^\| (\w+) \| (.*?) \| (.*?) \|$", page.partition("\n## Other machines")[2], re.M
+    )
+    assert rows[1:] == [
         (
-            name,
-            machine.group.name,
-            machine.what,
-            " ".join(f"`{k}={v}`" for k, v in machine.environment.items()),
+            group.name,
+            group.changes,
+            ", ".join(f"`{m.machine}`" for m in MACHINES.values() if m.group == group.name),
         )
-        for name, machine in MACHINES.items()
+        for group in GROUPS.values()
     ]
-    for group in GROUPS:
-        assert f"\n| {group.name} | {group.changes} |\n" in page

@@ -112,17 +112,17 @@ def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None
                 assert others.count(arrives) == 1, f"{command.name}: {argument.name}"
             assert len(others) == len(command.arguments) + len(command.last)
     tests = f"--tests={given['TESTS']}"
-    as_machine = [
-        "tests/machines.py",
-        f"--only={given['MACHINE']}",
-        "--show",
-        "--whole",
+    assert arrived["test"] == [
+        "tests/chosen.py",
+        f"--block={given['BLOCK']}",
+        "--pages",
+        f"--sample={given['SAMPLE']}",
+        "--record",
+        f"--group={given['GROUP']}",
+        f"--machine={given['MACHINE']}",
         tests,
         "--all",
     ]
-    assert arrived["test"] == as_machine
-    only = ["tests/machines.py", f"--only={given['ONLY']}", tests, "--whole", "--all"]
-    assert arrived["machines"] == only
 
 
 @pytest.mark.parametrize("nasty", NASTY)
@@ -148,19 +148,19 @@ def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
 @pytest.mark.parametrize("nasty", NASTY)
 def test_a_flag_is_given_by_any_text(tmp_path: Path, nasty: str) -> None:
     log = environment(tmp_path)
-    words = [f"{name}={nasty}" for name in ("ALL", "LINKS", "RECORD", "WAVES", "WHOLE")]
-    targets = ("help", "test", "machines", "sim", "synth")
+    words = [f"{name}={nasty}" for name in ("ALL", "LINKS", "RECORD", "WAVES")]
+    targets = ("help", "test", "sim", "synth")
     result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *targets, *words, f"SCENE={nasty}")
     assert result.returncode == 0, result.stderr
     arrived = {word for call in calls(log) for word in call}
-    assert {"--all", "--whole", "--waves", "--record"} <= arrived
+    assert {"--all", "--waves", "--record"} <= arrived
 
 
 @pytest.mark.parametrize("zero", ["", "0"])
 def test_but_0_and_nothing_is_none(tmp_path: Path, zero: str) -> None:
     log = environment(tmp_path)
-    words = [f"{name}={zero}" for name in ("ALL", "RECORD", "WAVES", "WHOLE", "FULL", "DRY")]
-    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", "test", "machines", "sim", "demo", *words)
+    words = [f"{name}={zero}" for name in ("ALL", "RECORD", "WAVES", "FULL", "DRY")]
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", "test", "sim", "demo", *words)
     assert result.returncode == 0, result.stderr
     assert not {word for call in calls(log) for word in call if word in FLAGS}
 
@@ -211,7 +211,7 @@ def test_recipes_have_no_text_of_a_user() -> None:
 
 def test_a_quote_without_its_other_is_one_message(tmp_path: Path) -> None:
     (Path(sys.prefix) / ".ready").touch()
-    for target, name in (("lean", "BESIDE"), ("test", "TESTS"), ("machines", "ONLY")):
+    for target, name in (("lean", "BESIDE"), ("test", "TESTS")):
         result = make(tmp_path, f"VENV={sys.prefix}", target, f"{name}=it's", PYTHONPATH=str(ROOT))
         assert result.returncode == 2
         assert f"error: {name}=it's: No closing quotation" in result.stderr
