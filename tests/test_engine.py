@@ -28,7 +28,8 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.frame_check import FrameCheck
-from golden.engine.graph import Graph, Kind, Neuron, Term, graph_of
+from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.layers import graph_of
 from golden.engine.listing import listing
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import Instruction, Program, assemble

@@ -1,6 +1,6 @@
 """Trained networks on disk.
 
-The project's own form is an NPZ of w1, b1, w2 and b2 with its provenance beside it as TOML;
+The project's own form is an NPZ of w1, b1, w2, b2 and so on, with its provenance beside it as TOML;
 networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can name any of the three.
 """
 
@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from golden.cli import naming
+from golden.dense import LEAK, Dense, Trained, network_of
 from golden.files import (
     check_file,
     check_writable,
@@ -25,10 +27,8 @@ from golden.files import (
     same_file,
 )
 from golden.input_error import InputError
-from golden.mlp import Mlp
+from golden.real import Real
 from golden.table import suggest
-
-NAMES = ("w1", "b1", "w2", "b2")
 
 # A form's module is imported when a file asks for it: those of .mat and .onnx take half a second,
 # and every bench reads a scene at its start.
@@ -57,15 +57,15 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
+def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
     """The network at ``path``.
 
     Parameters
     ----------
     path : Path
     shape : tuple of int
-        Inputs, hidden nodes and outputs that the network must have; 0 hidden nodes take as many
-        as it has.
+        Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0 as
+        the only number of hidden nodes it has as many layers and nodes as the file says.
 
     Raises
     ------
@@ -77,34 +77,57 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     """
     form = _form(path)
     check_file(path, "no such network; make train SCENE=... writes it")
-    found = form.read(path)
-    inputs, hidden, outputs = shape
-    hidden = hidden or np.size(found.get("b1", 0))
-    if not hidden:
-        raise InputError(f"{path}: b1: got 0 hidden nodes, expected 1 or more")
-    expected = {
-        "w1": (hidden, inputs),
-        "b1": (hidden,),
-        "w2": (outputs, hidden),
-        "b2": (outputs,),
-    }
-    arrays = {}
-    for name in NAMES:
-        if name not in found:
-            raise InputError(f"{path}: no array {name!r}, got {', '.join(found)}")
-        arrays[name] = found[name]
-    for name, array in arrays.items():
-        if array.shape != expected[name]:
-            # As the file has it.
-            way = -1 if name in form.TRANSPOSED else 1
-            hint = "; it is transposed" if array.T.shape == expected[name] else ""
-            raise InputError(
-                f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[name][::way]} "
-                f"of a {inputs}:{hidden}:{outputs} network{hint}"
-            )
-        if not np.isfinite(array).all():
-            raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
-    return Mlp(**arrays)
+    held = form.read(path)
+    for name in held.names:
+        if name not in held.arrays:
+            raise InputError(f"{path}: no array {name!r}, got {', '.join(held.arrays)}")
+    beyond = f"w{len(held.activations) + 2}"
+    if beyond in held.arrays:
+        raise InputError(
+            f"{path}: got an array {beyond!r} and {len(held.activations)} activations, expected an "
+            "activation for each layer but the last"
+        )
+    inputs, *hidden, outputs = shape
+    if hidden == [0]:
+        hidden = [np.size(held.arrays[name]) for name in held.names[1:-1:2]]
+    for n, nodes in enumerate(hidden, start=1):
+        if not nodes:
+            raise InputError(f"{path}: b{n}: got 0 hidden nodes, expected 1 or more")
+    widths = [inputs, *hidden, outputs]
+    text = ":".join(map(str, widths))
+    if len(hidden) != len(held.activations):
+        raise InputError(
+            f"{path}: got {len(held.activations)} hidden layers, expected {len(hidden)} of a "
+            f"{text} network"
+        )
+    layers = []
+    for n, activation in enumerate((*held.activations, "linear"), start=1):
+        shapes = {f"w{n}": (widths[n], widths[n - 1]), f"b{n}": (widths[n],)}
+        for name, expected in shapes.items():
+            _check_array(path, name, held.arrays[name], expected, text, form.TRANSPOSED)
+        leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
+        with naming(f"{path}: layer {n}"):
+            layers.append(Dense(held.arrays[f"w{n}"], held.arrays[f"b{n}"], activation, leak))
+    return network_of(layers)
+
+
+def _check_array(
+    path: Path, name: str, array: Real, expected: tuple[int, ...], text: str, transposed: bool
+) -> None:
+    """Refuse an array of another shape, or that holds no finite numbers.
+
+    ``transposed`` is whether nodes stand in the columns of the file's weights.
+    """
+    if array.shape != expected:
+        # As the file has it.
+        way = -1 if transposed and len(expected) == 2 else 1
+        hint = "; it is transposed" if array.T.shape == expected else ""
+        raise InputError(
+            f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[::way]} of a "
+            f"{text} network{hint}"
+        )
+    if not np.isfinite(array).all():
+        raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
 
 
 def _form(path: Path) -> ModuleType:
@@ -118,17 +141,17 @@ def _form(path: Path) -> ModuleType:
     return import_module(FORMS[path.suffix])
 
 
-def write_network(path: Path, mlp: Mlp) -> None:
+def write_network(path: Path, network: Trained) -> None:
     """Write the network in the form that the file's ending asks for; whole or not at all.
 
     Raises
     ------
     InputError
-        For another ending than .npz, .mat or .onnx.
+        For another ending than .npz, .mat or .onnx, and for a network that the form cannot hold.
     """
     form = _form(path)
     with replace_file(path) as temporary:
-        form.write(temporary, mlp)
+        form.write(temporary, network)
 
 
 def check_target(path: Path) -> None:
@@ -169,7 +192,7 @@ def _files(path: Path) -> tuple[Path, Path]:
 Provenance = Mapping[str, Any]
 
 
-def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
+def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
     """Write networks and the provenance of each: all of them, or none.
 
     Raises
@@ -178,16 +201,16 @@ def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
         When one of the files cannot be written; then all are what they were.
     """
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
-        for number, (path, mlp, provenance) in enumerate(networks):
+        for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
-            _form(path).write(network, mlp)
+            _form(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def save_network(path: Path, mlp: Mlp, provenance: Provenance) -> None:
+def save_network(path: Path, network: Trained, provenance: Provenance) -> None:
     """Write a network and its provenance; see ``save_networks``."""
-    save_networks([(path, mlp, provenance)])
+    save_networks([(path, network, provenance)])
 
 
 def _toml(value: Any) -> str:

@@ -14,6 +14,7 @@ from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.block import Block
+from golden.dense import Trained
 from golden.fixed import Codes, Fix, signed_width
 from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
@@ -73,7 +74,7 @@ class AdderGraph(Design):
     @classmethod
     def of(
         cls,
-        mlp: Mlp,
+        network: Trained,
         precision: Precision,
         activation: str,
         options: Mapping[str, object] | None = None,
@@ -81,7 +82,7 @@ class AdderGraph(Design):
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        constants = constants_of(mlp, precision, activation, options, lean)
+        constants = constants_of(cls.plain(network), precision, activation, options, lean)
         return cls.from_constants(constants, variant, **_chosen(hardware))
 
     @classmethod

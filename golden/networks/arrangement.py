@@ -9,8 +9,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.dense import Trained
 from golden.input_error import InputError
-from golden.mlp import Activation, Mlp
+from golden.mlp import Activation
 from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.multiple import Multiple
@@ -38,28 +39,30 @@ def seen(
 
 
 def process_real(
-    arrangement: str, mlps: Sequence[Mlp], samples: Real, activation: Activation
+    arrangement: str, networks: Sequence[Trained], samples: Real, activation: Activation
 ) -> Real:
     """Outputs of all networks in floating point, shape (frames, outputs)."""
     results: list[Real] = []
-    for mlp in mlps:
-        results.append(mlp.process(seen(arrangement, samples, results), activation))
+    for network in networks:
+        results.append(network.process(seen(arrangement, samples, results), activation))
     return np.concatenate(results, axis=-1)
 
 
-def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Design]) -> Network:
+def arrange(
+    arrangement: str, trained: Sequence[Trained], build: Callable[[Trained, str], Design]
+) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
     Parameters
     ----------
     arrangement : str
-    mlps : sequence of Mlp
+    trained : sequence of Mlp or DenseNetwork
     build : callable
         The bit-true network of one, from its weights and the variant that tells it from others.
     """
-    if len(mlps) == 1:
-        return build(mlps[0], "")
-    networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
+    if len(trained) == 1:
+        return build(trained[0], "")
+    networks = tuple(build(one, str(i)) for i, one in enumerate(trained))
     if arrangement not in networks[0].arrangements:
         raise InputError(
             f"{arrangement}: got networks {networks[0].block}, expected a design for it"

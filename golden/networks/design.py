@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
+from golden.dense import Trained
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.bounds import two_layer_bounds
 from golden.networks.constants import Constants, constants_of
@@ -63,7 +65,7 @@ class Design(Network):
     @classmethod
     def of(
         cls,
-        mlp: Mlp,
+        network: Trained,
         precision: Precision,
         activation: str,
         options: Mapping[str, object] | None = None,
@@ -74,14 +76,37 @@ class Design(Network):
         """The design of a network in real weights; see ``constants_of``.
 
         ``hardware`` has what a scene chooses of the design's own ``options``.
+
+        Raises
+        ------
+        InputError
+            See ``plain``.
         """
-        return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
+        constants = constants_of(cls.plain(network), precision, activation, options, lean)
+        return cls.from_constants(constants, variant)
+
+    @classmethod
+    def plain(cls, network: Trained) -> Mlp:
+        """The network, for a design that takes no other than one hidden layer of tanh.
+
+        Raises
+        ------
+        InputError
+            For another one.
+        """
+        if not isinstance(network, Mlp):
+            raise InputError(
+                f"hardware.design: got {cls.block!r} for hidden layers of "
+                f"{', '.join(network.activations)}, expected 'engine', which takes any, or a "
+                "network of one hidden layer of tanh"
+            )
+        return network
 
     @classmethod
     def of_several(
         cls,
         arrangement: str,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
         activation_options: Mapping[str, object] | None = None,

@@ -9,12 +9,12 @@ from typing import Any, Self
 
 from golden.block import Block
 from golden.engine.exact import error_bounds, exact
-from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.graph import Graph, graph_of
+from golden.engine.graph import Graph
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
+from golden.engine.layers import graph_of
 from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import WORD, OperandMemory
 from golden.engine.operand_select import OperandSelect
@@ -29,6 +29,7 @@ from golden.engine.serial_accumulate import SerialAccumulate
 from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
+from golden.dense import Trained
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.input_error import InputError
@@ -99,7 +100,7 @@ class Engine(Design):
     def of_several(
         cls,
         arrangement: str,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
         activation_options: Mapping[str, object] | None = None,
@@ -110,7 +111,7 @@ class Engine(Design):
         Parameters
         ----------
         arrangement : str
-        mlps : sequence of Mlp
+        networks : sequence of Mlp or DenseNetwork
         lean : bool
             Leave out terms of zero weight, hidden nodes that no output uses, and segments of the
             table that no hidden sum reaches. Results are the same either way.
@@ -123,7 +124,7 @@ class Engine(Design):
         chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
         budget = chosen.pop("clocks", 0)
         if budget:
-            return cls._within(budget, arrangement, mlps, lean, chosen, variant)
+            return cls._within(budget, arrangement, networks, lean, chosen, variant)
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
@@ -135,7 +136,13 @@ class Engine(Design):
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
         table = tanh_table(chosen["segment_width"])
-        graph = graph_of(arrangement, mlps, lean)
+        graph = graph_of(arrangement, networks, lean)
+        if graph.rectifies and (serial or reload):
+            key, got = ("multiplier", "'serial'") if serial else ("reload", "True")
+            expected = "'dsp'" if serial else "False"
+            raise InputError(
+                f"hardware.{key}: got {got} for a network with ReLU, expected {expected}"
+            )
         segments = len(table.slopes)
         if lean and not reload:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
@@ -165,7 +172,7 @@ class Engine(Design):
         cls,
         clocks: int,
         arrangement: str,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         lean: bool,
         chosen: dict[str, Any],
         variant: str,
@@ -182,7 +189,7 @@ class Engine(Design):
         kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
         for kind in kinds:
             engine = cls.of_several(
-                arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant
+                arrangement, networks, lean, chosen | {"multiplier": kind}, variant=variant
             )
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
@@ -194,7 +201,7 @@ class Engine(Design):
     @classmethod
     def of(
         cls,
-        mlp: Mlp,
+        network: Trained,
         precision: Precision,
         activation: str,
         options: Mapping[str, object] | None = None,
@@ -202,7 +209,7 @@ class Engine(Design):
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        return cls.of_several("single", [mlp], lean, hardware, variant=variant)
+        return cls.of_several("single", [network], lean, hardware, variant=variant)
 
     @property
     def inputs(self) -> int:
@@ -210,10 +217,9 @@ class Engine(Design):
 
     @property
     def hidden_weights(self) -> list[Sequence[int]]:
-        sums = [neuron for neuron in self.graph.neurons if neuron.result == HIDDEN]
         return [
             [sum(t.weight for t in neuron.terms if t.source == k) for k in range(self.inputs)]
-            for neuron in sums
+            for neuron in self.graph.first_sums
         ]
 
     @cached_property
@@ -247,6 +253,11 @@ class Engine(Design):
     def serial(self) -> bool:
         """Whether it does without a multiplier."""
         return isinstance(self.program, SerialProgram)
+
+    @property
+    def rectifies(self) -> bool:
+        """Whether it has ReLU."""
+        return self.program.rectifies
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -337,7 +348,7 @@ class Engine(Design):
 
     @property
     def round_saturate(self) -> RoundSaturate:
-        return RoundSaturate(self.acc_width)
+        return RoundSaturate(self.acc_width, self.rectifies)
 
     @property
     def replay_memory(self) -> ReplayMemory:

@@ -12,6 +12,7 @@ from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.instruments.uart_instrument import UartInstrument
+from golden.mlp import Mlp
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
@@ -36,14 +37,16 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network's frames.
     """
     design = DESIGNS[scene.design]
-    mlps, build = scene.mlps(), partial(scene.build, lean=lean)
+    networks, build = scene.networks(), partial(scene.build, lean=lean)
     try:
-        network = _of_several(scene, design, lean) or arrange(scene.arrangement, mlps, build)
+        network = _of_several(scene, design, lean) or arrange(scene.arrangement, networks, build)
     except InputError:
         # What is wrong with one network alone is told of its file.
-        for member, mlp in zip(scene.members, mlps, strict=True):
+        for member, held in zip(scene.members, networks, strict=True):
+            if not isinstance(held, Mlp):
+                continue
             with naming(member.weights_path):
-                constants_of(mlp, scene.precision, scene.activation, scene.activation_options, lean)
+                constants_of(held, scene.precision, scene.activation, scene.activation_options, lean)
         with naming(scene.path):
             raise
     if not scene.window.plain:
@@ -80,7 +83,7 @@ def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | Non
     build = partial(
         design.of_several,
         scene.arrangement,
-        scene.mlps(),
+        scene.networks(),
         lean,
         activation_options=scene.activation_options,
     )

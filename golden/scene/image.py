@@ -49,7 +49,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
         "operand_words": sizes.operand_words,
     }
     try:
-        made = Engine.of_several(scene.arrangement, scene.mlps(), hardware=options)
+        made = Engine.of_several(scene.arrangement, scene.networks(), hardware=options)
     except InputError as error:
         raise InputError(f"{scene.path}: {error}") from None
     assert made.loaded is not None, "an engine with reload holds an image"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from golden.dense import ACTIVATIONS
 from golden.disturbance import MOST
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.scene.data_keys import DATA
@@ -32,8 +33,21 @@ NETWORK = Table(
         "hidden": Key(
             Each(Whole(Span(0, MOST_HIDDEN))),
             0,
-            "hidden nodes; 0 takes as many as the network file has, and training searches "
-            "`training.hidden`",
+            "hidden nodes; 0 takes as many as the network file has, in as many layers, and "
+            "training searches `training.hidden`. With `single` a list has the nodes of each "
+            "hidden layer, such as `[32, 16]`: [networks of several "
+            "layers](#networks-of-several-layers)",
+        ),
+        "activations": Key(
+            List(
+                Text(tuple(ACTIVATIONS)),
+                "a list with an activation for each hidden layer",
+                "a list of texts",
+                least=0,
+            ),
+            [],
+            "of `single`: the activation of each hidden layer, such as `[\"relu\", \"relu\"]`; "
+            "without it those of the network file, and training takes tanh",
         ),
         "weights": Key(
             Each(Text()),

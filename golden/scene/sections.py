@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.dense import Trained, layers_of
 from golden.disturbance import Disturbance
 from golden.files import same_file
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
@@ -59,25 +59,40 @@ class Member:
     inputs : int
         Samples and, in a cascade, the outputs of the networks before it.
     hidden : int
-        0 takes as many as the network file has; training then searches ``training.hidden``.
+        Of one hidden layer; 0 takes as many nodes, and layers, as the network file has, and
+        training then searches ``training.hidden``.
     outputs : tuple of str
     weights_path : Path
+    layers : tuple of int
+        Hidden nodes of each of several layers; empty where there is one, or the file tells.
+    activations : tuple of str
+        Of each hidden layer; empty takes those of the network file.
     """
 
     inputs: int
     hidden: int
     outputs: tuple[str, ...]
     weights_path: Path
+    layers: tuple[int, ...] = ()
+    activations: tuple[str, ...] = ()
 
-    def load(self) -> Mlp:
+    def load(self) -> Trained:
         """The trained network.
 
         Raises
         ------
         InputError
-            See ``load_network``.
+            See ``load_network``; and for other activations than the scene asks for.
         """
-        return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
+        hidden = self.layers or (self.hidden,)
+        network = load_network(self.weights_path, (self.inputs, *hidden, len(self.outputs)))
+        found = tuple(layer.activation for layer in layers_of(network)[:-1])
+        if self.activations and found != self.activations:
+            raise InputError(
+                f"{self.weights_path}: got hidden layers of {', '.join(found)}, expected "
+                f"{', '.join(self.activations)}, as network.activations of the scene says"
+            )
+        return network
 
 
 def beside(path: Path, key: str, name: str) -> Path:
@@ -339,6 +354,10 @@ def members(
         value if isinstance(value, list) else [value]
         for value in (network["hidden"], network["weights"])
     )
+    activations = tuple(network["activations"])
+    layers = _layers(hidden, activations, network["arrangement"], path)
+    if layers:
+        hidden = [0]
     if len(hidden) == 1:
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
@@ -358,5 +377,38 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i]) for i in range(count)
+        Member(
+            inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations
+        )
+        for i in range(count)
     )
+
+
+def _layers(
+    hidden: list[int], activations: tuple[str, ...], arrangement: str, path: Path
+) -> tuple[int, ...]:
+    """The hidden nodes of each layer of a network of several; empty for one hidden layer.
+
+    Raises
+    ------
+    InputError
+        For no nodes, and for activations of another number of layers.
+    """
+    single = arrangement == "single"
+    if activations and not single:
+        raise InputError(
+            f"{path}: network.activations: got {list(activations)!r} with arrangement "
+            f"{arrangement!r}, expected none: a network file names its own"
+        )
+    if single and len(hidden) > 1 and 0 in hidden:
+        raise InputError(
+            f"{path}: network.hidden: got {hidden!r}, expected 1 or more nodes in each layer, or 0 "
+            "alone for those of the network file"
+        )
+    if activations and hidden != [0] and len(activations) != len(hidden):
+        raise InputError(
+            f"{path}: network.activations: got {len(activations)} for {len(hidden)} hidden layers, "
+            "expected one for each"
+        )
+    plain = len(hidden) == 1 and activations in ((), ("tanh",))
+    return () if plain or not single else tuple(hidden) * (hidden != [0])

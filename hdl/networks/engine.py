@@ -10,12 +10,14 @@ from golden.engine.program import (
     FIRST_OF_OUTPUT,
     KIND,
     OUTPUT,
+    RELU,
     SOURCE,
     STORE,
     TAKE_INTERCEPT,
     WORD_WIDTH,
 )
 from golden.networks.engine import Engine
+from hdl.common.delay import delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
@@ -86,6 +88,10 @@ def engine(
     source_top, kind_top = source_low + spec.addr_width, sum(KIND)
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
+    if spec.rectifies:
+        relu, intercept, relu_bit = flag(), flag(), RELU[0]
+    else:
+        relu = None
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -155,21 +161,52 @@ def engine(
         frames,
         operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
         table_address(clk, read, segment, spec=table),
-        round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
+        round_saturate(clk, run, acc, in_data, data, relu, spec=spec.round_saturate),
     )
     if spec.serial:
         return common, serial_steps(
             clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, design=spec
         )
 
-    @always_comb
-    def split():
-        weight.next = word[WIDTH:]
-        source.next = word[source_top:source_low]
-        kind.next = word[kind_top:kind_low]
-        take_intercept.next = word[take_bit]
-        first.next = word[first_bit]
-        first_of_output.next = word[first_of_output_bit]
+    if spec.rectifies:
+
+        @always_comb
+        def split():
+            weight.next = word[WIDTH:]
+            source.next = word[source_top:source_low]
+            kind.next = word[kind_top:kind_low]
+            first.next = word[first_bit]
+            first_of_output.next = word[first_of_output_bit]
+
+        # A bit of the word is that of ReLU; the kind comes with the operand, which is earlier.
+        @always_comb
+        def recognise():
+            intercept.next = kind == 1
+
+        # Only looked at with a result that is stored.
+        @always(clk.posedge)
+        def rectify():
+            relu.next = word[relu_bit]
+
+        late = spec.program.pipeline.weight - spec.program.pipeline.operand
+        split_all = (
+            split,
+            recognise,
+            rectify,
+            delay(clk, None, intercept, take_intercept, clocks=late),
+        )
+    else:
+
+        @always_comb
+        def split():
+            weight.next = word[WIDTH:]
+            source.next = word[source_top:source_low]
+            kind.next = word[kind_top:kind_low]
+            take_intercept.next = word[take_bit]
+            first.next = word[first_bit]
+            first_of_output.next = word[first_of_output_bit]
+
+        split_all = split
 
     # As late as the segment.
     @always(clk.posedge)
@@ -216,7 +253,7 @@ def engine(
 
     return (
         common,
-        split,
+        split_all,
         ask,
         mark,
         program,

@@ -161,6 +161,23 @@ ENGINES = {
     # Sums that reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# Several hidden layers, each with an activation of its own: with ReLU and with both halves of a word
+# of the table; ReLU alone, with registers behind the memories; sums that leave the word.
+LAYERED = {
+    "layers-engine": replace(
+        ENGINE,
+        shapes=[(3, 4, 5, 3, 2)],
+        activations=("relu", "sigmoid", "leaky_relu"),
+        spread=1.5,
+    ),
+    "deep-layers-engine": replace(
+        ENGINE,
+        shapes=[(2, 5, 3, 2)],
+        activations=("relu", "hard_tanh"),
+        hardware='pipeline = "deep"',
+        spread=2.0,
+    ),
+}
 # The same hardware, whatever its image.
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),
