@@ -272,7 +272,10 @@ def _node(
 
 
 def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
-    """The nodes of each layer that what follows uses; at least one of each."""
+    """The nodes of each layer that what follows uses.
+
+    One that nothing uses could come behind the last output, which must be the last of all.
+    """
     found = [list(range(len(layer.biases))) for layer in layers]
     for n in range(len(layers) - 1, 0, -1) if lean else ():
         rows = [layers[n].weights[j] for j in found[n]]
@@ -281,7 +284,7 @@ def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
             for k, value in enumerate(layers[n - 1].values)
             if any(row[k] for row in rows)
         }
-        found[n - 1] = sorted(nodes) or [0]
+        found[n - 1] = sorted(nodes)
     return found
 
 

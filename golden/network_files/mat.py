@@ -74,7 +74,7 @@ def write(path: Path, network: Trained) -> None:
     if not isinstance(network, Mlp):
         layers = ", ".join(network.activations)
         raise InputError(
-            f"{path}: got a network with hidden layers of {layers}, expected one hidden layer of "
+            f"got a network with hidden layers of {layers}, expected one hidden layer of "
             "tanh, which is all that a Netlab structure can hold; .npz and .onnx hold any"
         )
     w1, w2 = network.w1.T, network.w2.T

@@ -151,7 +151,8 @@ def write_network(path: Path, network: Trained) -> None:
     """
     form = _form(path)
     with replace_file(path) as temporary:
-        form.write(temporary, network)
+        with naming(path):
+            form.write(temporary, network)
 
 
 def check_target(path: Path) -> None:
@@ -203,7 +204,8 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
         for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
-            _form(path).write(network, held)
+            with naming(path):
+                _form(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -137,11 +137,10 @@ class Engine(Design):
             )
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, networks, lean)
-        if graph.rectifies and (serial or reload):
-            key, got = ("multiplier", "'serial'") if serial else ("reload", "True")
-            expected = "'dsp'" if serial else "False"
+        if graph.rectifies and reload:
             raise InputError(
-                f"hardware.{key}: got {got} for a network with ReLU, expected {expected}"
+                "hardware.reload: got True for a network with ReLU, expected False: what an image "
+                "is loaded into has no ReLU"
             )
         segments = len(table.slopes)
         if lean and not reload:

@@ -88,10 +88,7 @@ def engine(
     source_top, kind_top = source_low + spec.addr_width, sum(KIND)
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
-    if spec.rectifies:
-        relu, intercept, relu_bit = flag(), flag(), RELU[0]
-    else:
-        relu = None
+    relu = flag() if spec.rectifies else None
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -165,10 +162,23 @@ def engine(
     )
     if spec.serial:
         return common, serial_steps(
-            clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, design=spec
+            clk,
+            rst,
+            run,
+            finish,
+            segment,
+            read,
+            source,
+            store,
+            leaves,
+            ends,
+            acc,
+            relu,
+            design=spec,
         )
 
     if spec.rectifies:
+        intercept, relu_bit = flag(), RELU[0]
 
         @always_comb
         def split():

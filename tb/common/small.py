@@ -177,6 +177,12 @@ LAYERED = {
         hardware='pipeline = "deep"',
         spread=2.0,
     ),
+    "layers-serial": replace(
+        ENGINE,
+        shapes=[(2, 3, 4, 1)],
+        activations=("leaky_relu", "tanh"),
+        hardware='multiplier = "serial"',
+    ),
 }
 # The same hardware, whatever its image.
 RELOADED = {
