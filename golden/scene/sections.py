@@ -76,6 +76,12 @@ class Member:
     layers: tuple[int, ...] = ()
     activations: tuple[str, ...] = ()
 
+    @property
+    def text(self) -> str:
+        """The hidden layers that the scene names, such as "32 relu, 16 relu"."""
+        kinds = self.activations or ("tanh",) * len(self.layers)
+        return ", ".join(f"{n} {kind}" for n, kind in zip(self.layers, kinds, strict=True))
+
     def load(self) -> Trained:
         """The trained network.
 
@@ -169,6 +175,14 @@ def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
     if digits == 0:
         return
+    network = values["network"]
+    if network["arrangement"] == "single" and (
+        network["activations"] not in ([], ["tanh"]) or len(_listed(network["hidden"])) > 1
+    ):
+        raise InputError(
+            f"{place}: got {digits!r} with hidden layers of {network['hidden']} nodes, expected 0: "
+            "few digits are for one hidden layer of tanh"
+        )
     precision = values["hardware"]["precision"]
     if PRECISIONS[precision].normalise:
         raise InputError(
@@ -350,10 +364,7 @@ def members(
     single = network["arrangement"] == "single"
     groups = [outputs] if single else [[name] for name in outputs]
     count = len(groups)
-    hidden, weights = (
-        value if isinstance(value, list) else [value]
-        for value in (network["hidden"], network["weights"])
-    )
+    hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
     activations = tuple(network["activations"])
     layers = _layers(hidden, activations, network["arrangement"], path)
     if layers:
@@ -382,6 +393,11 @@ def members(
         )
         for i in range(count)
     )
+
+
+def _listed(value: Any) -> list[Any]:
+    """A list of it, where it is none."""
+    return value if isinstance(value, list) else [value]
 
 
 def _layers(
