@@ -149,7 +149,8 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
     objective = LayeredObjective(
         (start.shape[0], 0, outputs),
         tanh,
-        *normalised,
+        normalised[0],
+        normalised[1],
         settings.weight_decay,
         settings.patience,
         like=like,

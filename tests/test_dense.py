@@ -100,11 +100,16 @@ def test_another_shape_is_refused(tmp_path: Path, shape, message) -> None:
 
 
 def test_arrays_of_an_npz_that_do_not_go_together(tmp_path: Path) -> None:
-    arrays = {f"w{n}": np.ones((2, 2)) for n in (1, 2, 3)} | {f"b{n}": np.ones(2) for n in (1, 2, 3)}
+    arrays = {f"w{n}": np.ones((2, 2)) for n in (1, 2, 3)} | {
+        f"b{n}": np.ones(2) for n in (1, 2, 3)
+    }
     for more, message in (
         ({}, "got an array 'w3' and 1 activations, expected an activation for each layer but"),
         ({"activations": np.array([1, 2])}, "activations: got int64 of shape"),
-        ({"activations": np.array(["relu", "rellu"])}, "layer 2: activation: got 'rellu', expected"),
+        (
+            {"activations": np.array(["relu", "rellu"])},
+            "layer 2: activation: got 'rellu', expected",
+        ),
         (
             {"activations": np.array(["relu", "leaky_relu"]), "leaks": np.array([0.1])},
             "leaks: got 1 numbers, expected 2",
@@ -275,12 +280,9 @@ def bounds(network: Trained, segment_width: int = 9) -> np.ndarray:
     No activation is steeper than 1.
     """
     plan = planned(network, first_values(network.shape[0], 0))
-    layers = [
-        (np.array(layer.weights, dtype=float), np.array(layer.biases, dtype=float))
-        for layer in exact_layers(network)
-    ]
+    layers = [np.array(layer.weights, dtype=float) for layer in exact_layers(network)]
     off, operands = np.zeros(network.shape[0]), [SAMPLE] * network.shape[0]
-    for (weights, biases), sums in zip(layers, plan, strict=True):
+    for weights, sums in zip(layers, plan, strict=True):
         last = sums is plan[-1]
         halves = [2.0 ** -(coeff_frac(sums.result, fmt) + 1 + fmt.frac - 17) for fmt in operands]
         off = np.abs(weights) @ off + sum(halves) + 2.0 ** -(coeff_frac(sums.result, ONE) + 1)
@@ -350,7 +352,9 @@ def test_sums_that_no_format_holds_are_refused() -> None:
     network = random((3, 4, 2), ("relu",))
     first, last = network.layers
     wide = network_of([Dense(first.weights * 1e6, first.biases, "relu"), last])
-    with pytest.raises(InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"):
+    with pytest.raises(
+        InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"
+    ):
         Engine.of_several("single", [wide])
 
 
@@ -372,7 +376,7 @@ def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
 
 def test_an_image_with_relu_is_refused() -> None:
     option = {"reload": True}
-    with pytest.raises(InputError, match="hardware.reload: got True for a network with ReLU, exp"):
+    with pytest.raises(InputError, match=r"hardware.reload: got True for a network with ReLU, exp"):
         Engine.of_several("single", [random((3, 4, 2), ("relu",))], hardware=option)
     Engine.of_several("single", [random((3, 4, 5, 2), ("sigmoid", "tanh"))], hardware=option)
 
@@ -381,9 +385,7 @@ def test_an_image_with_relu_is_refused() -> None:
 
 
 def scene_of(tmp_path: Path, network: Trained, design: str = "engine") -> Path:
-    return write_scene(
-        tmp_path, "several", "exact", [network], activation="precise", design=design
-    )
+    return write_scene(tmp_path, "several", "exact", [network], activation="precise", design=design)
 
 
 def test_a_scene_of_several_layers(tmp_path: Path) -> None:
@@ -417,5 +419,7 @@ def test_other_designs_refuse_other_networks(tmp_path: Path, design: str) -> Non
     path = scene_of(tmp_path, random((3, 4, 2), ("relu",)), design)
     if design == "adder_graph":
         path.write_text(path.read_text().replace("precise", "bipartite"))
-    with pytest.raises(InputError, match=rf"several.toml: hardware.design: got '{design}' for hidd"):
+    with pytest.raises(
+        InputError, match=rf"several.toml: hardware.design: got '{design}' for hidd"
+    ):
         load_scene(str(path)).twin()

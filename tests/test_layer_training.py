@@ -26,7 +26,9 @@ def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
     rng = np.random.default_rng(3)
     inputs, outputs = network.shape[0], network.shape[-1]
     parts = [
-        Rows(rng.normal(0, 1, (n, inputs)), rng.normal(0, 1, (n, outputs)), np.full((n, outputs), 2))
+        Rows(
+            rng.normal(0, 1, (n, inputs)), rng.normal(0, 1, (n, outputs)), np.full((n, outputs), 2)
+        )
         for n in (7, 5)
     ]
     return LayeredObjective((inputs, 0, outputs), tanh, *parts, decay, 9, like=network)
@@ -34,9 +36,7 @@ def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
 
 def leaky(network: Trained) -> Trained:
     """Every leaky ReLU with a slope that shows."""
-    return network_of(
-        [Dense(x.weights, x.biases, x.activation, 0.3) for x in layers_of(network)]
-    )
+    return network_of([Dense(x.weights, x.biases, x.activation, 0.3) for x in layers_of(network)])
 
 
 NETWORKS = [
@@ -78,7 +78,9 @@ def test_a_descent_ends_when_validation_does_not_fall() -> None:
     """Whatever lowers the training error makes the rows that are held back worse."""
     network = random_layers((2, 3, 3, 1), ("relu", "relu"), np.random.default_rng(1))
     aim = objective(network, decay=0.0)
-    aim.validation = Rows(aim.training.inputs, network.process(aim.training.inputs), np.ones((7, 1)))
+    aim.validation = Rows(
+        aim.training.inputs, network.process(aim.training.inputs), np.ones((7, 1))
+    )
     aim.patience = 3
     seen = []
 
@@ -110,9 +112,7 @@ def scene_of(tmp_path: Path, more: str = "") -> Path:
 
 def trained(path: Path, monkeypatch) -> None:
     build = path.parent / "build"
-    monkeypatch.setattr(
-        sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)]
-    )
+    monkeypatch.setattr(sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)])
     main()
 
 

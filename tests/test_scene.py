@@ -34,7 +34,11 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ),
         ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 to 1024"),
         ('weights = "small.npz"', "", "network.weights: missing, expected text"),
-        ("hidden = 5", "hidden = [5, 0]", r"hidden: got \[5, 0\], expected 1 or more nodes in each"),
+        (
+            "hidden = 5",
+            "hidden = [5, 0]",
+            r"hidden: got \[5, 0\], expected 1 or more nodes in each",
+        ),
         (
             "hidden = 5",
             'hidden = 5\nactivations = ["relu", "tanh"]',

@@ -112,7 +112,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, *scene.data_paths], *versions)
     records = build / scene.name / "training" / state[:16]
-    stages = LayerStages(scene) if scene.members[0].layers else Stages(scene)
+    layered = bool(scene.members[0].layers)
+    stages: Any = LayerStages(scene) if layered else Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
@@ -122,12 +123,11 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         stages.add(best.hidden, best.restart)
         # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
         # stated is what these networks do.
-        errors = (
-            errors_of(task, stages.chosen[number], "validation")
-            | errors_of(stages.task(stages.tested, number), stages.tested[number], "test")
-            | errors_of(stages.task(stages.written, number), stages.written[number], "every")
-        )
-        few = digits_story(stages, number) if isinstance(stages, Stages) and stages.full else {}
+        errors: dict[str, Any] = {}
+        for stage, part in (("chosen", "validation"), ("tested", "test"), ("written", "every")):
+            networks = getattr(stages, stage)
+            errors |= errors_of(stages.task(networks, number), networks[number], part)
+        few = digits_story(stages, number) if settings.digits else {}
         stories.append(
             {
                 "scene": scene.name,

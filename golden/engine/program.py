@@ -228,9 +228,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
-    return Program(
-        graph.inputs, table.width, kept, tuple(words), pipeline, notes, graph.rectifies
-    )
+    return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes, graph.rectifies)
 
 
 def check_values(graph: Graph) -> None:

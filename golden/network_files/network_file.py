@@ -150,9 +150,8 @@ def write_network(path: Path, network: Trained) -> None:
         For another ending than .npz, .mat or .onnx, and for a network that the form cannot hold.
     """
     form = _form(path)
-    with replace_file(path) as temporary:
-        with naming(path):
-            form.write(temporary, network)
+    with replace_file(path) as temporary, naming(path):
+        form.write(temporary, network)
 
 
 def check_target(path: Path) -> None:

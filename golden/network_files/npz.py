@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def read(path: Path) -> Held:
 
 def write(path: Path, network: Trained) -> None:
     """Write the arrays of each layer, and the activations of a network that needs them told."""
-    arrays = {}
+    arrays: dict[str, Any] = {}
     layers = layers_of(network)
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}

@@ -201,7 +201,7 @@ def read(path: Path) -> Held:
             f"{path}: got {len(layers)} linear layers, expected 2 or more with an activation "
             f"between them, one of {', '.join(ACTIVATIONS)}"
         )
-    arrays = {}
+    arrays: dict[str, Real] = {}
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
     return Held(
@@ -337,8 +337,9 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the network as a Gemm for each layer, and its activation, on double precision numbers."""
-    nodes, arrays, value = [], {}, "x"
+    """Write the network as a Gemm for each layer and its activation, in double precision."""
+    arrays: dict[str, Real] = {}
+    nodes, value = [], "x"
     layers = layers_of(network)
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
@@ -350,7 +351,7 @@ def write(path: Path, network: Trained) -> None:
         if layer.activation == "linear":
             continue
         operator = next(kind for kind, name in ACTIVATIONS.items() if name == layer.activation)
-        taken, more = [value], {}
+        taken, more = [value], dict[str, Any]()
         if operator == "Clip":
             arrays |= {"least": np.array(-1.0), "most": np.array(1.0)}
             taken += ["least", "most"]

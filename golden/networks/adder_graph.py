@@ -89,13 +89,14 @@ class AdderGraph(Design):
     def of_several(
         cls,
         arrangement: str,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
         activation_options: Mapping[str, object] | None = None,
     ) -> Self | None:
         if arrangement == "single":
             return None
+        mlps = map(cls.plain, networks)
         found = [constants_of(m, EXACT, "bipartite", activation_options, lean) for m in mlps]
         return cls.from_constants(beside(found), **_chosen(hardware))
 

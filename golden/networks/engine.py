@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from golden.block import Block
+from golden.dense import Trained
 from golden.engine.exact import error_bounds, exact
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
@@ -29,7 +30,6 @@ from golden.engine.serial_accumulate import SerialAccumulate
 from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
-from golden.dense import Trained
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.input_error import InputError

@@ -46,7 +46,9 @@ def build_twin(scene: Scene, lean: bool) -> Network:
             if not isinstance(held, Mlp):
                 continue
             with naming(member.weights_path):
-                constants_of(held, scene.precision, scene.activation, scene.activation_options, lean)
+                constants_of(
+                    held, scene.precision, scene.activation, scene.activation_options, lean
+                )
         with naming(scene.path):
             raise
     if not scene.window.plain:

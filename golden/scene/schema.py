@@ -46,7 +46,7 @@ NETWORK = Table(
                 least=0,
             ),
             [],
-            "of `single`: the activation of each hidden layer, such as `[\"relu\", \"relu\"]`; "
+            'of `single`: the activation of each hidden layer, such as `["relu", "relu"]`; '
             "without it those of the network file, and training takes tanh",
         ),
         "weights": Key(

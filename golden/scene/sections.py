@@ -388,9 +388,7 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(
-            inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations
-        )
+        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations)
         for i in range(count)
     )
 

@@ -188,7 +188,8 @@ class Case:
             (shape,) = self.shapes
             return [random_network(shape, self.activations, self.spread, self.seed)]
         mlps = [
-            random_mlp(shape, self.spread, self.seed + i) for i, shape in enumerate(self.shapes)
+            random_mlp((inputs, hidden, outputs), self.spread, self.seed + i)
+            for i, (inputs, hidden, outputs) in enumerate(self.shapes)
         ]
         if self.arrangement == "single" and self.shapes[0][1] > 1:
             mlps[0].w1[-1] = 0

@@ -161,8 +161,8 @@ ENGINES = {
     # Sums that reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
-# Several hidden layers, each with an activation of its own: with ReLU and with both halves of a word
-# of the table; ReLU alone, with registers behind the memories; sums that leave the word.
+# Several hidden layers, each with an activation of its own: ReLU and tanh in one network; registers
+# behind the memories, and sums that leave the word; no multiplier.
 LAYERED = {
     "layers-engine": replace(
         ENGINE,
