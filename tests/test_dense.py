@@ -19,8 +19,9 @@ from golden.engine.formats import ONE, RESULT, SAMPLE, coeff_frac
 from golden.engine.layers import exact_layers, first_values, planned
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.mlp import Mlp
+from golden.mlp import Mlp, tanh
 from golden.network_files.network_file import load_network, write_network
+from golden.networks.arrangement import process_real
 from golden.networks.engine import Engine
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -326,6 +327,27 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     assert np.array_equal(found[True], found[False])
     assert np.array_equal(found[True], serial.process(codes))
     assert (np.abs(SIGNAL.to_real(found[True]) - wanted) <= bounds(network)).all()
+
+
+@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
+def test_several_networks_of_several_layers(arrangement: str) -> None:
+    more = arrangement == "cascade"
+    several = [
+        random((3, 4, 3, 1), ("relu", "sigmoid"), 1, 0.5),
+        random((3 + more, 4, 1), ("tanh",), 2, 0.5),
+        random((3 + 2 * more, 3, 4, 1), ("leaky_relu", "relu"), 3, 0.5),
+    ]
+    codes = random_codes(3, 200)
+    samples = SIGNAL.to_real(codes)
+    real = process_real(arrangement, several, samples, tanh)
+    assert np.abs(real).max() < 1
+    engine = Engine.of_several(arrangement, several)
+    found = engine.process(codes)
+    assert np.array_equal(found, engine.exact(codes))
+    assert np.abs(SIGNAL.to_real(found) - real).max() < 4 * 2.0**-SIGNAL.frac
+    names = [neuron.name for neuron in engine.graph.neurons if neuron.relu]
+    assert "network 1 layer 1 node 1" in names
+    assert "network 3 layer 1 node 1 relu" in names
 
 
 @pytest.mark.parametrize("kind", ["relu", "linear", "leaky_relu"])
