@@ -43,7 +43,7 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
     outputs = []
     for neuron in graph.neurons:
         total = neuron.start + _sum(neuron, values, segment_width)
-        word = max(RESULT.low, min(RESULT.high, total >> DROPPED))
+        word = max(0 if neuron.relu else RESULT.low, min(RESULT.high, total >> DROPPED))
         values.append(word)
         if neuron.output:
             outputs.append(word >> OUTPUT_SHIFT)
@@ -51,7 +51,7 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
 
 
 def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
-    if any(term.kind is Kind.INTERCEPT for term in neuron.terms):
+    if neuron.looks_up:
         return tanh_sum(segment_width, values[neuron.terms[0].source])
     return sum(
         term.weight * (1 << DROPPED if term.kind is Kind.ONE else values[term.source])

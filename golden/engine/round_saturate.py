@@ -24,6 +24,8 @@ class RoundSaturate(Block):
     ----------
     acc_width : int
         Bits of the sum.
+    rectifies : bool
+        Whether there is a port that asks for 0 in the place of what is below it.
 
     Notes
     -----
@@ -33,6 +35,7 @@ class RoundSaturate(Block):
     block = "round_saturate"
     area = "engine"
     acc_width: int
+    rectifies: bool = False
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -42,7 +45,13 @@ class RoundSaturate(Block):
             taken("acc", "the sum", Fix(self.acc_width, 0)),
             taken("sample", "sample x", SIGNAL),
             given("word", "word for the operand memory, one clock later", WORD),
+            *self.relu_ports,
         )
+
+    @property
+    def relu_ports(self) -> tuple[Port, ...]:
+        """What asks for 0 in the place of what is below it; none without ReLU."""
+        return (taken("relu", "a sum below 0 becomes 0"),) if self.rectifies else ()
 
     @property
     def latency(self) -> int:
@@ -55,8 +64,11 @@ class RoundSaturate(Block):
             Border("saturates above", "sum", (WORD.high + 1) << DROPPED),
         )
 
-    def process(self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike) -> Codes:
+    def process(
+        self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike, relu: ArrayLike = 0
+    ) -> Codes:
         """The word of each sum or sample."""
-        kept = np.clip(np.asarray(acc, dtype=np.int64) >> DROPPED, WORD.low, WORD.high)
+        low = np.where(relu, 0, WORD.low)
+        kept = np.clip(np.asarray(acc, dtype=np.int64) >> DROPPED, low, WORD.high)
         moved = SIGNAL.check(sample, f"{self.entity} sample") << SAMPLE_SHIFT
         return np.where(run, kept, moved)

@@ -9,7 +9,7 @@ from hdl.common.signals import fixed, flag, unsigned
 
 
 @block
-def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
+def round_saturate(clk, run, acc, sample, word, relu=None, *, spec: RoundSaturate):
     """The sum without its lowest bits, saturated; while no frame is computed, the sample.
 
     Parameters
@@ -19,6 +19,8 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     sample : signed Fix(14,13)
     word : signed 18 bits
         It comes one clock later.
+    relu : bool
+        Where ``spec.rectifies``: a sum below 0 becomes 0.
     spec : RoundSaturate
     """
     sign = spec.acc_width - 1
@@ -45,14 +47,29 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     def cut():
         kept.next = acc[end:DROPPED].signed()
 
-    @always_comb
-    def saturate():
-        if not beyond:
-            result.next = kept
-        elif acc[sign]:
-            result.next = low
-        else:
-            result.next = high
+    if spec.rectifies:
+
+        @always_comb
+        def saturate():
+            if relu and acc[sign]:
+                result.next = 0
+            elif not beyond:
+                result.next = kept
+            elif acc[sign]:
+                result.next = low
+            else:
+                result.next = high
+
+    else:
+
+        @always_comb
+        def saturate():
+            if not beyond:
+                result.next = kept
+            elif acc[sign]:
+                result.next = low
+            else:
+                result.next = high
 
     @always_comb
     def widen():

@@ -162,6 +162,30 @@ ENGINES = {
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
+# network; the second has registers behind the memories, and sums that leave the word; the third has
+# no multiplier.
+LAYERED = {
+    "layers-engine": replace(
+        ENGINE,
+        shapes=[(3, 4, 5, 3, 2)],
+        activations=("relu", "sigmoid", "leaky_relu"),
+        spread=1.5,
+    ),
+    "deep-layers-engine": replace(
+        ENGINE,
+        shapes=[(2, 5, 3, 2)],
+        activations=("relu", "hard_tanh"),
+        hardware='pipeline = "deep"',
+        spread=2.0,
+    ),
+    "layers-serial": replace(
+        ENGINE,
+        shapes=[(2, 3, 4, 1)],
+        activations=("leaky_relu", "tanh"),
+        hardware='multiplier = "serial"',
+    ),
+}
 # Hardware that does not depend on its image.
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),

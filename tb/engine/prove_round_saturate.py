@@ -4,15 +4,21 @@ from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from tb.sign_off.properties import Property
 
+# With ReLU.
+ALSO = ("layers-engine",)
+
 
 def properties(twin):
     low, high = WORD.low, WORD.high
+    least = f"(relu ? 0 : {low})" if twin.rectifies else f"{low}"
+    with_relu = "; with relu a sum below 0 is 0" if twin.rectifies else ""
+    relu = (r"relu && acc", "acc"), (r"result = 0;", "result = 1;")
     return [
         Property(
             name="word",
             sentence=f"One clock later the word is the sum without its lowest {DROPPED} bits, or "
-            "the end of the word's range where that lies beyond it. Without run the word is "
-            f"{1 << SAMPLE_SHIFT} times the sample.",
+            f"the end of the word's range where that lies beyond it{with_relu}. Without run the "
+            f"word is {1 << SAMPLE_SHIFT} times the sample.",
             states=("!after_reset || $signed(word) == expected",),
             watch=f"""
                 wire signed [63:0] sum = $signed(acc);
@@ -21,7 +27,7 @@ def properties(twin):
                 reg signed [31:0] expected;
                 always @(posedge clk) begin
                     expected <= !run ? eightfold
-                        : cut < {low} ? {low} : cut > {high} ? {high} : cut;
+                        : cut < {least} ? {least} : cut > {high} ? {high} : cut;
                 end
             """,
             reached=(
@@ -34,6 +40,7 @@ def properties(twin):
                 (r"result = 131071", "result = 131070"),
                 (r"wide << 3", "wide << 2"),
                 (r"if \(run\)", "if (1)"),
+                *(relu if twin.rectifies else ()),
             ),
             clocks=3,
             induction=2,

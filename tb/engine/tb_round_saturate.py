@@ -2,7 +2,8 @@
 
 Sweeps: every sample; sums at and around both ends of the sum and of the word, around zero, around
 the places at which the result changes, at every power of two, and 4000 random sums of every size.
-Drives: a sum and a sample every clock, alternately while a frame is computed and while none is.
+Drives: a sum and a sample every clock, alternately while a frame is computed and while none is,
+with ReLU and without it where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears.
 Does not prove: that every sum is right.
 """
@@ -15,9 +16,9 @@ from golden.engine.operand_memory import WORD
 from golden.fixed import Fix
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES
+from tb.common.small import ENGINES, LAYERED
 
-CASES = {"rails-engine": ENGINES["rails-engine"]}
+CASES = {"rails-engine": ENGINES["rails-engine"], "layers-engine": LAYERED["layers-engine"]}
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
@@ -51,12 +52,15 @@ async def sums_and_samples(dut):
     acc, sample = bench.rng.choice(accs, len(order)), bench.rng.choice(samples, len(order))
     acc[run], sample[~run] = accs[order[run]], samples[order[~run] - len(accs)]
     drive = {"run": run.astype(np.int64), "acc": acc, "sample": sample}
+    if bench.twin.rectifies:
+        drive["relu"] = bench.rng.integers(0, 2, len(order))
     recording = await bench.play(drive, ["word"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     flags = recording.unsigned("run", rows).astype(bool)
     seen = recording.signed("acc", rows), recording.signed("sample", rows)
     got = recording.signed("word", rows + bench.latency)
-    expected = bench.twin.process(flags, *seen)
+    relu = recording.unsigned("relu", rows) if bench.twin.rectifies else np.zeros(len(rows), int)
+    expected = bench.twin.process(flags, *seen, relu)
     bench.meet("sum", seen[0][flags])
-    bench.compare("word", got, expected, run=flags, acc=seen[0], sample=seen[1])
+    bench.compare("word", got, expected, run=flags, acc=seen[0], sample=seen[1], relu=relu)
     bench.finish(at_least=16384)
