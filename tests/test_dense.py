@@ -23,6 +23,8 @@ from golden.mlp import Mlp, tanh
 from golden.network_files.network_file import load_network, write_network
 from golden.networks.arrangement import process_real
 from golden.networks.engine import Engine
+from golden.networks.oracle import exact
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from tb.common.cases import random_network, write_scene
@@ -320,10 +322,10 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     wanted = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
     found = {}
     for lean in (True, False):
-        engine = Engine.of_several("single", [network], lean)
+        engine = Engine.of([network], Settings(lean=lean))
         found[lean] = engine.process(codes)
-        assert np.array_equal(found[lean], engine.exact(codes))
-    serial = Engine.of_several("single", [network], hardware={"multiplier": "serial"})
+        assert np.array_equal(found[lean], exact(engine, codes))
+    serial = Engine.of([network], Settings(options={"multiplier": "serial"}))
     assert np.array_equal(found[True], found[False])
     assert np.array_equal(found[True], serial.process(codes))
     assert (np.abs(SIGNAL.to_real(found[True]) - wanted) <= bounds(network)).all()
@@ -341,9 +343,9 @@ def test_several_networks_of_several_layers(arrangement: str) -> None:
     samples = SIGNAL.to_real(codes)
     real = process_real(arrangement, several, samples, tanh)
     assert np.abs(real).max() < 1
-    engine = Engine.of_several(arrangement, several)
+    engine = Engine.of(several, arrangement=arrangement)
     found = engine.process(codes)
-    assert np.array_equal(found, engine.exact(codes))
+    assert np.array_equal(found, exact(engine, codes))
     assert np.abs(SIGNAL.to_real(found) - real).max() < 4 * 2.0**-SIGNAL.frac
     names = [neuron.name for neuron in engine.graph.neurons if neuron.relu]
     assert "network 1 layer 1 node 1" in names
@@ -377,7 +379,7 @@ def test_sums_that_no_format_holds_are_refused() -> None:
     with pytest.raises(
         InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"
     ):
-        Engine.of_several("single", [wide])
+        Engine.of([wide])
 
 
 def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
@@ -385,7 +387,7 @@ def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
     # The last node of layer 2 alone uses the first of layer 1.
     second.weights[:-1, 0] = 0
     last.weights[:, -1] = 0
-    engine = Engine.of_several("single", [network_of([first, second, last])])
+    engine = Engine.of([network_of([first, second, last])])
     names = [neuron.name for neuron in engine.graph.neurons]
     assert engine.useless_nodes == 3
     assert names == [
@@ -399,8 +401,8 @@ def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
 def test_an_image_with_relu_is_refused() -> None:
     option = {"reload": True}
     with pytest.raises(InputError, match=r"hardware.reload: got True for a network with ReLU, exp"):
-        Engine.of_several("single", [random((3, 4, 2), ("relu",))], hardware=option)
-    Engine.of_several("single", [random((3, 4, 5, 2), ("sigmoid", "tanh"))], hardware=option)
+        Engine.of([random((3, 4, 2), ("relu",))], Settings(options=option))
+    Engine.of([random((3, 4, 5, 2), ("sigmoid", "tanh"))], Settings(options=option))
 
 
 # In scenes.
@@ -416,9 +418,7 @@ def test_a_scene_of_several_layers(tmp_path: Path) -> None:
     scene = load_scene(str(path))
     assert scene.describe() == "3:4:5:2"
     codes = random_codes(3, 20)
-    assert np.array_equal(
-        scene.twin().process(codes), Engine.of_several("single", [network]).process(codes)
-    )
+    assert np.array_equal(scene.twin().process(codes), Engine.of([network]).process(codes))
     samples = SIGNAL.to_real(codes)
     assert np.array_equal(scene.process_real(samples), network.process(samples))
     with pytest.raises(InputError, match=r"several.npz: got hidden layers of relu, sigmoid, expec"):
