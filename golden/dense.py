@@ -47,6 +47,56 @@ ACTIVATIONS: dict[str, Activation] = {
 
 
 @dataclass(frozen=True)
+class Quantiser:
+    """What brings the values of a quantised network onto a grid: ``(code - zero) * scale``.
+
+    Parameters
+    ----------
+    scale : float
+    zero : int
+    low, high : int
+        The ends of the codes.
+    rounding : str
+        "even", halves to the even code; "away", halves away from 0; "floor".
+    before_zero : bool
+        Whether a value is rounded before the zero is added, as in ONNX, or after, as in QONNX.
+
+    Raises
+    ------
+    InputError
+        For a scale that is not above 0, or ends without a code between them.
+    """
+
+    scale: float
+    zero: int
+    low: int
+    high: int
+    rounding: str = "even"
+    before_zero: bool = False
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.scale) and self.scale > 0):
+            raise InputError(f"scale: got {self.scale}, expected a number above 0")
+        if not self.low < self.high:
+            raise InputError(f"codes: got {self.low} to {self.high}, expected two or more")
+        if self.rounding not in ("even", "away", "floor"):
+            raise InputError(f"rounding: got {self.rounding!r}, expected even, away or floor")
+
+    def process(self, values: Real) -> Real:
+        """The values of the grid that stand for ``values``."""
+        zero = 0 if self.before_zero else self.zero
+        scaled = values / self.scale + zero
+        if self.rounding == "even":
+            codes = np.rint(scaled)
+        elif self.rounding == "away":
+            codes = np.sign(scaled) * np.floor(np.abs(scaled) + 0.5)
+        else:
+            codes = np.floor(scaled)
+        found: Real = np.clip(codes + (self.zero - zero), self.low, self.high) - self.zero
+        return found * self.scale
+
+
+@dataclass(frozen=True)
 class Dense:
     """One layer: ``activation(weights @ x + biases)``.
 
@@ -58,6 +108,8 @@ class Dense:
         A name of ``ACTIVATIONS``.
     leak : float
         The slope of "leaky_relu" below 0, from 0 to 1; the others take no notice of it.
+    quantiser : Quantiser or None
+        What stands behind the activation, in a quantised network.
 
     Raises
     ------
@@ -69,6 +121,7 @@ class Dense:
     biases: Real
     activation: str = "linear"
     leak: float = LEAK
+    quantiser: Quantiser | None = None
 
     def __post_init__(self) -> None:
         shape, nodes = np.shape(self.weights), np.shape(self.biases)
@@ -137,7 +190,7 @@ class DenseNetwork:
                     f"layer {n + 1}: got weights of {inputs} inputs, expected {nodes}, as many as "
                     f"layer {n} has nodes"
                 )
-        if self.layers[-1].activation != "linear":
+        if self.layers[-1].activation != "linear" or self.layers[-1].quantiser:
             raise InputError(
                 f"layer {len(self.layers)}: got {self.layers[-1].activation!r}, expected the last "
                 "layer to be 'linear'"
@@ -147,6 +200,11 @@ class DenseNetwork:
     def shape(self) -> tuple[int, ...]:
         """Inputs, the hidden nodes of each layer, and outputs."""
         return self.layers[0].weights.shape[1], *(layer.nodes for layer in self.layers)
+
+    @property
+    def quantised(self) -> bool:
+        """Whether a layer has a quantiser."""
+        return any(layer.quantiser for layer in self.layers)
 
     @property
     def activations(self) -> tuple[str, ...]:
@@ -161,6 +219,8 @@ class DenseNetwork:
         values = np.asarray(frames, dtype=np.float64)
         for layer in self.layers:
             values, _ = layer.activate(values @ layer.weights.T + layer.biases, activation)
+            if layer.quantiser:
+                values = layer.quantiser.process(values)
         return values
 
 
@@ -180,11 +240,11 @@ def network_of(layers: list[Dense]) -> Trained:
     InputError
         See ``DenseNetwork``.
     """
-    if layers[-1].activation != "linear":
+    if layers[-1].activation != "linear" or layers[-1].quantiser:
         nodes = layers[-1].nodes
         layers = [*layers, Dense(np.eye(nodes), np.zeros(nodes))]
     network = DenseNetwork(tuple(layers))
-    if network.activations == ("tanh",):
+    if network.activations == ("tanh",) and not layers[0].quantiser:
         first, second = network.layers
         return Mlp(first.weights, first.biases, second.weights, second.biases)
     return network

@@ -44,6 +44,10 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
     for neuron in graph.neurons:
         total = neuron.start + _sum(neuron, values, segment_width)
         word = max(0 if neuron.relu else RESULT.low, min(RESULT.high, total >> DROPPED))
+        if neuron.cut:
+            unit = 1 << neuron.cut
+            halfway = neuron.even and total % (unit << DROPPED) == 0 and word == total >> DROPPED
+            word -= word % (2 * unit if halfway else unit)
         values.append(word)
         if neuron.output:
             outputs.append(word >> OUTPUT_SHIFT)

@@ -61,6 +61,10 @@ class Neuron:
         Whether it is an output of the scene, which is rounded to the signal's format.
     relu : bool
         Whether a sum below 0 becomes 0.
+    cut : int
+        The number of the word's lowest bits that are 0; only a ReLU has any.
+    even : bool
+        Where bits are cut: whether a sum half way between two words becomes the even one.
     """
 
     name: str
@@ -68,6 +72,13 @@ class Neuron:
     terms: tuple[Term, ...]
     output: bool = False
     relu: bool = False
+    cut: int = 0
+    even: bool = False
+
+    @property
+    def constant(self) -> bool:
+        """Whether it takes nothing but the number one."""
+        return all(term.kind is Kind.ONE for term in self.terms)
 
     @property
     def looks_up(self) -> bool:
@@ -110,16 +121,30 @@ class Graph:
         return any(neuron.relu for neuron in self.neurons)
 
     @property
+    def cut(self) -> int:
+        """Lowest bits that every word of a ReLU has not."""
+        return max((neuron.cut for neuron in self.neurons), default=0)
+
+    @property
+    def even(self) -> bool:
+        """Whether sums half way between two words of a ReLU become the even one."""
+        return any(neuron.even for neuron in self.neurons)
+
+    @property
     def first_sums(self) -> list[Neuron]:
         """The hidden sums that see nothing but samples and outputs."""
         return [
             neuron
             for neuron in self.neurons
-            if not neuron.output and not any(self._is_hidden(t.source) for t in neuron.terms)
+            if not (neuron.output or neuron.looks_up)
+            and not any(self._is_hidden(t.source) for t in neuron.terms)
         ]
 
     def _is_hidden(self, source: int) -> bool:
-        return source >= self.inputs and not self.neurons[source - self.inputs].output
+        if source < self.inputs:
+            return False
+        neuron = self.neurons[source - self.inputs]
+        return not (neuron.output or neuron.constant)
 
     def format_of(self, source: int) -> Fix:
         """The format of a value."""

@@ -14,9 +14,10 @@ each node, of which what follows takes both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
+from golden.cli import naming
 from golden.dense import Trained, layers_of
 from golden.engine.formats import (
     DROPPED,
@@ -29,6 +30,7 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.grid import Grid, grid_of
 from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.precision import SIGNAL
@@ -79,6 +81,10 @@ class Sums:
         By node, and then by the words that it takes.
     values : list of Value
         The words that what follows takes.
+    grid : Grid or None
+        Of a layer with a quantiser.
+    rests : list of int
+        Of such a layer, what the biases leave of each sum's start; below a unit of them.
     """
 
     activation: str
@@ -86,6 +92,8 @@ class Sums:
     biases: list[int]
     weights: list[list[int]]
     values: list[Value]
+    grid: Grid | None = None
+    rests: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -96,13 +104,23 @@ class Exact:
     leak: Fraction
     weights: list[list[Fraction]]
     biases: list[Fraction]
+    grid: Grid | None
 
 
 def exact_layers(network: Trained) -> list[Exact]:
-    """The layers of a network, with tanh in the place of sigmoid."""
+    """The layers of a network, with tanh in the place of sigmoid.
+
+    Behind a quantiser words are distances from the lowest code; the biases of what follows make
+    up for that.
+
+    Raises
+    ------
+    InputError
+        See ``grid_of``.
+    """
     found: list[Exact] = []
     halved = False
-    for layer in layers_of(network):
+    for number, layer in enumerate(layers_of(network), start=1):
         weights = [[Fraction(w) for w in row] for row in layer.weights.tolist()]
         biases = [Fraction(b) for b in layer.biases.tolist()]
         if halved:
@@ -112,8 +130,14 @@ def exact_layers(network: Trained) -> list[Exact]:
         if halved:
             weights = [[w / 2 for w in row] for row in weights]
             biases = [b / 2 for b in biases]
+        before = found[-1].grid if found else None
+        if before:
+            lowest = before.lowest
+            biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
+        with naming(f"layer {number}"):
+            grid = grid_of(layer)
         kind = "tanh" if halved else layer.activation
-        found.append(Exact(kind, Fraction(layer.leak), weights, biases))
+        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid))
     return found
 
 
@@ -138,6 +162,13 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
     found: list[Sums] = []
     for number, layer in enumerate(layers, start=1):
         output = number == len(layers)
+        if layer.grid:
+            with naming(f"layer {number}"):
+                sums = _on_grid(layer, layer.grid, values)
+            ends = 0, layer.grid.high
+            values = [Value(j, Fraction(1), sums.result, *ends) for j in range(len(sums.biases))]
+            found.append(replace(sums, values=values))
+            continue
         fixed = RESULT if output or layer.activation == "hard_tanh" else None
         fixed = HIDDEN if layer.activation == "tanh" else fixed
         for frac in [fixed.frac] if fixed else range(WIDTH - 1, -1, -1):
@@ -155,6 +186,40 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
         values = _given(layer, sums.result, low, high)
         found.append(Sums(layer.activation, sums.result, sums.biases, sums.weights, values))
     return found
+
+
+def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
+    """A layer's codes so that each sum is exact.
+
+    Raises
+    ------
+    InputError
+        When a weight or a bias is no whole code.
+    """
+    weights = [
+        [_whole(row[v.node] * v.factor, coeff_frac(grid.result, v.fmt), "weight") for v in values]
+        for row in layer.weights
+    ]
+    starts = [
+        _whole(bias - grid.lowest, grid.result.frac + DROPPED, "bias") + grid.start
+        for bias in layer.biases
+    ]
+    biases, rests = (
+        list(part) for part in zip(*(divmod(s, 1 << DROPPED) for s in starts), strict=True)
+    )
+    return Sums(layer.activation, grid.result, biases, weights, [], grid, rests)
+
+
+def _whole(value: Fraction, frac: int, what: str) -> int:
+    """The code of ``frac`` fraction bits that a value is."""
+    scaled = value * Fraction(2) ** frac
+    if scaled.denominator != 1:
+        raise InputError(
+            f"got a {what} of {float(value):g}, which {frac} fraction bits do not hold exactly; "
+            "expected scales of weights, samples and quantisers that are powers of two, those of "
+            f"the sums no less than 1/{1 << DROPPED} of that of the quantiser behind them"
+        )
+    return int(scaled)
 
 
 def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
@@ -215,17 +280,30 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
     -----
     A weight that 18 bits do not hold becomes several terms. A later network of a cascade sees an
     output as its word holds it, with half a unit of the output's last place added; its biases take
-    that away again.
+    that away again. What a bias of a quantised layer has below its own unit is a weight of a word
+    of one unit, which is a neuron of its own.
     """
     samples = networks[0].shape[0]
     neurons: list[Neuron] = []
     earlier: list[int] = []
     useless = zeros = 0
-    for number, network in enumerate(networks):
+    plans: list[list[Sums]] = []
+    for network in networks:
+        outputs = sum(len(plan[-1].biases) for plan in plans) if arrangement == "cascade" else 0
+        plans.append(planned(network, first_values(samples, outputs)))
+    _check_grids([x.grid for plan in plans for x in plan if "relu" in x.activation or x.grid])
+    built = [_used(plan, lean) for plan in plans]
+    pairs = [
+        (layer, j)
+        for plan, used in zip(plans, built, strict=True)
+        for layer, nodes in zip(plan, used, strict=True)
+        for j in nodes
+    ]
+    if any(layer.grid and layer.rests[j] for layer, j in pairs):
+        neurons.append(Neuron("one unit", RESULT, (Term(Kind.ONE, -1, 1),)))
+    for number, (layers, used) in enumerate(zip(plans, built, strict=True)):
         place = f"network {number + 1} " if len(networks) > 1 else ""
         seen = [*range(samples), *(earlier if arrangement == "cascade" else [])]
-        layers = planned(network, first_values(samples, len(seen) - samples))
-        used = _used(layers, lean)
         useless += sum(
             len(layer.biases) - len(nodes) for layer, nodes in zip(layers, used, strict=True)
         )
@@ -240,6 +318,8 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                 weights = [(source, layer.weights[j][k]) for k, source in taken.items()]
                 codes = (layer.biases[j], *(code for _, code in weights))
                 zeros += lean * sum(not code for code in codes)
+                if layer.grid and layer.rests[j]:
+                    weights = [(samples, layer.rests[j]), *weights]
                 terms = _terms(layer.biases[j], weights, lean)
                 last = samples + len(neurons)
                 made = [*_node(name, layer, terms, last, output)]
@@ -251,6 +331,24 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                 else:
                     sources[j] = last + len(made) - 1
     return Graph(samples, tuple(neurons), useless, zeros)
+
+
+def _check_grids(grids: list[Grid | None]) -> None:
+    """Refuse quantisers of which an engine would need two: it has one kind for all words.
+
+    Raises
+    ------
+    InputError
+    """
+    kinds = {(WIDTH - 1 - g.cut, g.even) if g else None for g in grids}
+    if len(kinds) > 1:
+        texts = sorted(
+            f"{kind[0]} bits{', halves to even' * kind[1]}" if kind else "none" for kind in kinds
+        )
+        raise InputError(
+            f"quantisers: got layers of {' and of '.join(texts)}, expected the same for every "
+            "layer with ReLU or a quantiser, the samples' too"
+        )
 
 
 def _node(
@@ -267,6 +365,8 @@ def _node(
         yield Neuron(f"{name} sum", layer.result, terms)
         itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))
         yield Neuron(f"{name} relu", layer.result, (itself,), relu=True)
+    elif layer.grid:
+        yield Neuron(name, layer.result, terms, False, True, layer.grid.cut, layer.grid.even)
     else:
         yield Neuron(name, layer.result, terms, relu=layer.activation == "relu")
 

@@ -76,6 +76,9 @@ class Program:
         What each word of the table and of the steps stands for.
     rectifies : bool
         Whether words hold ``RELU`` instead of ``TAKE_INTERCEPT``.
+    cut : int
+    even : bool
+        Of results with ReLU; see ``Neuron``.
     """
 
     inputs: int
@@ -85,6 +88,8 @@ class Program:
     pipeline: Pipeline
     notes: tuple[str, ...]
     rectifies: bool = False
+    cut: int = 0
+    even: bool = False
 
     @cached_property
     def instructions(self) -> list[Instruction]:
@@ -182,7 +187,13 @@ class Program:
             else:
                 acc = acc + product
             if step.store:
-                word = np.clip(acc >> DROPPED, 0 if step.relu else WORD.low, WORD.high)
+                word = acc >> DROPPED
+                if step.relu and self.cut:
+                    halfway = self.even & (acc & ((1 << (DROPPED + self.cut)) - 1) == 0)
+                    word = word & (-np.where(halfway, 2, 1) << self.cut)
+                # The ends are on the grid too.
+                high = WORD.high & (-1 << self.cut) if step.relu else WORD.high
+                word = np.clip(word, 0 if step.relu else WORD.low, high)
                 memory.append(word)
                 if step.output:
                     results.append(word >> OUTPUT_SHIFT)
@@ -229,7 +240,17 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
-    return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes, graph.rectifies)
+    return Program(
+        graph.inputs,
+        table.width,
+        kept,
+        tuple(words),
+        pipeline,
+        notes,
+        graph.rectifies,
+        graph.cut,
+        graph.even,
+    )
 
 
 def check_values(graph: Graph) -> None:

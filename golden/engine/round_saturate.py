@@ -26,6 +26,10 @@ class RoundSaturate(Block):
         Bits of the sum.
     rectifies : bool
         Whether there is a port that asks for 0 in the place of what is below it.
+    cut : int
+        Where it does, so many of the lowest bits of the word become 0.
+    even : bool
+        Where bits are cut, a sum half way between two words becomes the even one.
 
     Notes
     -----
@@ -36,6 +40,8 @@ class RoundSaturate(Block):
     area = "engine"
     acc_width: int
     rectifies: bool = False
+    cut: int = 0
+    even: bool = False
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -69,6 +75,11 @@ class RoundSaturate(Block):
     ) -> Codes:
         """The word of each sum or sample."""
         low = np.where(relu, 0, WORD.low)
-        kept = np.clip(np.asarray(acc, dtype=np.int64) >> DROPPED, low, WORD.high)
+        sums = np.asarray(acc, dtype=np.int64)
+        kept = np.clip(sums >> DROPPED, low, WORD.high)
+        if self.cut:
+            halfway = self.even & (sums & ((1 << (DROPPED + self.cut)) - 1) == 0)
+            halfway &= kept == sums >> DROPPED
+            kept = np.where(relu, kept & (-np.where(halfway, 2, 1) << self.cut), kept)
         moved = SIGNAL.check(sample, f"{self.entity} sample") << SAMPLE_SHIFT
         return np.where(run, kept, moved)

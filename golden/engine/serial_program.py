@@ -142,4 +142,6 @@ def assemble_serial(
         pipeline,
         (*table_texts, *texts, "what becomes of the last sum"),
         graph.rectifies,
+        graph.cut,
+        graph.even,
     )

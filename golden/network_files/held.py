@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from golden.dense import LEAK
+from golden.dense import LEAK, Quantiser
 from golden.real import Real
 
 
@@ -20,11 +20,14 @@ class Held:
         That of each layer, all but the last, which is linear.
     leaks : tuple of float
         Of the same layers, the slope of "leaky_relu" below 0; empty where there is none.
+    quantisers : tuple of Quantiser or None
+        Of the same layers; empty where there is none.
     """
 
     arrays: dict[str, Real]
     activations: tuple[str, ...] = ("tanh",)
     leaks: tuple[float, ...] = ()
+    quantisers: tuple[Quantiser | None, ...] = ()
 
     @property
     def names(self) -> list[str]:
@@ -34,3 +37,7 @@ class Held:
     def leak(self, layer: int) -> float:
         """The slope of a layer's "leaky_relu" below 0."""
         return self.leaks[layer] if self.leaks else LEAK
+
+    def quantiser(self, layer: int) -> Quantiser | None:
+        """What stands behind the activation of a layer; the last has none."""
+        return self.quantisers[layer] if layer < len(self.quantisers) else None

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from golden.cli import naming
-from golden.dense import LEAK, Dense, Trained, network_of
+from golden.dense import LEAK, Dense, DenseNetwork, Trained, network_of
 from golden.files import (
     check_file,
     check_writable,
@@ -108,7 +108,8 @@ def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
             _check_array(path, name, held.arrays[name], expected, text, form.TRANSPOSED)
         leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
         with naming(f"{path}: layer {n}"):
-            layers.append(Dense(held.arrays[f"w{n}"], held.arrays[f"b{n}"], activation, leak))
+            arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
+            layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1)))
     return network_of(layers)
 
 
@@ -152,7 +153,22 @@ def write_network(path: Path, network: Trained) -> None:
     """
     form = _form(path)
     with replace_file(path) as temporary, naming(path):
+        _check_floating(network)
         form.write(temporary, network)
+
+
+def _check_floating(network: Trained) -> None:
+    """Refuse a quantised network: no form is written with quantisers.
+
+    Raises
+    ------
+    InputError
+    """
+    if isinstance(network, DenseNetwork) and network.quantised:
+        raise InputError(
+            "got a quantised network, expected one in floating point: quantisers are only read, so "
+            "copy the file that they came in"
+        )
 
 
 def check_target(path: Path) -> None:
@@ -205,6 +221,7 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
         for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
             with naming(path):
+                _check_floating(held)
                 _form(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")

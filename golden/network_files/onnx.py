@@ -14,10 +14,11 @@ import numpy as np
 import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
-from golden.dense import LEAK, Trained, layers_of
+from golden.dense import LEAK, Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import shifted
+from golden.network_files import quantisers
 from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
@@ -63,12 +64,10 @@ CLASSES = (
     "tactus gives the values in front of it, of which the largest is that of the class; take the "
     "operator out of the graph"
 )
-QUANTISED = "tactus takes networks in floating point and quantises them itself"
 REASONS = {
     **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
     **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
     **dict.fromkeys(("Softmax", "LogSoftmax", "ArgMax", "Normalizer", "ZipMap"), CLASSES),
-    **dict.fromkeys(("Quant", "BipolarQuant", "QuantizeLinear", "DequantizeLinear"), QUANTISED),
 }
 # For each attribute, the field that holds its value, and the type that it must have.
 ATTRIBUTES = {
@@ -96,6 +95,7 @@ class _Layer:
     biases: Real
     activation: str = "linear"
     leak: float = LEAK
+    quantiser: Quantiser | None = None
 
 
 class _Chain:
@@ -109,6 +109,10 @@ class _Chain:
         self.activated = False
         # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
+        # Of the samples, whose number a layer tells.
+        self.first: Quantiser | None = None
+        # Whether what comes next are codes, until a DequantizeLinear.
+        self.coded: Quantiser | None = None
 
     def refuse(self, node: Any, reason: str) -> InputError:
         place = f"behind layer {len(self.layers)}: " if self.layers else ""
@@ -117,6 +121,10 @@ class _Chain:
     def linear(self, node: Any, weights: Real, bias: Real) -> None:
         """Add a layer, into which the scaling before it is folded."""
         width = weights.shape[1]
+        if self.first:
+            quantiser, self.first = self.first, None
+            self.linear(node, np.eye(width), np.zeros(width))
+            self.quantise(node, quantiser)
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
         self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
@@ -132,8 +140,20 @@ class _Chain:
         self.layers[-1].activation, self.layers[-1].leak = activation, leak
         self.activated = True
 
+    def quantise(self, node: Any, quantiser: Quantiser) -> None:
+        """The quantiser behind the last layer; of samples it becomes a layer of its own."""
+        if self.first or (self.layers and self.layers[-1].quantiser):
+            raise self.refuse(node, "stands behind another quantiser, expected a layer between")
+        if not self.layers:
+            self.first = quantiser
+            return
+        self.layers[-1].quantiser = quantiser
+        self.activated = True
+
     def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
         """Multiply each value by its factor, and add its shift."""
+        if self.first:
+            raise self.refuse(node, "stands behind the quantiser of the samples, expected a layer")
         if self.layers and not self.activated:
             layer = self.layers[-1]
             factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
@@ -147,8 +167,9 @@ class _Chain:
 
     def finish(self, node: Any) -> None:
         """Behind an activation at the end, a linear layer of what scales its values."""
-        if self.activated and self.layers[-1].activation != "linear":
-            nodes = len(self.layers[-1].biases)
+        last = self.layers[-1] if self.layers else None
+        if last and (last.activation != "linear" or last.quantiser):
+            nodes = len(last.biases)
             self.linear(node, np.eye(nodes), np.zeros(nodes))
 
     def wide(self, node: Any, values: Real, width: int) -> Real:
@@ -190,6 +211,10 @@ def read(path: Path) -> Held:
                 raise chain.refuse(node, "expected a tensor as its value")
             constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
+        if node.op_type in quantisers.OPERATORS and node.input[0] in constants:
+            made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
+            constants.update(dict.fromkeys(node.output, made))
+            continue
         _step(chain, node, current, constants)
         current = node.output[0]
     if current != chain.output:
@@ -208,6 +233,7 @@ def read(path: Path) -> Held:
         arrays,
         tuple(layer.activation for layer in layers[:-1]),
         tuple(layer.leak for layer in layers[:-1]),
+        tuple(layer.quantiser for layer in layers[:-1]),
     )
 
 
@@ -223,6 +249,11 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
     """Add one operator to the chain."""
     if node.op_type in REASONS:
         raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
+    if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
+        _quantise(chain, node, current, constants)
+        return
+    if chain.coded:
+        raise chain.refuse(node, "takes the codes of a QuantizeLinear, expected DequantizeLinear")
     domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
     if node.op_type not in OPERATORS or node.domain not in domains:
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
@@ -281,6 +312,26 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         shape = np.asarray(constants[others[0]]).tolist()
         if shape not in shapes:
             raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
+
+
+def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+    """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
+    if node.input[0] != current:
+        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    if node.op_type != quantisers.DEQUANTIZE:
+        quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
+        chain.quantise(node, quantiser)
+        chain.coded = quantiser if node.op_type == quantisers.QUANTIZE else None
+        return
+    before, chain.coded = chain.coded, None
+    scale, zero, *_ = [*quantisers.parameters(node, constants, chain.refuse), None]
+    place = 0 if zero is None else zero
+    if (
+        before is None
+        or not (np.all(scale == np.float32(before.scale)) or np.all(scale == before.scale))
+        or not np.all(place == before.zero)
+    ):
+        raise chain.refuse(node, "expected the scale and zero point of a QuantizeLinear before it")
 
 
 def _check_ends(

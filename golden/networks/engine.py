@@ -305,7 +305,7 @@ class Engine(Design):
 
     @property
     def round_saturate(self) -> RoundSaturate:
-        return RoundSaturate(self.acc_width, self.rectifies)
+        return RoundSaturate(self.acc_width, self.rectifies, self.program.cut, self.program.even)
 
     @property
     def replay_memory(self) -> ReplayMemory:
