@@ -201,7 +201,9 @@ def linear(name: str, value: str, codes: np.ndarray, scale: float, constants) ->
     """Weights as bytes with a zero point, and the product with them."""
     constants |= {f"{name}_c": codes, f"{name}_s": np.float32(scale), f"{name}_z": np.int8(3)}
     return [
-        helper.make_node("DequantizeLinear", [f"{name}_c", f"{name}_s", f"{name}_z"], [f"{name}_d"]),
+        helper.make_node(
+            "DequantizeLinear", [f"{name}_c", f"{name}_s", f"{name}_z"], [f"{name}_d"]
+        ),
         helper.make_node("MatMul", [value, f"{name}_d"], [f"{name}_m"]),
     ]
 
@@ -287,7 +289,11 @@ def changed(path: Path, name: str, value) -> Path:
         ("q1_scale", 0.3, "layer 1: got the scale 0.3, expected a power of two"),
         ("q2_zero", 1.0, r"layer 2: got 15 codes, 1 to 15, expected a power of two, 2 to 65536"),
         ("q2_bits", 5.0, "quantisers: got layers of 4 bits, halves to even and of 5 bits, halves"),
-        ("w2_scale", 0.3, "layer 2: got a weight of .* fraction bits do not hold exactly; expected"),
+        (
+            "w2_scale",
+            0.3,
+            "layer 2: got a weight of .* fraction bits do not hold exactly; expected",
+        ),
         ("b2_scale", 2.0**-40, "layer 2: got a bias of .* fraction bits do not hold exactly"),
         ("q1_scale", 2.0**20, r"layer 1: got the scale 1.04858e\+06, expected 8192 at most"),
     ],
@@ -305,7 +311,11 @@ def test_what_would_be_rounded_is_refused(tmp_path: Path, name, value, message) 
     ("name", "value", "message"),
     [
         ("q1_scale", [0.5, 0.25, 0.5], r"operator Quant \('my_q1'\): got a scale .* one for all"),
-        ("q1_scale", -1.0, r"behind layer 1: operator Quant .*: scale: got -1.0, expected a number"),
+        (
+            "q1_scale",
+            -1.0,
+            r"behind layer 1: operator Quant .*: scale: got -1.0, expected a number",
+        ),
         ("q1_bits", 0.5, "operator Quant .*: got 0.5 bits, expected a whole number from 1 to 32"),
         ("q1_zero", 0.5, "operator Quant .*: got the zero point 0.5, expected a whole number"),
         ("w1_scale", 0.0, r"operator Quant \('my_wq1'\): got a scale that is not above 0"),
@@ -340,15 +350,31 @@ def test_a_relu_without_a_quantiser_among_others(tmp_path: Path) -> None:
     del node.input[1:]
     del node.attribute[:]
     onnx.save(model, str(path))
-    with pytest.raises(InputError, match="quantisers: got layers of 4 bits, .* and of none, expec"):
+    with pytest.raises(
+        InputError, match=r"quantisers: got layers of 4 bits, .* and of none, expec"
+    ):
         graph(path)
 
 
-def test_quantisers_are_read_and_not_written(tmp_path: Path) -> None:
-    network = load_network(example(tmp_path), (2, 0, 2))
-    for form in ("npz", "onnx", "mat"):
-        with pytest.raises(InputError, match=f"other.{form}: got a quantised network, expected"):
+def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:
+    network = load_network(example(tmp_path, of_samples=True), (2, 0, 2))
+    write_network(tmp_path / "other.npz", network)
+    found = load_network(tmp_path / "other.npz", (2, 0, 2))
+    assert [x.quantiser for x in found.layers] == [x.quantiser for x in network.layers]
+    assert found.quantised
+    for form, words in (("onnx", "quantised network"), ("mat", "network with hidden layers")):
+        with pytest.raises(InputError, match=f"other.{form}: got a {words}"):
             write_network(tmp_path / f"other.{form}", network)
+    with np.load(tmp_path / "other.npz") as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    for rows, message in (
+        (arrays["quantisers"][:-1], r"got shape \(2, 6\), expected \(3, 6\)"),
+        (arrays["quantisers"] * 0.5, "expected a scale, three whole numbers"),
+        (-arrays["quantisers"] * [1, 0, 0, 0, 0, 0], "scale: got -0.125, expected"),
+    ):
+        np.savez(tmp_path / "other.npz", **(arrays | {"quantisers": rows}))
+        with pytest.raises(InputError, match=f"other.npz: quantisers: .*{message}"):
+            load_network(tmp_path / "other.npz", (2, 0, 2))
 
 
 def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
@@ -357,7 +383,9 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "exact", "exact", [network], activation="precise", design="engine")
     example(tmp_path)
     text = path.read_text().replace('"exact.npz"', '"net.onnx"')
-    scale = ", ".join(f"{n} = {{ factor = {4 if n < 'y' else 8} }}" for n in ("x0", "x1", "y0", "y1"))
+    scale = ", ".join(
+        f"{n} = {{ factor = {4 if n < 'y' else 8} }}" for n in ("x0", "x1", "y0", "y1")
+    )
     path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
     scene = load_scene(str(path))
     (held,) = scene.networks()

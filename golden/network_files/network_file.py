@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from golden.cli import naming
-from golden.dense import LEAK, Dense, DenseNetwork, Trained, network_of
+from golden.dense import LEAK, Dense, Trained, network_of
 from golden.files import (
     check_file,
     check_writable,
@@ -153,22 +153,7 @@ def write_network(path: Path, network: Trained) -> None:
     """
     form = _form(path)
     with replace_file(path) as temporary, naming(path):
-        _check_floating(network)
         form.write(temporary, network)
-
-
-def _check_floating(network: Trained) -> None:
-    """Refuse a quantised network: no form is written with quantisers.
-
-    Raises
-    ------
-    InputError
-    """
-    if isinstance(network, DenseNetwork) and network.quantised:
-        raise InputError(
-            "got a quantised network, expected one in floating point: quantisers are only read, so "
-            "copy the file that they came in"
-        )
 
 
 def check_target(path: Path) -> None:
@@ -221,7 +206,6 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
         for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
             with naming(path):
-                _check_floating(held)
                 _form(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")

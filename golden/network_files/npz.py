@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from golden.dense import Trained, layers_of
+from golden.cli import naming
+from golden.dense import Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -20,6 +21,10 @@ TRANSPOSED = False
 # The activation of each hidden layer, and the slope of each, which only a leaky ReLU uses. A
 # network with one hidden layer of tanh has neither.
 ACTIVATIONS, LEAKS = "activations", "leaks"
+# Of a quantised network a row for each hidden layer: scale, zero, the ends of the codes, the place
+# of the rounding in ``ROUNDINGS``, and whether it comes before the zero; zeros where there is none.
+QUANTISERS = "quantisers"
+ROUNDINGS = ("even", "away", "floor")
 
 
 def read(path: Path) -> Held:
@@ -49,7 +54,33 @@ def read(path: Path) -> Held:
             f"{path}: {LEAKS}: got {leaks.size} numbers, expected {named.size}, one for each "
             "hidden layer"
         )
-    return Held(numbers, tuple(named.tolist()), tuple(leaks.tolist()))
+    rows = numbers.pop(QUANTISERS, np.zeros((0, 6)))
+    if rows.shape not in ((0, 6), (named.size, 6)):
+        raise InputError(
+            f"{path}: {QUANTISERS}: got shape {rows.shape}, expected {(named.size, 6)}"
+        )
+    with naming(f"{path}: {QUANTISERS}"):
+        found = tuple(map(_quantiser, rows.tolist()))
+    return Held(numbers, tuple(named.tolist()), tuple(leaks.tolist()), found)
+
+
+def _quantiser(row: list[float]) -> Quantiser | None:
+    """The quantiser that a row tells of; None for zeros."""
+    if not any(row):
+        return None
+    scale, *others = row
+    if not all(float(value).is_integer() for value in others) or not 0 <= others[3] < 3:
+        raise InputError(f"got {row}, expected a scale, three whole numbers, 0 to 2, and 0 or 1")
+    zero, low, high, rounding, before_zero = map(int, others)
+    return Quantiser(scale, zero, low, high, ROUNDINGS[rounding], bool(before_zero))
+
+
+def _row(quantiser: Quantiser | None) -> list[float]:
+    """The inverse of ``_quantiser``."""
+    if quantiser is None:
+        return [0.0] * 6
+    q = quantiser
+    return [q.scale, q.zero, q.low, q.high, ROUNDINGS.index(q.rounding), q.before_zero]
 
 
 def write(path: Path, network: Trained) -> None:
@@ -61,4 +92,7 @@ def write(path: Path, network: Trained) -> None:
     if not isinstance(network, Mlp):
         arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]])
         arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
+        if network.quantised:
+            rows = [_row(layer.quantiser) for layer in layers[:-1]]
+            arrays[QUANTISERS] = np.array(rows, dtype=np.float64)
     np.savez(path, **arrays)

@@ -14,7 +14,7 @@ import numpy as np
 import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
-from golden.dense import LEAK, Quantiser, Trained, layers_of
+from golden.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import shifted
@@ -388,7 +388,18 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the network as a Gemm for each layer and its activation, in double precision."""
+    """Write the network as a Gemm for each layer and its activation, in double precision.
+
+    Raises
+    ------
+    InputError
+        For a quantised network.
+    """
+    if isinstance(network, DenseNetwork) and network.quantised:
+        raise InputError(
+            "got a quantised network, expected one in floating point: quantisers are only read of "
+            "this form; .npz holds them"
+        )
     arrays: dict[str, Real] = {}
     nodes, value = [], "x"
     layers = layers_of(network)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.dense import Dense, Trained, network_of
+from golden.dense import Dense, Quantiser, Trained, network_of
 from golden.mlp import Mlp
 from golden.network_files.network_file import save_network
 from golden.scene import Scene, load_scene
@@ -80,16 +80,26 @@ def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
 
 
 def random_network(
-    shape: tuple[int, ...], activations: tuple[str, ...], spread: float, seed: int
+    shape: tuple[int, ...],
+    activations: tuple[str, ...],
+    spread: float,
+    seed: int,
+    quantiser: Quantiser | None = None,
 ) -> Trained:
-    """Normal weights, of about the same sums in each layer of any depth; one node is without."""
+    """Normal weights, of about the same sums in each layer of any depth; one node is without.
+
+    With a ``quantiser`` behind every hidden layer weights are multiples of 1/16.
+    """
     rng = np.random.default_rng(seed)
     layers = []
     for n, (inputs, nodes) in enumerate(pairwise(shape)):
         weights = rng.normal(0, spread / np.sqrt(inputs), (nodes, inputs))
         biases = rng.normal(0, spread / 2, nodes)
         kind = activations[n] if n < len(activations) else "linear"
-        layers.append(Dense(weights, biases, kind))
+        if quantiser:
+            weights, biases = np.rint(weights * 16) / 16, np.rint(biases * 256) / 256
+        behind = quantiser if n < len(activations) else None
+        layers.append(Dense(weights, biases, kind, quantiser=behind))
     layers[1].weights[:, -1] = 0
     return network_of(layers)
 
@@ -166,7 +176,7 @@ class Case:
 
     ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
     nodes, the last of them has no weights. With ``activations`` there is one network, which has as
-    many hidden layers.
+    many hidden layers, each with ``quantiser`` behind it.
     """
 
     shapes: list[tuple[int, ...]]
@@ -182,11 +192,12 @@ class Case:
     hardware: str = ""
     window: Window | None = None
     activations: tuple[str, ...] = ()
+    quantiser: Quantiser | None = None
 
     def networks(self) -> list[Trained]:
         if self.activations:
             (shape,) = self.shapes
-            return [random_network(shape, self.activations, self.spread, self.seed)]
+            return [random_network(shape, self.activations, self.spread, self.seed, self.quantiser)]
         mlps = [
             random_mlp((inputs, hidden, outputs), self.spread, self.seed + i)
             for i, (inputs, hidden, outputs) in enumerate(self.shapes)

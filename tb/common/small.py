@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from golden.dense import Quantiser
 from golden.precision import PRECISIONS
 from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
@@ -184,6 +185,22 @@ LAYERED = {
         shapes=[(2, 3, 4, 1)],
         activations=("leaky_relu", "tanh"),
         hardware='multiplier = "serial"',
+    ),
+    # Quantised: halves to even behind a zero point; and the code below.
+    "exact-engine": replace(
+        ENGINE,
+        shapes=[(3, 4, 3, 2)],
+        activations=("linear", "linear"),
+        spread=1.5,
+        quantiser=Quantiser(2.0**-3, 2, 0, 15),
+    ),
+    "floor-engine": replace(
+        ENGINE,
+        shapes=[(2, 3, 2, 1)],
+        activations=("relu", "relu"),
+        hardware='pipeline = "deep"',
+        spread=1.5,
+        quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
     ),
 }
 # Hardware that does not depend on its image.

@@ -1,7 +1,8 @@
 """round_saturate against its twin.
 
 Sweeps: every sample; sums at and around both ends of the sum and of the word, around zero, around
-the places at which the result changes, at every power of two, and 4000 random sums of every size.
+the places at which the result changes, at every power of two, and 4000 random sums of every size;
+where bits are cut, also sums half way between two codes.
 Drives: a sum and a sample every clock, alternately while a frame is computed and while none is,
 with ReLU and without it where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears.
@@ -18,7 +19,8 @@ from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES, LAYERED
 
-CASES = {"rails-engine": ENGINES["rails-engine"], "layers-engine": LAYERED["layers-engine"]}
+WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
+CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
@@ -32,6 +34,9 @@ def sums(bench):
     fmt = Fix(bench.twin.acc_width, 0)
     steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
     marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
+    if bench.twin.cut:
+        # Half way between two codes, where those of several bits are cut.
+        marks = np.concatenate([marks, (steps >> bench.twin.cut) << (bench.twin.cut + DROPPED)])
     powers = 1 << np.arange(fmt.width - 1)
     marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
     near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
