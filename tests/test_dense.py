@@ -249,7 +249,10 @@ REFUSED = {
         [*chain([("Relu", "", {})], [])[:-1], node("Softmax", "a3", "y")],
         r"behind layer 3: operator Softmax .*: not supported: tactus gives the values in front",
     ),
-    "quantised": ([node("Quant", "x", "a")], r"operator Quant .*: not supported: .* floating"),
+    "a quantiser of no scale": (
+        [node("Quant", "x", "a")],
+        r"operator Quant .*: got 0 inputs behind the data, expected constants",
+    ),
     "in training": (
         chain([(NORMALISED[0], NORMALISED[1], {"training_mode": 1})], []),
         r"behind layer 1: operator BatchNormalization .*: expected it as it is after training",
