@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -56,7 +57,6 @@ def unpacked(vector: Real, like: Trained) -> Trained:
     return network_of(layers)
 
 
-@dataclass
 class LayeredObjective(Objective):
     """What a descent minimises; see ``Objective``.
 
@@ -64,9 +64,14 @@ class LayeredObjective(Objective):
     ----------
     like : Mlp or DenseNetwork
         A network with the layers that are trained.
+    **settings
+        Those of ``Objective``, but for the shape and the activation.
     """
 
-    like: Trained = field(kw_only=True)
+    def __init__(self, like: Trained, **settings: Any):
+        inputs, *hidden, outputs = like.shape
+        super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
+        self.like = like
 
     def residuals(self, vector: Real) -> Real:
         network = unpacked(vector, self.like)
@@ -147,13 +152,11 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
     like = on_signals(start, normal, plain)
     point = packed(like)
     objective = LayeredObjective(
-        (start.shape[0], 0, outputs),
-        tanh,
-        normalised[0],
-        normalised[1],
-        settings.weight_decay,
-        settings.patience,
-        like=like,
+        like,
+        training=normalised[0],
+        validation=normalised[1],
+        weight_decay=settings.weight_decay,
+        patience=settings.patience,
     )
     point = objective.search(OPTIMISERS[settings.optimiser], point, settings.steps)
     return _shifted(task, on_readings(unpacked(point, like), normal, plain), training)

@@ -31,7 +31,9 @@ def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
         )
         for n in (7, 5)
     ]
-    return LayeredObjective((inputs, 0, outputs), tanh, *parts, decay, 9, like=network)
+    return LayeredObjective(
+        network, training=parts[0], validation=parts[1], weight_decay=decay, patience=9
+    )
 
 
 def leaky(network: Trained) -> Trained:
