@@ -44,12 +44,12 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
     """
     expected = {"window": ""} | split_story(scene)
     stories = []
-    for member, mlp in zip(scene.members, scene.mlps(), strict=True):
+    for member, network in zip(scene.members, scene.networks(), strict=True):
         read = read_provenance(member.weights_path)
         if read is None:
             return None
         story = UNTOLD | read
-        shape = ":".join(str(n) for n in mlp.shape)
+        shape = ":".join(str(n) for n in network.shape)
         story.setdefault("rows", expected["rows"])
         if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
             return None

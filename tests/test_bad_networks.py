@@ -192,7 +192,7 @@ ONNX = {
         "w1: got object, expected real numbers",
     ),
     "complex": (onnx(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "another operator": (onnx({2: node("Relu", "b", "c")}), "operator Relu ('my'): not supported"),
+    "another operator": (onnx({2: node("Elu", "b", "c")}), "operator Elu ('my'): not supported"),
     "a branch": (onnx({2: node("If", "b", "c")}), "operator If ('my'): not supported, expected"),
     "of another domain": (
         onnx({2: node("Tanh", "b", "c", domain="a")}),

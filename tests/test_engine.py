@@ -28,7 +28,8 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.frame_check import FrameCheck
-from golden.engine.graph import Graph, Kind, Neuron, Term, graph_of
+from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.layers import graph_of
 from golden.engine.listing import listing
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import Instruction, Program, assemble
@@ -233,7 +234,7 @@ def test_the_page_says_where_each_field_stands(pipeline: Pipeline) -> None:
         high, low = int(row[1]), int(row[2] or row[1])
         words = [0] * 40
         words[20] = (2 << high) - (1 << low)
-        program = Program(1, 9, (), tuple(words), pipeline, ())
+        program = Program(1, 9, (), tuple(words), pipeline, (), rectifies=name == "relu")
         steps = program.instructions
         found = [n for n, step in enumerate(steps) if getattr(step, name)]
         assert found == [20 - (getattr(pipeline, row[3]) if row[3] else 0)], name

@@ -325,8 +325,14 @@ def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
 def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, recwarn) -> None:
     text = small_scene.path.read_text()
     for scale, message in (
-        ("x0 = { factor = 1e308 }", r"small.npz, with data.scale of .*small.toml: w1: got NaN or"),
-        ("y0 = { factor = 1e-309 }", r"small.npz, with data.scale of .*small.toml: w2: got NaN or"),
+        (
+            "x0 = { factor = 1e308 }",
+            r"small.npz, with data.scale of .*small.toml: layer 1: weights: got NaN or",
+        ),
+        (
+            "y0 = { factor = 1e-309 }",
+            r"small.npz, with data.scale of .*small.toml: layer 2: weights: got NaN or",
+        ),
     ):
         small_scene.path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
         save_network(small_scene.weights_paths[0], random_mlp((3, 5, 2), 40.0, 1), {})

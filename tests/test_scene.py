@@ -34,7 +34,26 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ),
         ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 to 1024"),
         ('weights = "small.npz"', "", "network.weights: missing, expected text"),
-        ("hidden = 5", "hidden = [5, 4]", r"hidden: got \[5, 4\], expected 1: single has one for"),
+        (
+            "hidden = 5",
+            "hidden = [5, 0]",
+            r"hidden: got \[5, 0\], expected 1 or more nodes in each",
+        ),
+        (
+            "hidden = 5",
+            'hidden = 5\nactivations = ["relu", "tanh"]',
+            "network.activations: got 2 for 1 hidden layers, expected one for each",
+        ),
+        (
+            "hidden = 5",
+            'hidden = 5\nactivations = ["rellu"]',
+            r"network.activations: got \['rellu'\], expected a list with an activation",
+        ),
+        (
+            '"single"\nhidden = 5\nweights = "small.npz"',
+            '"cascade"\nhidden = 5\nactivations = ["relu"]\nweights = ["a.npz", "b.npz"]',
+            r"network.activations: got \['relu'\] with arrangement 'cascade', expected none",
+        ),
         ('"single"', '"cascade"', "weights: got 'small.npz', expected 2: cascade has one for each"),
         ('"single"', '"cascad"', "arrangement: got 'cascad', .*did you mean 'cascade'"),
         ('"small.npz"', '["a.npz", 1]', "weights: got .* expected text, or a list"),

@@ -38,11 +38,11 @@ def main() -> None:
     parser.add_argument("file", type=Path)
     parser.add_argument("--output", help="an output of the network, if the scene has several")
     arguments = parser.parse_args()
-    mlp = member_of(load_scene(arguments.scene), arguments.output).load()
+    network = member_of(load_scene(arguments.scene), arguments.output).load()
     check_target(arguments.file)
     would(f"write {arguments.file}")
-    write_network(arguments.file, mlp)
-    print(f"wrote {arguments.file}, {':'.join(str(n) for n in mlp.shape)}")
+    write_network(arguments.file, network)
+    print(f"wrote {arguments.file}, {':'.join(str(n) for n in network.shape)}")
 
 
 if __name__ == "__main__":

@@ -16,10 +16,12 @@ import scipy
 from golden import store
 from golden.cli import run, would
 from golden.closure import code
+from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.mlp import Mlp
+from golden.layer_training import LayerStages, signed_errors
+from golden.layer_training import search as search_layers
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
 from golden.rig.check import before_training
@@ -30,12 +32,7 @@ from golden.scene.vectors import warn_outside
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
-from golden.training.search import (
-    Result,
-    candidates,
-    search,
-    signed_errors,
-)
+from golden.training.search import Result, candidates, search
 from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task
@@ -47,9 +44,12 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     """The best candidate, and how many were refused; prints the progress."""
     best: Result | None = None
     refused = 0
-    name = ", ".join(task.scene.members[task.number].outputs)
-    with Progress(name, len(candidates(task)), "candidates") as progress:
-        for result in search(task, record, workers):
+    member = task.scene.members[task.number]
+    name = ", ".join(member.outputs)
+    total = task.scene.training.restarts if member.layers else len(candidates(task))
+    results = search_layers(task, workers) if member.layers else search(task, record, workers)
+    with Progress(name, total, "candidates") as progress:
+        for result in results:
             refused += bool(result.refused)
             if not result.refused and (best is None or result.rank < best.rank):
                 best = result
@@ -78,12 +78,28 @@ def main() -> None:
             for member in scene.members
         )
         scene = replace(scene, members=tuple(members))
+    check_layers(scene)
     refuse(before_training(scene, arguments.build))
     would(
         f"train {len(scene.members)} networks and write {', '.join(map(str, scene.weights_paths))}"
     )
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
+
+
+def check_layers(scene: Scene) -> None:
+    """Refuse activations of layers whose nodes nobody names: training does not search for them.
+
+    Raises
+    ------
+    InputError
+    """
+    for member in scene.members:
+        if member.activations not in ((), ("tanh",)) and not member.layers:
+            raise InputError(
+                f"{scene.path}: network.hidden: got 0 with activations, expected the nodes of each "
+                f"hidden layer, {', '.join(member.activations)}: training does not search for them"
+            )
 
 
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
@@ -104,20 +120,21 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    stages = Stages(scene)
+    layered = bool(scene.members[0].layers)
+    stages: Any = LayerStages(scene) if layered else Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        total = len(candidates(task))
+        counts = [*member.layers] or [h for h, _ in candidates(task)]
+        total = settings.restarts if member.layers else len(counts)
         stages.add(best.hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
-        errors = (
-            errors_of(task, stages.chosen[number], "validation")
-            | errors_of(stages.task(stages.tested, number), stages.tested[number], "test")
-            | errors_of(stages.task(stages.written, number), stages.written[number], "every")
-        )
+        errors: dict[str, Any] = {}
+        for stage, part in (("chosen", "validation"), ("tested", "test"), ("written", "every")):
+            networks = getattr(stages, stage)
+            errors |= errors_of(stages.task(networks, number), networks[number], part)
         few = digits_story(stages, number) if settings.digits else {}
         stories.append(
             {
@@ -133,7 +150,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "earlier_outputs": settings.earlier_outputs if number else "none",
                 "candidates": total,
                 "candidates_refused": refused,
-                "hidden": f"{candidates(task)[0][0]} to {candidates(task)[-1][0]}",
+                "hidden": f"{counts[0]} to {counts[-1]}" if not member.layers else member.text,
                 "restarts": settings.restarts,
                 "best_restart": best.restart,
                 "weight_decay": settings.weight_decay,
@@ -183,7 +200,7 @@ def digits_story(stages: Stages, number: int) -> dict[str, Any]:
     }
 
 
-def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:
+def errors_of(task: Task, network: Trained, part: str) -> dict[str, Any]:
     """The entries of a provenance about a network's errors on a part of the rows.
 
     The errors are those on rows as recorded and, where the scene declares noise or drift, on
@@ -195,7 +212,7 @@ def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:
         kinds["_disturbed"] = getattr(task, part)
     errors: dict[str, Any] = {}
     for kind, frames in kinds.items():
-        miss = signed_errors(task, mlp, frames)
+        miss = signed_errors(task, network, frames)
         means = np.abs(miss).mean(axis=0)
         names = task.scene.members[task.number].outputs
         errors[f"{part}{kind}_rms_percent"] = round(float(np.sqrt((miss**2).mean())), 4)

@@ -43,7 +43,11 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
     outputs = []
     for neuron in graph.neurons:
         total = neuron.start + _sum(neuron, values, segment_width)
-        word = max(RESULT.low, min(RESULT.high, total >> DROPPED))
+        word = max(0 if neuron.relu else RESULT.low, min(RESULT.high, total >> DROPPED))
+        if neuron.cut:
+            unit = 1 << neuron.cut
+            halfway = neuron.even and total % (unit << DROPPED) == 0 and word == total >> DROPPED
+            word -= word % (2 * unit if halfway else unit)
         values.append(word)
         if neuron.output:
             outputs.append(word >> OUTPUT_SHIFT)
@@ -51,7 +55,7 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
 
 
 def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
-    if any(term.kind is Kind.INTERCEPT for term in neuron.terms):
+    if neuron.looks_up:
         return tanh_sum(segment_width, values[neuron.terms[0].source])
     return sum(
         term.weight * (1 << DROPPED if term.kind is Kind.ONE else values[term.source])

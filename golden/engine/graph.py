@@ -1,28 +1,17 @@
-"""The neurons of a scene: sums of products that become words. tanh is such a neuron too."""
+"""The neurons of a scene: sums of products that become words.
+
+Layers, biases and activations alike are such neurons.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from fractions import Fraction
 
-from golden.engine.formats import (
-    DROPPED,
-    HIDDEN,
-    ONE,
-    OUTPUT_SHIFT,
-    RESULT,
-    SAMPLE,
-    WIDTH,
-    coeff_frac,
-)
+from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Fix
-from golden.mlp import Mlp
 from golden.precision import SIGNAL
-
-_MOST = (1 << (WIDTH - 1)) - 1
 
 
 class Kind(IntEnum):
@@ -70,12 +59,31 @@ class Neuron:
     terms : tuple of Term
     output : bool
         Whether it is an output of the scene, which is rounded to the signal's format.
+    relu : bool
+        Whether a sum below 0 becomes 0.
+    cut : int
+        The number of the word's lowest bits that are 0; only a ReLU has any.
+    even : bool
+        Where bits are cut: whether a sum half way between two words becomes the even one.
     """
 
     name: str
     result: Fix
     terms: tuple[Term, ...]
     output: bool = False
+    relu: bool = False
+    cut: int = 0
+    even: bool = False
+
+    @property
+    def constant(self) -> bool:
+        """Whether it takes nothing but the number one."""
+        return all(term.kind is Kind.ONE for term in self.terms)
+
+    @property
+    def looks_up(self) -> bool:
+        """Whether it is the tanh of another neuron."""
+        return any(term.kind is Kind.INTERCEPT for term in self.terms)
 
     @property
     def start(self) -> int:
@@ -107,6 +115,37 @@ class Graph:
     def outputs(self) -> int:
         return sum(neuron.output for neuron in self.neurons)
 
+    @property
+    def rectifies(self) -> bool:
+        """Whether any sum below 0 becomes 0."""
+        return any(neuron.relu for neuron in self.neurons)
+
+    @property
+    def cut(self) -> int:
+        """Lowest bits that every word of a ReLU has not."""
+        return max((neuron.cut for neuron in self.neurons), default=0)
+
+    @property
+    def even(self) -> bool:
+        """Whether sums half way between two words of a ReLU become the even one."""
+        return any(neuron.even for neuron in self.neurons)
+
+    @property
+    def first_sums(self) -> list[Neuron]:
+        """The hidden sums that see nothing but samples and outputs."""
+        return [
+            neuron
+            for neuron in self.neurons
+            if not (neuron.output or neuron.looks_up)
+            and not any(self._is_hidden(t.source) for t in neuron.terms)
+        ]
+
+    def _is_hidden(self, source: int) -> bool:
+        if source < self.inputs:
+            return False
+        neuron = self.neurons[source - self.inputs]
+        return not (neuron.output or neuron.constant)
+
     def format_of(self, source: int) -> Fix:
         """The format of a value."""
         return SAMPLE if source < self.inputs else self.neurons[source - self.inputs].result
@@ -128,88 +167,7 @@ class Graph:
         return neuron.start + sum(self.largest(term, table) for term in neuron.terms)
 
     def reach(self, table: TanhTable) -> int:
-        """The largest magnitude that the code of q can have in any hidden neuron."""
-        sums = [n for n in self.neurons if n.result == HIDDEN]
-        bounds = [self.bound(neuron, table) >> DROPPED for neuron in sums]
-        return min(max(bounds), -HIDDEN.low)
-
-
-def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
-    """The neurons of trained networks.
-
-    Parameters
-    ----------
-    arrangement : str
-        "single", "multiple" or "cascade".
-    mlps : sequence of Mlp
-    lean : bool
-        Whether to leave out terms whose weight is zero, and hidden nodes that no output uses. The
-        results are the same either way.
-
-    Notes
-    -----
-    A weight that does not fit in 18 bits becomes several terms. A later network of a cascade reads
-    an output as its word holds it, before the lowest bits are dropped. Half a unit of the output's
-    last place has been added to this word for rounding; the biases of the later network subtract it
-    again.
-    """
-    samples = mlps[0].shape[0]
-    neurons: list[Neuron] = []
-    earlier: list[int] = []
-    useless = zeros = 0
-    for number, mlp in enumerate(mlps):
-        place = f"network {number + 1} " if len(mlps) > 1 else ""
-        seen = [*range(samples), *(earlier if arrangement == "cascade" else [])]
-        second = [[_code(w, RESULT, RESULT) for w in row] for row in mlp.w2.tolist()]
-        hidden = range(mlp.shape[1])
-        used = [j for j in hidden if not lean or any(row[j] for row in second)] or [0]
-        useless += len(hidden) - len(used)
-        activated = {}
-        for j in used:
-            weights = [
-                (source, _code(w, HIDDEN, SAMPLE if source < samples else RESULT))
-                for source, w in zip(seen, mlp.w1[j].tolist(), strict=True)
-            ]
-            # Half a unit of the output's last place, times the sum of the weights of earlier
-            # outputs.
-            moved = sum(code for source, code in weights if source >= samples)
-            half = Fraction(1, 1 << (SIGNAL.frac + 1 + coeff_frac(HIDDEN, RESULT)))
-            bias = _code(Fraction(mlp.b1[j]) - moved * half, HIDDEN, ONE)
-            name = f"{place}node {j + 1}"
-            neurons.append(Neuron(f"{name} sum", HIDDEN, _terms(bias, weights, lean)))
-            value = samples + len(neurons) - 1
-            zeros += lean * sum(not code for code in (bias, *(code for _, code in weights)))
-            terms = (Term(Kind.INTERCEPT, value, 0), Term(Kind.DISTANCE, value, 0))
-            neurons.append(Neuron(f"{name} tanh", RESULT, terms))
-            activated[j] = samples + len(neurons) - 1
-        outputs = []
-        for i, row in enumerate(second):
-            name = f"output {len(earlier) + i + 1}"
-            bias = _code(Fraction(mlp.b2[i]), RESULT, ONE)
-            weights = [(activated[j], row[j]) for j in used]
-            zeros += lean * sum(not code for code in (bias, *(code for _, code in weights)))
-            neurons.append(Neuron(name, RESULT, _terms(bias, weights, lean), output=True))
-            outputs.append(samples + len(neurons) - 1)
-        earlier += outputs
-    return Graph(samples, tuple(neurons), useless, zeros)
-
-
-def _code(value: float | Fraction, result: Fix, operand: Fix) -> int:
-    """The nearest code of a weight, with halves rounded up. The code may have any width."""
-    scaled = Fraction(value) * (1 << coeff_frac(result, operand))
-    return int((2 * scaled + 1) // 2)
-
-
-def _terms(bias: int, weights: Sequence[tuple[int, int]], lean: bool) -> tuple[Term, ...]:
-    found = [Term(Kind.ONE, -1, part) for part in _parts(bias)]
-    for source, weight in weights:
-        found += [Term(Kind.WORD, source, part) for part in _parts(weight)]
-    kept = [term for term in found if term.weight] if lean else found
-    return tuple(kept or [Term(Kind.ONE, -1, 0)])
-
-
-def _parts(code: int) -> Iterator[int]:
-    """Split a code into codes of 18 bits whose sum it is."""
-    count = max(1, -(-abs(code) // _MOST))
-    for k in range(count):
-        yield code * (k + 1) // count - code * k // count
+        """The largest magnitude that the code of a sum in front of a tanh can have; 0 for none."""
+        sums = {n.terms[0].source - self.inputs for n in self.neurons if n.looks_up}
+        bounds = [self.bound(self.neurons[place], table) >> DROPPED for place in sums]
+        return min(max(bounds, default=0), -HIDDEN.low)

@@ -47,7 +47,8 @@ def text_of(graph: Graph, step: Step) -> str:
         return "wait"
     name = graph.neurons[step.neuron].name
     joint = f"{name} =" if step.first else f"{name} +"
-    end = ", done" if step.last else ""
+    relu = graph.neurons[step.neuron].relu
+    end = ", not below 0, done" if step.last and relu else ", done" if step.last else ""
     return f"{joint} {operand_text(graph, step)} x {weight_text(graph, step)}{end}"
 
 

@@ -26,6 +26,9 @@ WEIGHT = (0, WIDTH)
 SOURCE = (18, 10)
 KIND = (28, 2)
 TAKE_INTERCEPT = (30, 1)
+# In the place of the one above, in a program that has ReLU; which half of a word of the table is
+# taken then follows from the kind.
+RELU = (30, 1)
 FIRST = (31, 1)
 FIRST_OF_OUTPUT = (32, 1)
 STORE = (33, 1)
@@ -50,6 +53,7 @@ class Instruction:
     store: int
     output: int
     end: int
+    relu: int = 0
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,11 @@ class Program:
         The pipeline for which the fields are spread over the words.
     notes : tuple of str
         What each word of the table and of the steps stands for.
+    rectifies : bool
+        Whether words hold ``RELU`` instead of ``TAKE_INTERCEPT``.
+    cut : int
+    even : bool
+        Of results with ReLU; see ``Neuron``.
     """
 
     inputs: int
@@ -78,6 +87,9 @@ class Program:
     words: tuple[int, ...]
     pipeline: Pipeline
     notes: tuple[str, ...]
+    rectifies: bool = False
+    cut: int = 0
+    even: bool = False
 
     @cached_property
     def instructions(self) -> list[Instruction]:
@@ -85,17 +97,22 @@ class Program:
         at = self.pipeline
         found = []
         for n in range(len(self.words) - at.mark):
+            kind = get(self.words[n + at.operand], KIND)
+            take_intercept = get(self.words[n + at.weight], TAKE_INTERCEPT)
             found.append(
                 Instruction(
                     weight=signed_code(get(self.words[n + at.weight], WEIGHT)),
                     source=get(self.words[n], SOURCE),
-                    kind=get(self.words[n + at.operand], KIND),
-                    take_intercept=get(self.words[n + at.weight], TAKE_INTERCEPT),
+                    kind=kind,
+                    take_intercept=(
+                        int(kind == Kind.INTERCEPT) if self.rectifies else take_intercept
+                    ),
                     first=get(self.words[n + at.start], FIRST),
                     first_of_output=get(self.words[n + at.start], FIRST_OF_OUTPUT),
                     store=get(self.words[n + at.mark], STORE),
                     output=get(self.words[n + at.mark], OUTPUT),
                     end=get(self.words[n + at.mark], END),
+                    relu=get(self.words[n + at.mark], RELU) if self.rectifies else 0,
                 )
             )
             if found[-1].end:
@@ -170,7 +187,13 @@ class Program:
             else:
                 acc = acc + product
             if step.store:
-                word = np.clip(acc >> DROPPED, WORD.low, WORD.high)
+                word = acc >> DROPPED
+                if step.relu and self.cut:
+                    halfway = self.even & (acc & ((1 << (DROPPED + self.cut)) - 1) == 0)
+                    word = word & (-np.where(halfway, 2, 1) << self.cut)
+                # The ends are on the grid too.
+                high = WORD.high & (-1 << self.cut) if step.relu else WORD.high
+                word = np.clip(word, 0 if step.relu else WORD.low, high)
                 memory.append(word)
                 if step.output:
                     results.append(word >> OUTPUT_SHIFT)
@@ -206,7 +229,10 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
         put(words, n + pipeline.weight, WEIGHT, term.weight)
-        put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
+        if graph.rectifies:
+            put(words, n + pipeline.mark, RELU, step.last and graph.neurons[step.neuron].relu)
+        else:
+            put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
         put(words, n + pipeline.start, FIRST, step.first)
         put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
         put(words, n + pipeline.mark, STORE, step.last)
@@ -214,7 +240,17 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
-    return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes)
+    return Program(
+        graph.inputs,
+        table.width,
+        kept,
+        tuple(words),
+        pipeline,
+        notes,
+        graph.rectifies,
+        graph.cut,
+        graph.even,
+    )
 
 
 def check_values(graph: Graph) -> None:

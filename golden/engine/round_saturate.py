@@ -24,6 +24,12 @@ class RoundSaturate(Block):
     ----------
     acc_width : int
         Bits of the sum.
+    rectifies : bool
+        Whether there is a port that asks for 0 in the place of what is below it.
+    cut : int
+        Where it does, so many of the lowest bits of the word become 0.
+    even : bool
+        Where bits are cut, a sum half way between two words becomes the even one.
 
     Notes
     -----
@@ -33,6 +39,9 @@ class RoundSaturate(Block):
     block = "round_saturate"
     area = "engine"
     acc_width: int
+    rectifies: bool = False
+    cut: int = 0
+    even: bool = False
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -42,7 +51,13 @@ class RoundSaturate(Block):
             input_port("acc", "the sum", Fix(self.acc_width, 0)),
             input_port("sample", "sample x", SIGNAL),
             output_port("word", "word for the operand memory, one clock later", WORD),
+            *self.relu_ports,
         )
+
+    @property
+    def relu_ports(self) -> tuple[Port, ...]:
+        """What asks for 0 in the place of what is below it; none without ReLU."""
+        return (input_port("relu", "a sum below 0 becomes 0"),) if self.rectifies else ()
 
     @property
     def latency(self) -> int:
@@ -55,8 +70,16 @@ class RoundSaturate(Block):
             Border("saturates above", "sum", (WORD.high + 1) << DROPPED),
         )
 
-    def process(self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike) -> Codes:
+    def process(
+        self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike, relu: ArrayLike = 0
+    ) -> Codes:
         """The word of each sum or sample."""
-        kept = np.clip(np.asarray(acc, dtype=np.int64) >> DROPPED, WORD.low, WORD.high)
+        low = np.where(relu, 0, WORD.low)
+        sums = np.asarray(acc, dtype=np.int64)
+        kept = np.clip(sums >> DROPPED, low, WORD.high)
+        if self.cut:
+            halfway = self.even & (sums & ((1 << (DROPPED + self.cut)) - 1) == 0)
+            halfway &= kept == sums >> DROPPED
+            kept = np.where(relu, kept & (-np.where(halfway, 2, 1) << self.cut), kept)
         moved = SIGNAL.check(sample, f"{self.entity} sample") << SAMPLE_SHIFT
         return np.where(run, kept, moved)

@@ -37,6 +37,8 @@ OF_OUTPUT = (32, 1)
 # In a neuron's first word: what happens to the sum of the neuron before.
 BEFORE = (33, 2)
 NOTHING, STORED, LEAVES, ENDS = range(4)
+# Beside it, whether that sum becomes 0 where it is below.
+RELU_BEFORE = (35, 1)
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,7 @@ class SerialProgram(Program):
                     store=then != NOTHING,
                     output=then in (LEAVES, ENDS),
                     end=then == ENDS,
+                    relu=get(following, RELU_BEFORE) if last else 0,
                 )
             )
             first = last
@@ -122,6 +125,7 @@ def assemble_serial(
             put(words, place + length - 1, END, end)
         place += replay.words
         put(words, place, BEFORE, LEAVES if output else STORED)
+        put(words, place, RELU_BEFORE, graph.neurons[number].relu)
         addresses[graph.inputs + number] = len(addresses) - 1
     put(words, place, BEFORE, ENDS)
     put(words, place, END, ALL)
@@ -137,4 +141,7 @@ def assemble_serial(
         tuple(words),
         pipeline,
         (*table_texts, *texts, "what becomes of the last sum"),
+        graph.rectifies,
+        graph.cut,
+        graph.even,
     )

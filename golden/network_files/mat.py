@@ -8,19 +8,20 @@ from typing import Any
 import numpy as np
 from scipy.io import loadmat, savemat
 
+from golden.dense import Trained
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import Mlp
+from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
-from golden.real import Real
 
 # Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
-TRANSPOSED = ("w1", "w2")
+TRANSPOSED = True
 VARIABLE = "network"
 FIELDS = ("w1", "b1", "w2", "b2")
 
 
-def read(path: Path) -> dict[str, Real]:
+def read(path: Path) -> Held:
     """The arrays of the only structure in the file that has the fields w1, b1, w2 and b2.
 
     The structure may have any name; the fields may also be variables of the file itself.
@@ -42,12 +43,14 @@ def read(path: Path) -> dict[str, Real]:
             f"one with the fields {', '.join(FIELDS)}"
         )
     arrays = {name: real_numbers(path, name, found[0][name]) for name in FIELDS}
-    return {
-        "w1": arrays["w1"].T,
-        "b1": arrays["b1"].ravel(),
-        "w2": arrays["w2"].T,
-        "b2": arrays["b2"].ravel(),
-    }
+    return Held(
+        {
+            "w1": arrays["w1"].T,
+            "b1": arrays["b1"].ravel(),
+            "w2": arrays["w2"].T,
+            "b2": arrays["b2"].ravel(),
+        }
+    )
 
 
 def _fields(value: Any) -> dict[str, Any] | None:
@@ -60,7 +63,20 @@ def _fields(value: Any) -> dict[str, Any] | None:
     return {name: getattr(structure, name) for name in FIELDS}
 
 
-def write(path: Path, mlp: Mlp) -> None:
-    """Write the network as a structure named ``network``."""
-    fields = {"w1": mlp.w1.T, "b1": mlp.b1[np.newaxis], "w2": mlp.w2.T, "b2": mlp.b2[np.newaxis]}
+def write(path: Path, network: Trained) -> None:
+    """Write the network as a structure named ``network``.
+
+    Raises
+    ------
+    InputError
+        When it has more than one hidden layer, or another activation than tanh.
+    """
+    if not isinstance(network, Mlp):
+        layers = ", ".join(network.activations)
+        raise InputError(
+            f"got a network with hidden layers of {layers}, expected one hidden layer of "
+            "tanh, which is all that a Netlab structure can hold; .npz and .onnx hold any"
+        )
+    w1, w2 = network.w1.T, network.w2.T
+    fields = {"w1": w1, "b1": network.b1[np.newaxis], "w2": w2, "b2": network.b2[np.newaxis]}
     savemat(path, {VARIABLE: fields})

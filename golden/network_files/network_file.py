@@ -1,8 +1,8 @@
 """Reads and writes trained networks.
 
-The project's own format is an NPZ file of w1, b1, w2 and b2, with its provenance beside it as TOML.
-Networks trained elsewhere come as .mat in the style of Netlab or as .onnx. A scene can name files
-of all three formats.
+The project's own format is an NPZ file of w1, b1, w2, b2 and so on, with its provenance beside it
+as TOML. Networks trained elsewhere come as .mat in the style of Netlab or as .onnx. A scene can
+name files of all three formats.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from golden.cli import naming
+from golden.dense import LEAK, Dense, Trained, network_of
 from golden.files import (
     check_file,
     check_writable,
@@ -26,10 +28,8 @@ from golden.files import (
     same_file,
 )
 from golden.input_error import InputError
-from golden.mlp import Mlp
+from golden.real import Real
 from golden.table import suggest
-
-NAMES = ("w1", "b1", "w2", "b2")
 
 # The module of a format is imported only when a file needs it. Those for .mat and .onnx take half a
 # second to import, and every bench reads a scene when it starts.
@@ -58,15 +58,15 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
+def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
     """Load the network at ``path``.
 
     Parameters
     ----------
     path : Path
     shape : tuple of int
-        Inputs, hidden nodes and outputs that the network must have. With 0 hidden nodes, any number
-        is accepted.
+        Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0 as
+        the only number of hidden nodes, any number of layers and nodes is accepted.
 
     Raises
     ------
@@ -78,34 +78,58 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     """
     form = _form(path)
     check_file(path, "no such network; make train SCENE=... writes it")
-    found = form.read(path)
-    inputs, hidden, outputs = shape
-    hidden = hidden or np.size(found.get("b1", 0))
-    if not hidden:
-        raise InputError(f"{path}: b1: got 0 hidden nodes, expected 1 or more")
-    expected = {
-        "w1": (hidden, inputs),
-        "b1": (hidden,),
-        "w2": (outputs, hidden),
-        "b2": (outputs,),
-    }
-    arrays = {}
-    for name in NAMES:
-        if name not in found:
-            raise InputError(f"{path}: no array {name!r}, got {', '.join(found)}")
-        arrays[name] = found[name]
-    for name, array in arrays.items():
-        if array.shape != expected[name]:
-            # The message shows the shapes as they are in the file.
-            way = -1 if name in form.TRANSPOSED else 1
-            hint = "; it is transposed" if array.T.shape == expected[name] else ""
-            raise InputError(
-                f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[name][::way]} "
-                f"of a {inputs}:{hidden}:{outputs} network{hint}"
-            )
-        if not np.isfinite(array).all():
-            raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
-    return Mlp(**arrays)
+    held = form.read(path)
+    for name in held.names:
+        if name not in held.arrays:
+            raise InputError(f"{path}: no array {name!r}, got {', '.join(held.arrays)}")
+    beyond = f"w{len(held.activations) + 2}"
+    if beyond in held.arrays:
+        raise InputError(
+            f"{path}: got an array {beyond!r} and {len(held.activations)} activations, expected an "
+            "activation for each layer but the last"
+        )
+    inputs, *hidden, outputs = shape
+    if hidden == [0]:
+        hidden = [np.size(held.arrays[name]) for name in held.names[1:-1:2]]
+    for n, nodes in enumerate(hidden, start=1):
+        if not nodes:
+            raise InputError(f"{path}: b{n}: got 0 hidden nodes, expected 1 or more")
+    widths = [inputs, *hidden, outputs]
+    text = ":".join(map(str, widths))
+    if len(hidden) != len(held.activations):
+        raise InputError(
+            f"{path}: got {len(held.activations)} hidden layers, expected {len(hidden)} of a "
+            f"{text} network"
+        )
+    layers = []
+    for n, activation in enumerate((*held.activations, "linear"), start=1):
+        shapes = {f"w{n}": (widths[n], widths[n - 1]), f"b{n}": (widths[n],)}
+        for name, expected in shapes.items():
+            _check_array(path, name, held.arrays[name], expected, text, form.TRANSPOSED)
+        leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
+        with naming(f"{path}: layer {n}"):
+            arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
+            layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1)))
+    return network_of(layers)
+
+
+def _check_array(
+    path: Path, name: str, array: Real, expected: tuple[int, ...], text: str, transposed: bool
+) -> None:
+    """Refuse an array that has another shape or holds numbers that are not finite.
+
+    ``transposed`` says whether the columns of the file's weights are nodes.
+    """
+    if array.shape != expected:
+        # The message shows the shapes as they are in the file.
+        way = -1 if transposed and len(expected) == 2 else 1
+        hint = "; it is transposed" if array.T.shape == expected else ""
+        raise InputError(
+            f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[::way]} of a "
+            f"{text} network{hint}"
+        )
+    if not np.isfinite(array).all():
+        raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
 
 
 def _form(path: Path) -> ModuleType:
@@ -119,17 +143,17 @@ def _form(path: Path) -> ModuleType:
     return import_module(FORMS[path.suffix])
 
 
-def write_network(path: Path, mlp: Mlp) -> None:
+def write_network(path: Path, network: Trained) -> None:
     """Write the network in the format of the file's ending, completely or not at all.
 
     Raises
     ------
     InputError
-        For another ending than .npz, .mat or .onnx.
+        For another ending than .npz, .mat or .onnx, and for a network that the form cannot hold.
     """
     form = _form(path)
-    with replace_file(path) as temporary:
-        form.write(temporary, mlp)
+    with replace_file(path) as temporary, naming(path):
+        form.write(temporary, network)
 
 
 def check_target(path: Path) -> None:
@@ -170,7 +194,7 @@ def _files(path: Path) -> tuple[Path, Path]:
 Provenance = Mapping[str, Any]
 
 
-def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
+def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
     """Write networks and the provenance of each, either all of them or none.
 
     Raises
@@ -179,16 +203,17 @@ def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
         When one of the files cannot be written; then all files are as they were before.
     """
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
-        for number, (path, mlp, provenance) in enumerate(networks):
+        for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
-            _form(path).write(network, mlp)
+            with naming(path):
+                _form(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def save_network(path: Path, mlp: Mlp, provenance: Provenance) -> None:
+def save_network(path: Path, network: Trained, provenance: Provenance) -> None:
     """Write a network and its provenance; see ``save_networks``."""
-    save_networks([(path, mlp, provenance)])
+    save_networks([(path, network, provenance)])
 
 
 def _toml(value: Any) -> str:

@@ -4,34 +4,95 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from golden.cli import naming
+from golden.dense import Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import Mlp
+from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
-from golden.real import Real
 
 # In this format, the rows of a weight matrix are nodes.
-TRANSPOSED = ()
+TRANSPOSED = False
+# The activation of each hidden layer, and the slope of each, which only a leaky ReLU uses. A
+# network with one hidden layer of tanh has neither.
+ACTIVATIONS, LEAKS = "activations", "leaks"
+# Of a quantised network a row for each hidden layer: scale, zero, the ends of the codes, the place
+# of the rounding in ``ROUNDINGS``, and whether it comes before the zero; zeros where there is none.
+QUANTISERS = "quantisers"
+ROUNDINGS = ("even", "away", "floor")
 
 
-def read(path: Path) -> dict[str, Real]:
-    """Read every array of an NPZ file as float64.
+def read(path: Path) -> Held:
+    """Read every array of an NPZ file as float64, and the activations.
 
     Raises
     ------
     InputError
-        When the file is no NPZ or holds no numbers.
+        When the file is no NPZ or holds no numbers, or activations that are no texts.
     """
     if not zipfile.is_zipfile(path):
         raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
-    return {name: real_numbers(path, name, array) for name, array in arrays.items()}
+    named = arrays.pop(ACTIVATIONS, None)
+    numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
+    if named is None:
+        return Held(numbers)
+    if named.ndim != 1 or named.dtype.kind != "U" or not named.size:
+        raise InputError(
+            f"{path}: {ACTIVATIONS}: got {named.dtype} of shape {named.shape}, expected a text for "
+            "each hidden layer"
+        )
+    leaks = numbers.pop(LEAKS, np.zeros(0)).ravel()
+    if leaks.size not in (0, named.size):
+        raise InputError(
+            f"{path}: {LEAKS}: got {leaks.size} numbers, expected {named.size}, one for each "
+            "hidden layer"
+        )
+    rows = numbers.pop(QUANTISERS, np.zeros((0, 6)))
+    if rows.shape not in ((0, 6), (named.size, 6)):
+        raise InputError(
+            f"{path}: {QUANTISERS}: got shape {rows.shape}, expected {(named.size, 6)}"
+        )
+    with naming(f"{path}: {QUANTISERS}"):
+        found = tuple(map(_quantiser, rows.tolist()))
+    return Held(numbers, tuple(named.tolist()), tuple(leaks.tolist()), found)
 
 
-def write(path: Path, mlp: Mlp) -> None:
-    """Write the four arrays of a network."""
-    np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
+def _quantiser(row: list[float]) -> Quantiser | None:
+    """The quantiser that a row tells of; None for zeros."""
+    if not any(row):
+        return None
+    scale, *others = row
+    if not all(float(value).is_integer() for value in others) or not 0 <= others[3] < 3:
+        raise InputError(f"got {row}, expected a scale, three whole numbers, 0 to 2, and 0 or 1")
+    zero, low, high, rounding, before_zero = map(int, others)
+    return Quantiser(scale, zero, low, high, ROUNDINGS[rounding], bool(before_zero))
+
+
+def _row(quantiser: Quantiser | None) -> list[float]:
+    """The inverse of ``_quantiser``."""
+    if quantiser is None:
+        return [0.0] * 6
+    q = quantiser
+    return [q.scale, q.zero, q.low, q.high, ROUNDINGS.index(q.rounding), q.before_zero]
+
+
+def write(path: Path, network: Trained) -> None:
+    """Write the arrays of each layer, and the activations if they are not one layer of tanh."""
+    arrays: dict[str, Any] = {}
+    layers = layers_of(network)
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+    if not isinstance(network, Mlp):
+        arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]])
+        arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
+        if network.quantised:
+            rows = [_row(layer.quantiser) for layer in layers[:-1]]
+            arrays[QUANTISERS] = np.array(rows, dtype=np.float64)
+    np.savez(path, **arrays)

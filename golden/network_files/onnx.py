@@ -1,11 +1,12 @@
-"""Networks as ONNX graphs: a chain of two linear layers with tanh between them.
+"""Networks as ONNX graphs: a chain of dense layers, with an activation behind each but the last.
 
-Operators that scale each value by itself (samples, hidden nodes or outputs) are folded into the
-layer that follows, or into the one before.
+Operators that scale each value by itself (samples, hidden nodes or outputs), BatchNormalization
+too, are folded into the layer that follows, or into the one before.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,28 @@ import numpy as np
 import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
+from golden.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
-from golden.mlp import Mlp, shifted
+from golden.mlp import shifted
+from golden.network_files import quantisers
+from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
 
 # Whatever their order in the file, weights are described with nodes in rows.
-TRANSPOSED = ()
+TRANSPOSED = False
 LINEAR = ("Gemm", "MatMul")
-ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler")
+ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler", "BatchNormalization")
+# For each operator, the name of its activation in tactus.
+ACTIVATIONS = {
+    "Tanh": "tanh",
+    "Sigmoid": "sigmoid",
+    "Relu": "relu",
+    "LeakyRelu": "leaky_relu",
+    "PRelu": "leaky_relu",
+    "Clip": "hard_tanh",
+}
 # For each operator, the numbers of inputs that it may have.
 OPERATORS = {
     "Gemm": (2, 3),
@@ -32,10 +45,29 @@ OPERATORS = {
     "Mul": (2,),
     "Div": (2,),
     "Scaler": (1,),
+    "BatchNormalization": (5,),
     "Tanh": (1,),
+    "Sigmoid": (1,),
+    "Relu": (1,),
+    "LeakyRelu": (1,),
+    "PRelu": (2,),
+    "Clip": (1, 2, 3),
     "Cast": (1,),
     "Identity": (1,),
+    "Flatten": (1,),
     "Reshape": (2,),
+}
+# The reasons why some other operators are not supported.
+CONVOLUTION = "tactus is for dense networks and has no convolution"
+RECURRENT = "tactus is for dense networks and has none that keep a state"
+CLASSES = (
+    "tactus gives the values in front of it, of which the largest is that of the class; take the "
+    "operator out of the graph"
+)
+REASONS = {
+    **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
+    **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
+    **dict.fromkeys(("Softmax", "LogSoftmax", "ArgMax", "Normalizer", "ZipMap"), CLASSES),
 }
 # For each attribute, the field that holds its value, and the type that it must have.
 ATTRIBUTES = {
@@ -43,11 +75,27 @@ ATTRIBUTES = {
     "beta": ("f", AttributeProto.FLOAT),
     "transA": ("i", AttributeProto.INT),
     "transB": ("i", AttributeProto.INT),
+    "epsilon": ("f", AttributeProto.FLOAT),
+    "training_mode": ("i", AttributeProto.INT),
+    "axis": ("i", AttributeProto.INT),
+    "min": ("f", AttributeProto.FLOAT),
+    "max": ("f", AttributeProto.FLOAT),
     "offset": ("floats", AttributeProto.FLOATS),
     "scale": ("floats", AttributeProto.FLOATS),
 }
 # These are old enough for every runtime in use, and new enough for every operator used here.
 OPSET, IR_VERSION = 13, 7
+
+
+@dataclass
+class _Layer:
+    """A layer that what follows may still change."""
+
+    weights: Real
+    biases: Real
+    activation: str = "linear"
+    leak: float = LEAK
+    quantiser: Quantiser | None = None
 
 
 class _Chain:
@@ -56,33 +104,73 @@ class _Chain:
     def __init__(self, path: Path, output: str):
         self.path = path
         self.output = output
-        self.layers: list[dict[str, Real]] = []
-        self.tanh_after: list[int] = []
+        self.layers: list[_Layer] = []
+        # Whether the last of them has its activation.
+        self.activated = False
         # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
+        # Of the samples, whose number a layer tells.
+        self.first: Quantiser | None = None
+        # Whether what comes next are codes, until a DequantizeLinear.
+        self.coded: Quantiser | None = None
 
     def refuse(self, node: Any, reason: str) -> InputError:
-        return InputError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
+        place = f"behind layer {len(self.layers)}: " if self.layers else ""
+        return InputError(f"{self.path}: {place}operator {node.op_type} ({node.name!r}): {reason}")
 
     def linear(self, node: Any, weights: Real, bias: Real) -> None:
         """Add a layer, into which the scaling before it is folded."""
         width = weights.shape[1]
+        if self.first:
+            quantiser, self.first = self.first, None
+            self.linear(node, np.eye(width), np.zeros(width))
+            self.quantise(node, quantiser)
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
-        self.layers.append({"w": weights * factor, "b": shifted(bias, weights, shift)})
+        self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
+        self.activated = False
+
+    def activate(self, node: Any, activation: str, leak: float) -> None:
+        """The activation of the last layer."""
+        if not self.layers or self.activated:
+            where = "behind another activation" if self.layers else "in front of every layer"
+            raise self.refuse(node, f"stands {where}, expected it behind a Gemm or MatMul")
+        if not 0 <= leak <= 1:
+            raise self.refuse(node, f"got the slope {leak:g} below 0, expected 0 to 1")
+        self.layers[-1].activation, self.layers[-1].leak = activation, leak
+        self.activated = True
+
+    def quantise(self, node: Any, quantiser: Quantiser) -> None:
+        """The quantiser behind the last layer; of samples it becomes a layer of its own."""
+        if self.first or (self.layers and self.layers[-1].quantiser):
+            raise self.refuse(node, "stands behind another quantiser, expected a layer between")
+        if not self.layers:
+            self.first = quantiser
+            return
+        self.layers[-1].quantiser = quantiser
+        self.activated = True
 
     def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
         """Multiply each value by its factor, and add its shift."""
-        if self.layers and len(self.layers) not in self.tanh_after:
+        if self.first:
+            raise self.refuse(node, "stands behind the quantiser of the samples, expected a layer")
+        if self.layers and not self.activated:
             layer = self.layers[-1]
-            factor, shift = (self.wide(node, v, len(layer["b"])) for v in (factor, shift))
-            layer["w"] = layer["w"] * factor[:, np.newaxis]
-            layer["b"] = layer["b"] * factor + shift
+            factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
+            layer.weights = layer.weights * factor[:, np.newaxis]
+            layer.biases = layer.biases * factor + shift
         else:
             width = max(len(v) for v in (self.factor, self.shift, factor, shift))
             old, before = (self.wide(node, v, width) for v in (self.factor, self.shift))
             factor, shift = (self.wide(node, v, width) for v in (factor, shift))
             self.factor, self.shift = old * factor, before * factor + shift
+
+    def finish(self, node: Any) -> None:
+        """Behind an activation at the end, a linear layer of what scales its values."""
+        last = self.layers[-1] if self.layers else None
+        if last and (last.activation != "linear" or last.quantiser):
+            nodes = len(last.biases)
+            self.linear(node, np.eye(nodes), np.zeros(nodes))
 
     def wide(self, node: Any, values: Real, width: int) -> Real:
         """One value for each of ``width`` inputs or outputs."""
@@ -91,12 +179,12 @@ class _Chain:
         return np.broadcast_to(values, width)
 
 
-def read(path: Path) -> dict[str, Real]:
-    """The arrays of a network that PyTorch, Keras or scikit-learn has exported.
+def read(path: Path) -> Held:
+    """The layers of a network that PyTorch, Keras or scikit-learn has exported.
 
-    The graph must be Gemm or MatMul, then Tanh, then Gemm or MatMul. Before and after each of these
-    there may be Add, Sub, Mul, Div and Scaler with constants, Cast, Identity, and a Reshape that
-    changes nothing.
+    The graph must be layers of Gemm or MatMul, each but the last followed by one of ``ACTIVATIONS``
+    or by none. Before and after each of these there may be Add, Sub, Mul, Div and Scaler with
+    constants, BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing.
 
     Raises
     ------
@@ -115,7 +203,7 @@ def read(path: Path) -> dict[str, Real]:
             "with one of each"
         )
     chain = _Chain(path, graph.output[0].name)
-    current = inputs[0]
+    current, node = inputs[0], None
     for node in graph.node:
         if node.op_type == "Constant":
             value = next((a for a in node.attribute if a.name == "value"), None)
@@ -123,17 +211,30 @@ def read(path: Path) -> dict[str, Real]:
                 raise chain.refuse(node, "expected a tensor as its value")
             constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
+        if node.op_type in quantisers.OPERATORS and node.input[0] in constants:
+            made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
+            constants.update(dict.fromkeys(node.output, made))
+            continue
         _step(chain, node, current, constants)
         current = node.output[0]
     if current != chain.output:
         raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
-    if len(chain.layers) != 2 or chain.tanh_after != [1]:
+    chain.finish(node)
+    layers = chain.layers
+    if len(layers) < 2:
         raise InputError(
-            f"{path}: got {len(chain.layers)} linear layers with Tanh after layers "
-            f"{chain.tanh_after}, expected 2 with Tanh after the first"
+            f"{path}: got {len(layers)} linear layers, expected 2 or more with an activation "
+            f"between them, one of {', '.join(ACTIVATIONS)}"
         )
-    first, second = chain.layers
-    return {"w1": first["w"], "b1": first["b"], "w2": second["w"], "b2": second["b"]}
+    arrays: dict[str, Real] = {}
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+    return Held(
+        arrays,
+        tuple(layer.activation for layer in layers[:-1]),
+        tuple(layer.leak for layer in layers[:-1]),
+        tuple(layer.quantiser for layer in layers[:-1]),
+    )
 
 
 def _array(path: Path, tensor: Any) -> Any:
@@ -146,6 +247,13 @@ def _array(path: Path, tensor: Any) -> Any:
 
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Add one operator to the chain."""
+    if node.op_type in REASONS:
+        raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
+    if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
+        _quantise(chain, node, current, constants)
+        return
+    if chain.coded:
+        raise chain.refuse(node, "takes the codes of a QuantizeLinear, expected DequantizeLinear")
     domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
     if node.op_type not in OPERATORS or node.domain not in domains:
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
@@ -184,16 +292,63 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         chain.linear(node, weights, bias)
     elif node.op_type in ELEMENTWISE:
         chain.elementwise(node, *_factor_and_shift(chain, node, current, values, attributes))
-    elif node.op_type == "Tanh":
-        chain.tanh_after.append(len(chain.layers))
+    elif node.op_type in ACTIVATIONS:
+        _check_ends(chain, node, constants, attributes)
+        leak = attributes.get("alpha", LEAK)
+        if node.op_type == "PRelu":
+            slopes = np.unique(values[0])
+            if slopes.size != 1:
+                raise chain.refuse(node, f"got {slopes.size} slopes, expected one for all nodes")
+            leak = float(slopes[0])
+        chain.activate(node, ACTIVATIONS[node.op_type], leak)
+    elif node.op_type == "Flatten":
+        if attributes.get("axis", 1) not in (1, -1):
+            raise chain.refuse(node, f"got axis {attributes['axis']}, expected 1")
     elif node.op_type == "Reshape":
         # skl2onnx ends with a column of all results, whatever the number of outputs. The values and
         # their order stay the same.
-        width = len(chain.layers[-1]["w"]) if chain.layers else None
+        width = len(chain.layers[-1].biases) if chain.layers else None
         shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
         shape = np.asarray(constants[others[0]]).tolist()
         if shape not in shapes:
             raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
+
+
+def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+    """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
+    if node.input[0] != current:
+        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    if node.op_type != quantisers.DEQUANTIZE:
+        quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
+        chain.quantise(node, quantiser)
+        chain.coded = quantiser if node.op_type == quantisers.QUANTIZE else None
+        return
+    before, chain.coded = chain.coded, None
+    scale, zero, *_ = [*quantisers.parameters(node, constants, chain.refuse), None]
+    place = 0 if zero is None else zero
+    if (
+        before is None
+        or not (np.all(scale == np.float32(before.scale)) or np.all(scale == before.scale))
+        or not np.all(place == before.zero)
+    ):
+        raise chain.refuse(node, "expected the scale and zero point of a QuantizeLinear before it")
+
+
+def _check_ends(
+    chain: _Chain, node: Any, constants: dict[str, Any], attributes: dict[str, Any]
+) -> None:
+    """Refuse a Clip that does not end at -1 and 1."""
+    if node.op_type != "Clip":
+        return
+    ends = []
+    for place, name in enumerate(("min", "max"), start=1):
+        held = node.input[place] if len(node.input) > place else ""
+        value = constants[held] if held else attributes.get(name)
+        ends.append(None if value is None else np.ravel(value).tolist())
+    if ends != [[-1.0], [1.0]]:
+        raise chain.refuse(
+            node, f"got the ends {ends[0]} and {ends[1]}, expected -1 and 1: a hard tanh"
+        )
 
 
 def _factor_and_shift(
@@ -205,6 +360,12 @@ def _factor_and_shift(
         if not offset.size or not scale.size:
             raise chain.refuse(node, "expected the attributes offset and scale")
         return scale, -offset * scale
+    if node.op_type == "BatchNormalization":
+        if attributes.get("training_mode", 0) or node.input[0] != current:
+            raise chain.refuse(node, "expected it as it is after training, with the data first")
+        gain, offset, mean, variance = (_row(chain, node, v) for v in values)
+        factor = gain / np.sqrt(variance + attributes.get("epsilon", 1e-5))
+        return factor, offset - mean * factor
     value = _row(chain, node, values[0])
     first = node.input[0] == current
     if node.op_type == "Add":
@@ -226,20 +387,47 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
     return row
 
 
-def write(path: Path, mlp: Mlp) -> None:
-    """Write the network as Gemm, Tanh, Gemm with numbers of double precision."""
-    inputs, _, outputs = mlp.shape
-    nodes = [
-        helper.make_node("Gemm", ["x", "w1", "b1"], ["q"], name="layer1", transB=1),
-        helper.make_node("Tanh", ["q"], ["r"], name="activation"),
-        helper.make_node("Gemm", ["r", "w2", "b2"], ["y"], name="layer2", transB=1),
-    ]
+def write(path: Path, network: Trained) -> None:
+    """Write the network as a Gemm for each layer and its activation, in double precision.
+
+    Raises
+    ------
+    InputError
+        For a quantised network.
+    """
+    if isinstance(network, DenseNetwork) and network.quantised:
+        raise InputError(
+            "got a quantised network, expected one in floating point: quantisers are only read of "
+            "this form; .npz holds them"
+        )
+    arrays: dict[str, Real] = {}
+    nodes, value = [], "x"
+    layers = layers_of(network)
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+        given = "y" if n == len(layers) else f"q{n}"
+        nodes.append(
+            helper.make_node("Gemm", [value, f"w{n}", f"b{n}"], [given], f"layer{n}", transB=1)
+        )
+        value = given
+        if layer.activation == "linear":
+            continue
+        operator = next(kind for kind, name in ACTIVATIONS.items() if name == layer.activation)
+        taken, more = [value], dict[str, Any]()
+        if operator == "Clip":
+            arrays |= {"least": np.array(-1.0), "most": np.array(1.0)}
+            taken += ["least", "most"]
+        elif operator == "LeakyRelu":
+            more["alpha"] = layer.leak
+        value = f"r{n}"
+        nodes.append(helper.make_node(operator, taken, [value], f"activation{n}", **more))
+    inputs, *_, outputs = network.shape
     graph = helper.make_graph(
         nodes,
         "tactus",
         [helper.make_tensor_value_info("x", TensorProto.DOUBLE, ["frames", inputs])],
         [helper.make_tensor_value_info("y", TensorProto.DOUBLE, ["frames", outputs])],
-        [numpy_helper.from_array(getattr(mlp, n), n) for n in ("w1", "b1", "w2", "b2")],
+        [numpy_helper.from_array(array, name) for name, array in arrays.items()],
     )
     model = helper.make_model(
         graph,

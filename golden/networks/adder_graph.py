@@ -13,11 +13,11 @@ from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.block import Block
+from golden.dense import Trained
 from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
-from golden.mlp import Mlp
 from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
@@ -68,10 +68,12 @@ class AdderGraph(Design):
             )
 
     @classmethod
-    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
         chosen: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
         adders_per_clock = chosen["adders_per_clock"]
-        constants = beside([constants_of(mlp, settings) for mlp in mlps])
+        constants = beside([constants_of(mlp, settings) for mlp in cls.plain(networks)])
         prefix = f"{variant}_" if variant else ""
         first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac

@@ -9,8 +9,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.dense import Trained
 from golden.input_error import InputError
-from golden.mlp import Activation, Mlp
+from golden.mlp import Activation
 from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.multiple import Multiple
@@ -39,33 +40,36 @@ def seen(
 
 
 def process_real(
-    arrangement: str, mlps: Sequence[Mlp], samples: Real, activation: Activation
+    arrangement: str, networks: Sequence[Trained], samples: Real, activation: Activation
 ) -> Real:
     """Outputs of all networks in floating point, shape (frames, outputs)."""
     results: list[Real] = []
-    for mlp in mlps:
-        results.append(mlp.process(seen(arrangement, samples, results), activation))
+    for network in networks:
+        results.append(network.process(seen(arrangement, samples, results), activation))
     return np.concatenate(results, axis=-1)
 
 
 def arrange(
-    arrangement: str, mlps: Sequence[Mlp], design: type[Design], settings: Settings = DEFAULTS
+    arrangement: str,
+    trained: Sequence[Trained],
+    design: type[Design],
+    settings: Settings = DEFAULTS,
 ) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
     Parameters
     ----------
     arrangement : str
-    mlps : sequence of Mlp
+    trained : sequence of Mlp or DenseNetwork
     design : type
         What each of them becomes, or all of them where the design takes them ``together``.
     settings : Settings
     """
-    if len(mlps) == 1 or arrangement in design.together:
-        return design.of(mlps, settings, arrangement)
+    if len(trained) == 1 or arrangement in design.together:
+        return design.of(trained, settings, arrangement)
     if arrangement not in design.arrangements:
         raise InputError(f"{arrangement}: got networks {design.block}, expected a design for it")
-    networks = [design.of([mlp], settings, variant=str(i)) for i, mlp in enumerate(mlps)]
+    networks = [design.of([one], settings, variant=str(i)) for i, one in enumerate(trained)]
     return Cascade(tuple(networks)) if arrangement == "cascade" else beside(networks)
 
 

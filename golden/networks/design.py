@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
+from golden.dense import Trained
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.network import Network
@@ -55,7 +56,7 @@ class Design(Network):
     @classmethod
     def of(
         cls,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         settings: Settings = DEFAULTS,
         arrangement: str = "single",
         variant: str = "",
@@ -64,7 +65,7 @@ class Design(Network):
 
         Parameters
         ----------
-        mlps : sequence of Mlp
+        networks : sequence of Mlp or DenseNetwork
             One network, or all networks of an arrangement in ``together``.
         settings : Settings
         arrangement : str
@@ -93,15 +94,37 @@ class Design(Network):
                 f"{cls.block}: activation_options: got {', '.join(settings.activation_options)}, "
                 f"expected none: its {settings.activation} has one form"
             )
-        return cls.build(mlps, settings, arrangement, variant)
+        return cls.build(networks, settings, arrangement, variant)
 
     @classmethod
-    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
         """Make the design for ``of``, from settings that are already checked.
 
         Raises
         ------
         InputError
-            For weights that the design's formats cannot hold.
+            For weights that the design's formats cannot hold; see also ``plain``.
         """
         raise NotImplementedError
+
+    @classmethod
+    def plain(cls, networks: Sequence[Trained]) -> list[Mlp]:
+        """The networks, for a design whose networks all have one hidden layer of tanh.
+
+        Raises
+        ------
+        InputError
+            For a network with other layers.
+        """
+        found = []
+        for network in networks:
+            if not isinstance(network, Mlp):
+                raise InputError(
+                    f"hardware.design: got {cls.block!r} for hidden layers of "
+                    f"{', '.join(network.activations)}, expected 'engine', which takes any, or a "
+                    "network of one hidden layer of tanh"
+                )
+            found.append(network)
+        return found

@@ -8,11 +8,13 @@ from functools import cached_property
 from typing import Any, Self
 
 from golden.block import Block
+from golden.dense import Trained
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.graph import Graph, graph_of
+from golden.engine.graph import Graph
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
+from golden.engine.layers import graph_of
 from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
@@ -29,7 +31,6 @@ from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.networks.design import Design
 from golden.networks.settings import Settings
 from golden.port import Port, Unsigned, input_port, output_port
@@ -95,12 +96,14 @@ class Engine(Design):
     budget: int = 0
 
     @classmethod
-    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
         chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short", **settings.options}
         lean, budget = settings.lean, chosen.pop("clocks", 0)
         if budget:
             left = replace(settings, options=chosen)
-            return cls._within(budget, mlps, left, arrangement, variant)
+            return cls._within(budget, networks, left, arrangement, variant)
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
@@ -112,7 +115,12 @@ class Engine(Design):
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
         table = tanh_table(chosen["segment_width"])
-        graph = graph_of(arrangement, mlps, lean)
+        graph = graph_of(arrangement, networks, lean)
+        if graph.rectifies and reload:
+            raise InputError(
+                "hardware.reload: got True for a network with ReLU, expected False: what an image "
+                "is loaded into has no ReLU"
+            )
         segments = len(table.slopes)
         if lean and not reload:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
@@ -141,7 +149,7 @@ class Engine(Design):
     def _within(
         cls,
         clocks: int,
-        mlps: Sequence[Mlp],
+        networks: Sequence[Trained],
         settings: Settings,
         arrangement: str,
         variant: str,
@@ -159,7 +167,7 @@ class Engine(Design):
         kinds = [str(chosen["multiplier"])] if "multiplier" in chosen else kinds
         for kind in kinds:
             tried = replace(settings, options={**chosen, "multiplier": kind})
-            engine = cls.build(mlps, tried, arrangement, variant)
+            engine = cls.build(networks, tried, arrangement, variant)
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
         raise InputError(
@@ -202,6 +210,11 @@ class Engine(Design):
     def serial(self) -> bool:
         """Whether the engine works without a multiplier."""
         return isinstance(self.program, SerialProgram)
+
+    @property
+    def rectifies(self) -> bool:
+        """Whether it has ReLU."""
+        return self.program.rectifies
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -292,7 +305,7 @@ class Engine(Design):
 
     @property
     def round_saturate(self) -> RoundSaturate:
-        return RoundSaturate(self.acc_width)
+        return RoundSaturate(self.acc_width, self.rectifies, self.program.cut, self.program.even)
 
     @property
     def replay_memory(self) -> ReplayMemory:

@@ -10,13 +10,13 @@ import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
+from golden.dense import Trained
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
-from golden.mlp import Mlp
 from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
@@ -60,8 +60,10 @@ class Hybrid(Design):
             )
 
     @classmethod
-    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
-        (mlp,) = mlps
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
+        (mlp,) = cls.plain(networks)
         constants = constants_of(mlp, settings)
         precision, first, second = constants.precision, constants.first, constants.second
         hidden = InputIntegral(

@@ -11,7 +11,6 @@ from functools import singledispatch
 import numpy as np
 
 from golden.engine import exact as of_graph
-from golden.engine.formats import HIDDEN
 from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
@@ -79,10 +78,9 @@ def hidden_weights(design: Design) -> list[Sequence[int]]:
 
 @hidden_weights.register
 def _(design: Engine) -> list[Sequence[int]]:
-    sums = [neuron for neuron in design.graph.neurons if neuron.result == HIDDEN]
     return [
         [sum(t.weight for t in neuron.terms if t.source == k) for k in range(design.inputs)]
-        for neuron in sums
+        for neuron in design.graph.first_sums
     ]
 
 

@@ -10,11 +10,11 @@ import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
+from golden.dense import Trained
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
-from golden.mlp import Mlp
 from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
@@ -66,8 +66,10 @@ class Parallel(Design):
             raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
 
     @classmethod
-    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
-        (mlp,) = mlps
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
+        (mlp,) = cls.plain(networks)
         constants = constants_of(mlp, settings)
         precision = constants.precision
         prefix = f"{variant}_" if variant else ""

@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from golden import store
+from golden.dense import Dense, network_of
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
-from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, write_network
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
@@ -169,8 +169,8 @@ def networks_there(scene: Scene) -> list[Finding]:
         path = member.weights_path
         with collect_faults(findings):
             try:
-                shape = member.load().shape
-                findings.append(Finding(OK, str(path), "a {}:{}:{} network".format(*shape)))
+                shape = ":".join(map(str, member.load().shape))
+                findings.append(Finding(OK, str(path), f"a {shape} network"))
             except FileNotFoundError:
                 findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
     return findings
@@ -203,7 +203,7 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     findings: list[Finding] = []
     for hidden, verdict in ((low, FAULT), (high, WARNING)):
         with _stand_in(scene, hidden) as other:
-            sizes = ", ".join(str(mlp.shape[1]) for mlp in other.mlps())
+            sizes = ", ".join(":".join(map(str, n.shape[1:-1])) for n in other.networks())
             findings = _built(other, f"with {sizes} hidden nodes: ")
         if faults(findings):
             return [replace(finding, verdict=verdict) for finding in findings]
@@ -238,10 +238,14 @@ def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
     with TemporaryDirectory() as folder:
         members = []
         for number, member in enumerate(scene.members):
-            nodes, outputs = member.hidden or hidden, len(member.outputs)
-            shapes = ((nodes, member.inputs), nodes, (outputs, nodes), outputs)
-            mlp = Mlp(*(rng.uniform(-0.5, 0.5, shape) for shape in shapes))
+            hiddens = member.layers or (member.hidden or hidden,)
+            widths = (member.inputs, *hiddens, len(member.outputs))
+            kinds = (*(member.activations or ["tanh"] * len(hiddens)), "linear")
+            layers = [
+                Dense(rng.uniform(-0.5, 0.5, (nodes, taken)), rng.uniform(-0.5, 0.5, nodes), kind)
+                for taken, nodes, kind in zip(widths, widths[1:], kinds, strict=False)
+            ]
             path = Path(folder) / f"{number}.npz"
-            write_network(path, on_readings(mlp, *scene.scales_of(number)))
+            write_network(path, on_readings(network_of(layers), *scene.scales_of(number)))
             members.append(replace(member, weights_path=path))
         yield replace(scene, members=tuple(members))

@@ -12,6 +12,7 @@ from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.instruments.uart_instrument import UartInstrument
+from golden.mlp import Mlp
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
@@ -36,16 +37,18 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         See ``load_network`` and ``constants_of``; also for a front end that cannot make the
         network's frames.
     """
-    design, mlps, settings = DESIGNS[scene.design], scene.mlps(), scene.settings(lean)
+    design, trained, settings = DESIGNS[scene.design], scene.networks(), scene.settings(lean)
     try:
         network = _within_a_scan(scene, design, settings) or arrange(
-            scene.arrangement, mlps, design, settings
+            scene.arrangement, trained, design, settings
         )
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
-        for member, mlp in zip(scene.members, mlps, strict=True):
+        for member, held in zip(scene.members, trained, strict=True):
+            if not isinstance(held, Mlp):
+                continue
             with naming(member.weights_path):
-                constants_of(mlp, settings)
+                constants_of(held, settings)
         with naming(scene.path):
             raise
     if not scene.window.plain:
@@ -81,5 +84,5 @@ def _within_a_scan(scene: Scene, design: type[Design], settings: Settings) -> Ne
         with suppress(InputError):
             clocks = {"clocks": scene.front_end.clocks_left(scene.window)}
             within = replace(settings, options={**settings.options, **clocks})
-            return arrange(scene.arrangement, scene.mlps(), design, within)
+            return arrange(scene.arrangement, scene.networks(), design, within)
     return None

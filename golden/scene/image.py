@@ -50,7 +50,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
         "operand_words": sizes.operand_words,
     }
     try:
-        made = Engine.of(scene.mlps(), Settings(options=options), scene.arrangement)
+        made = Engine.of(scene.networks(), Settings(options=options), scene.arrangement)
     except InputError as error:
         raise InputError(f"{scene.path}: {error}") from None
     assert made.loaded is not None, "an engine with reload holds an image"

@@ -14,14 +14,16 @@ in their units, whoever trained it; the scales are folded into its weights when 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from golden.cli import naming
+from golden.dense import Some, layers_of, rebuilt
 from golden.input_error import InputError
-from golden.mlp import Mlp, shifted
+from golden.mlp import shifted
 from golden.real import Real
 from golden.table import suggest
 
@@ -69,7 +71,7 @@ def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
     return np.array([s.offset for s in scales]), np.array([s.factor for s in scales])
 
 
-def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
+def on_signals(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
     """Turn a network on readings into the same network on signals, which the hardware holds.
 
     Raises
@@ -78,23 +80,25 @@ def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> M
         When a weight is too large for a float.
     """
     into, out = _arrays(inputs), _arrays(outputs)
+    first, *between, last = layers_of(network)
     with np.errstate(over="ignore", invalid="ignore"):
-        arrays = (
-            mlp.w1 * into[1],
-            shifted(mlp.b1, mlp.w1, into[0]),
-            mlp.w2 / out[1][:, np.newaxis],
-            (mlp.b2 - out[0]) / out[1],
-        )
-    return Mlp(*arrays)
+        w1, b1 = first.weights * into[1], shifted(first.biases, first.weights, into[0])
+        w2, b2 = last.weights / out[1][:, np.newaxis], (last.biases - out[0]) / out[1]
+    with naming("layer 1"):
+        first = replace(first, weights=w1, biases=b1)
+    with naming(f"layer {len(between) + 2}"):
+        last = replace(last, weights=w2, biases=b2)
+    return rebuilt(network, [first, *between, last])
 
 
-def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
+def on_readings(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
     """Turn a network on signals into the same network on readings, which a file holds."""
     into, out = _arrays(inputs), _arrays(outputs)
-    w1 = mlp.w1 / into[1]
-    return Mlp(
-        w1, shifted(mlp.b1, w1, -into[0]), mlp.w2 * out[1][:, np.newaxis], mlp.b2 * out[1] + out[0]
-    )
+    first, *between, last = layers_of(network)
+    w1 = first.weights / into[1]
+    w2, b2 = last.weights * out[1][:, np.newaxis], last.biases * out[1] + out[0]
+    start = replace(first, weights=w1, biases=shifted(first.biases, w1, -into[0]))
+    return rebuilt(network, [start, *between, replace(last, weights=w2, biases=b2)])
 
 
 def range_scale(column: Real) -> Scale:

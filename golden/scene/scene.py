@@ -10,7 +10,9 @@ from typing import Any
 
 from golden.activation.schemes import SCHEMES, Scheme
 from golden.cli import naming
+from golden.dense import Trained
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path
 from golden.networks.arrangement import process_real
@@ -164,7 +166,7 @@ class Scene:
     def _vectors(self) -> Vectors:
         return read_vectors(self)
 
-    def mlps(self) -> list[Mlp]:
+    def networks(self) -> list[Trained]:
         """The trained networks in floating point, on signals, read once.
 
         Raises
@@ -172,16 +174,35 @@ class Scene:
         InputError
             See ``load_network`` and ``trained_scales``.
         """
-        return self._mlps
+        return self._networks
+
+    def mlps(self) -> list[Mlp]:
+        """The same, for what is about networks of one hidden layer of tanh.
+
+        Raises
+        ------
+        InputError
+            See ``networks``; and for a network of another kind.
+        """
+        found = []
+        for member, network in zip(self.members, self.networks(), strict=True):
+            if not isinstance(network, Mlp):
+                raise InputError(
+                    f"{member.weights_path}: got hidden layers of "
+                    f"{', '.join(network.activations)}, expected one of tanh: what is asked for is "
+                    "not there yet for other networks"
+                )
+            found.append(network)
+        return found
 
     @cached_property
-    def _mlps(self) -> list[Mlp]:
-        mlps = []
+    def _networks(self) -> list[Trained]:
+        found: list[Trained] = []
         for number, member in enumerate(self.members):
             held, scales = member.load(), self.scales_of(number)
             with naming(f"{member.weights_path}, with data.scale of {self.path}"):
-                mlps.append(on_signals(held, *scales))
-        return mlps
+                found.append(on_signals(held, *scales))
+        return found
 
     def columns_of(self, number: int) -> list[str]:
         """A network's inputs, which are samples and earlier outputs, and its own outputs."""
@@ -239,7 +260,7 @@ class Scene:
 
         Samples and outputs are signals.
         """
-        return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
+        return process_real(self.arrangement, self.networks(), samples, self.scheme.real)
 
     def settings(self, lean: bool = True) -> Settings:
         """What this scene chooses of the hardware of its networks."""
@@ -247,9 +268,9 @@ class Scene:
             self.precision, self.activation, self.activation_options, self.design_options, lean
         )
 
-    def build(self, mlp: Mlp, lean: bool = True) -> Design:
-        """The bit-true network of ``mlp`` in this scene's hardware; see ``Design.of``."""
-        return DESIGNS[self.design].of([mlp], self.settings(lean))
+    def build(self, network: Trained, lean: bool = True) -> Design:
+        """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""
+        return DESIGNS[self.design].of([network], self.settings(lean))
 
     def twin(self, lean: bool = True) -> Network:
         """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""
@@ -264,5 +285,5 @@ class Scene:
         return build_twin(self, lean=False)
 
     def describe(self) -> str:
-        """The numbers of inputs, hidden nodes and outputs of each network, as text."""
-        return ", ".join(":".join(str(n) for n in mlp.shape) for mlp in self.mlps())
+        """Inputs, hidden nodes of each layer and outputs of each network, as text."""
+        return ", ".join(":".join(map(str, network.shape)) for network in self.networks())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from golden.dense import ACTIVATIONS
 from golden.disturbance import MOST
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.scene.data_keys import DATA
@@ -33,8 +34,21 @@ NETWORK = Table(
         "hidden": Key(
             Each(Whole(Span(0, MOST_HIDDEN))),
             0,
-            "The number of hidden nodes. 0 means as many as the network file has; training then "
-            "searches the range `training.hidden`.",
+            "The number of hidden nodes. 0 means as many as the network file has, in as many "
+            "layers; training then searches the range `training.hidden`. With `single`, a list has "
+            "the number of nodes of each hidden layer, such as `[32, 16]`: [networks of several "
+            "layers](#networks-of-several-layers).",
+        ),
+        "activations": Key(
+            List(
+                Text(tuple(ACTIVATIONS)),
+                "a list with an activation for each hidden layer",
+                "a list of texts",
+                least=0,
+            ),
+            [],
+            'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
+            "it, the activations are those of the network file, and training takes tanh.",
         ),
         "weights": Key(
             Each(Text()),

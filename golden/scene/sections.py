@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.dense import Trained, layers_of
 from golden.disturbance import Disturbance
 from golden.files import same_file
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
@@ -59,26 +59,46 @@ class Member:
     inputs : int
         Number of samples and, in a cascade, of the outputs of earlier networks.
     hidden : int
-        Hidden nodes. With 0 there are as many as in the network file, and training searches
-        ``training.hidden``.
+        Hidden nodes of the only hidden layer. With 0 there are as many nodes, and layers, as in
+        the network file, and training searches ``training.hidden``.
     outputs : tuple of str
     weights_path : Path
+    layers : tuple of int
+        Hidden nodes of each of several layers; empty where there is one, or the file tells.
+    activations : tuple of str
+        Of each hidden layer; empty takes those of the network file.
     """
 
     inputs: int
     hidden: int
     outputs: tuple[str, ...]
     weights_path: Path
+    layers: tuple[int, ...] = ()
+    activations: tuple[str, ...] = ()
 
-    def load(self) -> Mlp:
+    @property
+    def text(self) -> str:
+        """The hidden layers that the scene names, such as "32 relu, 16 relu"."""
+        kinds = self.activations or ("tanh",) * len(self.layers)
+        return ", ".join(f"{n} {kind}" for n, kind in zip(self.layers, kinds, strict=True))
+
+    def load(self) -> Trained:
         """The trained network.
 
         Raises
         ------
         InputError
-            See ``load_network``.
+            See ``load_network``; and for other activations than the scene asks for.
         """
-        return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
+        hidden = self.layers or (self.hidden,)
+        network = load_network(self.weights_path, (self.inputs, *hidden, len(self.outputs)))
+        found = tuple(layer.activation for layer in layers_of(network)[:-1])
+        if self.activations and found != self.activations:
+            raise InputError(
+                f"{self.weights_path}: got hidden layers of {', '.join(found)}, expected "
+                f"{', '.join(self.activations)}, as network.activations of the scene says"
+            )
+        return network
 
 
 def beside(path: Path, key: str, name: str) -> Path:
@@ -155,6 +175,14 @@ def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
     if digits == 0:
         return
+    network = values["network"]
+    if network["arrangement"] == "single" and (
+        network["activations"] not in ([], ["tanh"]) or len(_listed(network["hidden"])) > 1
+    ):
+        raise InputError(
+            f"{place}: got {digits!r} with hidden layers of {network['hidden']} nodes, expected 0: "
+            "few digits are for one hidden layer of tanh"
+        )
     precision = values["hardware"]["precision"]
     if PRECISIONS[precision].normalise:
         raise InputError(
@@ -343,10 +371,11 @@ def members(
     single = network["arrangement"] == "single"
     groups = [outputs] if single else [[name] for name in outputs]
     count = len(groups)
-    hidden, weights = (
-        value if isinstance(value, list) else [value]
-        for value in (network["hidden"], network["weights"])
-    )
+    hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
+    activations = tuple(network["activations"])
+    layers = _layers(hidden, activations, network["arrangement"], path)
+    if layers:
+        hidden = [0]
     if len(hidden) == 1:
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
@@ -366,5 +395,41 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i]) for i in range(count)
+        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations)
+        for i in range(count)
     )
+
+
+def _listed(value: Any) -> list[Any]:
+    """A list of it, where it is none."""
+    return value if isinstance(value, list) else [value]
+
+
+def _layers(
+    hidden: list[int], activations: tuple[str, ...], arrangement: str, path: Path
+) -> tuple[int, ...]:
+    """The hidden nodes of each layer of a network of several; empty for one hidden layer.
+
+    Raises
+    ------
+    InputError
+        For no nodes, and for activations of another number of layers.
+    """
+    single = arrangement == "single"
+    if activations and not single:
+        raise InputError(
+            f"{path}: network.activations: got {list(activations)!r} with arrangement "
+            f"{arrangement!r}, expected none: a network file names its own"
+        )
+    if single and len(hidden) > 1 and 0 in hidden:
+        raise InputError(
+            f"{path}: network.hidden: got {hidden!r}, expected 1 or more nodes in each layer, or 0 "
+            "alone for those of the network file"
+        )
+    if activations and hidden != [0] and len(activations) != len(hidden):
+        raise InputError(
+            f"{path}: network.activations: got {len(activations)} for {len(hidden)} hidden layers, "
+            "expected one for each"
+        )
+    plain = len(hidden) == 1 and activations in ((), ("tanh",))
+    return () if plain or not single else tuple(hidden) * (hidden != [0])

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from golden.dense import Trained, layers_of
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path, read_provenance
 from golden.scene.scale import AUTO, Scale, read_scale
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from golden.scene.scene import Scene
 
 
-def story(scales: dict[str, Scale], mlp: Mlp) -> dict[str, Any]:
+def story(scales: dict[str, Scale], network: Trained) -> dict[str, Any]:
     """What the provenance of a network says about the scales with which it was trained.
 
     Parameters
     ----------
     scales : dict
         The scale of every column that has one. If none has, the result is empty.
-    mlp : Mlp
+    network : Mlp or DenseNetwork
         The network as its file holds it.
     """
     table = {name: {"offset": s.offset, "factor": s.factor} for name, s in scales.items()}
-    return {"scale": table, "scale_of": _digest(mlp)} if scales else {}
+    return {"scale": table, "scale_of": _digest(network)} if scales else {}
 
 
 def trained_scales(scene: Scene) -> dict[str, Scale]:
@@ -71,9 +71,9 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
 def _scales_in_provenance(scene: Scene, number: int) -> dict[str, Scale | str]:
     """The scales in the provenance of a network; none if it belongs to another network."""
     member = scene.members[number]
-    mlp, path = member.load(), provenance_path(member.weights_path)
+    network, path = member.load(), provenance_path(member.weights_path)
     values = read_provenance(member.weights_path)
-    if values is None or values.get("scale_of") != _digest(mlp):
+    if values is None or values.get("scale_of") != _digest(network):
         return {}
     table = values.get("scale", {})
     if not isinstance(table, dict):
@@ -81,8 +81,8 @@ def _scales_in_provenance(scene: Scene, number: int) -> dict[str, Scale | str]:
     return read_scale({"scale": table, "sensors": list(table), "outputs": []}, path)
 
 
-def _digest(mlp: Mlp) -> str:
+def _digest(network: Trained) -> str:
     """A digest of the weights, which is the same for every format of file."""
-    arrays = (mlp.w1, mlp.b1, mlp.w2, mlp.b2)
+    arrays = [a for layer in layers_of(network) for a in (layer.weights, layer.biases)]
     data = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
     return hashlib.sha256(data).hexdigest()[:16]

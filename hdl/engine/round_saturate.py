@@ -1,6 +1,6 @@
 """round_saturate: a sum becomes a word, or a sample does."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, always_comb, block, concat
 
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
@@ -9,7 +9,7 @@ from hdl.common.signals import fixed, flag, unsigned
 
 
 @block
-def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
+def round_saturate(clk, run, acc, sample, word, relu=None, *, spec: RoundSaturate):
     """The sum without its lowest bits, saturated; while no frame is computed, the sample.
 
     Parameters
@@ -19,6 +19,8 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     sample : signed Fix(14,13)
     word : signed 18 bits
         It comes one clock later.
+    relu : bool
+        Where ``spec.rectifies``: a sum below 0 becomes 0, and the lowest ``spec.cut`` bits do.
     spec : RoundSaturate
     """
     sign = spec.acc_width - 1
@@ -45,14 +47,85 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     def cut():
         kept.next = acc[end:DROPPED].signed()
 
-    @always_comb
-    def saturate():
-        if not beyond:
-            result.next = kept
-        elif acc[sign]:
-            result.next = low
+    trim = ()
+    if spec.cut:
+        # A word of a ReLU ends where the bits end that are cut; its sign is no part of this.
+        unit, bits = DROPPED + spec.cut, WIDTH - 1 - spec.cut
+        above_unit, highest, shift = unit + 1, (1 << bits) - 1, spec.cut
+        below, upper, last = unsigned(unit), unsigned(bits), flag()
+        trimmed, placed = fixed(WORD), fixed(WORD)
+
+        if spec.even:
+
+            @always_comb
+            def look_below():
+                below.next = acc[unit:]
+
+            @always_comb
+            def choose_even():
+                last.next = acc[unit] and below != 0
+
+            rounding = look_below, choose_even
         else:
-            result.next = high
+
+            @always_comb
+            def take_last():
+                last.next = acc[unit]
+
+            rounding = take_last
+
+        @always_comb
+        def join():
+            upper.next = concat(acc[lowest:above_unit], last)
+
+        @always_comb
+        def end_codes():
+            if acc[sign]:
+                trimmed.next = 0
+            elif beyond:
+                trimmed.next = highest
+            else:
+                trimmed.next = upper
+
+        @always_comb
+        def place():
+            placed.next = trimmed << shift
+
+        @always_comb
+        def saturate():
+            if relu:
+                result.next = placed
+            elif not beyond:
+                result.next = kept
+            elif acc[sign]:
+                result.next = low
+            else:
+                result.next = high
+
+        trim = rounding, join, end_codes, place
+    elif spec.rectifies:
+
+        @always_comb
+        def saturate():
+            if relu and acc[sign]:
+                result.next = 0
+            elif not beyond:
+                result.next = kept
+            elif acc[sign]:
+                result.next = low
+            else:
+                result.next = high
+
+    else:
+
+        @always_comb
+        def saturate():
+            if not beyond:
+                result.next = kept
+            elif acc[sign]:
+                result.next = low
+            else:
+                result.next = high
 
     @always_comb
     def widen():
@@ -69,4 +142,4 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
         else:
             word.next = moved
 
-    return look, compare, cut, saturate, widen, move, keep
+    return look, compare, cut, trim, saturate, widen, move, keep

@@ -5,7 +5,14 @@ from myhdl import always_comb, always_seq, block, concat
 from golden.engine.formats import WIDTH
 from golden.engine.program import KIND, SOURCE, WORD_WIDTH
 from golden.engine.replay import CLEAR
-from golden.engine.serial_program import BEFORE, ENDS, LEAVES, NOTHING, OF_OUTPUT
+from golden.engine.serial_program import (
+    BEFORE,
+    ENDS,
+    LEAVES,
+    NOTHING,
+    OF_OUTPUT,
+    RELU_BEFORE,
+)
 from golden.networks.engine import Engine
 from hdl.common.delay import delay
 from hdl.common.signals import flag, unsigned
@@ -16,7 +23,20 @@ from hdl.engine.serial_accumulate import serial_accumulate
 
 @block
 def serial_steps(
-    clk, rst, *, run, finish, segment, read, source, store, leaves, ends, acc, design: Engine
+    clk,
+    rst,
+    *,
+    run,
+    finish,
+    segment,
+    read,
+    source,
+    store,
+    leaves,
+    ends,
+    acc,
+    relu=None,
+    design: Engine,
 ):
     """Reads the program once for each bit plane of the operands, and adds up the coefficients.
 
@@ -32,6 +52,8 @@ def serial_steps(
     store, leaves, ends : bool
         The sum is a result; it is an output; it is the last output.
     acc : signed ``design.acc_width`` bits
+    relu : bool
+        Where ``design.rectifies``: the sum becomes 0 where it is below.
     design : Engine
 
     Notes
@@ -80,8 +102,21 @@ def serial_steps(
         leaves.next = run and later >= LEAVES
         ends.next = run and later == ENDS
 
+    if design.rectifies:
+        relu_before, relu_bit = flag(), RELU_BEFORE[0]
+
+        @always_comb
+        def split_relu():
+            relu_before.next = word[relu_bit]
+
+        # As late as what else is said of the sum before; only looked at with a result.
+        rectify = split_relu, delay(clk, None, relu_before, relu, clocks=4)
+    else:
+        rectify = ()
+
     return (
         split,
+        rectify,
         ask,
         follow,
         mark,

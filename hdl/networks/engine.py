@@ -10,12 +10,14 @@ from golden.engine.program import (
     FIRST_OF_OUTPUT,
     KIND,
     OUTPUT,
+    RELU,
     SOURCE,
     STORE,
     TAKE_INTERCEPT,
     WORD_WIDTH,
 )
 from golden.networks.engine import Engine
+from hdl.common.delay import delay
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
@@ -72,6 +74,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     source_top, kind_top = source_low + spec.addr_width, sum(KIND)
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
+    relu = flag() if spec.rectifies else None
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -144,7 +147,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
             spec=spec.operand_memory,
         ),
         table_address(clk, read, segment, spec=table),
-        round_saturate(clk, run, acc, in_.data, data, spec=spec.round_saturate),
+        round_saturate(clk, run, acc, in_.data, data, relu, spec=spec.round_saturate),
     )
     if spec.serial:
         return common, serial_steps(
@@ -159,17 +162,50 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
             leaves=leaves,
             ends=ends,
             acc=acc,
+            relu=relu,
             design=spec,
         )
 
-    @always_comb
-    def split():
-        weight.next = word[WIDTH:]
-        source.next = word[source_top:source_low]
-        kind.next = word[kind_top:kind_low]
-        take_intercept.next = word[take_bit]
-        first.next = word[first_bit]
-        first_of_output.next = word[first_of_output_bit]
+    if spec.rectifies:
+        intercept, relu_bit = flag(), RELU[0]
+
+        @always_comb
+        def split():
+            weight.next = word[WIDTH:]
+            source.next = word[source_top:source_low]
+            kind.next = word[kind_top:kind_low]
+            first.next = word[first_bit]
+            first_of_output.next = word[first_of_output_bit]
+
+        # A bit of the word is that of ReLU; the kind comes with the operand, which is earlier.
+        @always_comb
+        def recognise():
+            intercept.next = kind == 1
+
+        # Only looked at with a result that is stored.
+        @always(clk.posedge)
+        def rectify():
+            relu.next = word[relu_bit]
+
+        late = spec.program.pipeline.weight - spec.program.pipeline.operand
+        split_all = (
+            split,
+            recognise,
+            rectify,
+            delay(clk, None, intercept, take_intercept, clocks=late),
+        )
+    else:
+
+        @always_comb
+        def split():
+            weight.next = word[WIDTH:]
+            source.next = word[source_top:source_low]
+            kind.next = word[kind_top:kind_low]
+            take_intercept.next = word[take_bit]
+            first.next = word[first_bit]
+            first_of_output.next = word[first_of_output_bit]
+
+        split_all = split
 
     # This is as late as the segment is.
     @always(clk.posedge)
@@ -216,7 +252,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
 
     return (
         common,
-        split,
+        split_all,
         ask,
         mark,
         program,

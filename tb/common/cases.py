@@ -8,10 +8,12 @@ its block in the first case, and the text that replaces it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from golden.dense import Dense, Quantiser, Trained, network_of
 from golden.mlp import Mlp
 from golden.network_files.network_file import save_network
 from golden.scene import Scene, load_scene
@@ -77,11 +79,36 @@ def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
     )
 
 
+def random_network(
+    shape: tuple[int, ...],
+    activations: tuple[str, ...],
+    spread: float,
+    seed: int,
+    quantiser: Quantiser | None = None,
+) -> Trained:
+    """Normal weights, of about the same sums in each layer of any depth; one node is without.
+
+    With a ``quantiser`` behind every hidden layer weights are multiples of 1/16.
+    """
+    rng = np.random.default_rng(seed)
+    layers = []
+    for n, (inputs, nodes) in enumerate(pairwise(shape)):
+        weights = rng.normal(0, spread / np.sqrt(inputs), (nodes, inputs))
+        biases = rng.normal(0, spread / 2, nodes)
+        kind = activations[n] if n < len(activations) else "linear"
+        if quantiser:
+            weights, biases = np.rint(weights * 16) / 16, np.rint(biases * 256) / 256
+        behind = quantiser if n < len(activations) else None
+        layers.append(Dense(weights, biases, kind, quantiser=behind))
+    layers[1].weights[:, -1] = 0
+    return network_of(layers)
+
+
 def write_scene(
     folder: Path,
     name: str,
     precision: str,
-    mlps: list[Mlp],
+    networks: list[Trained],
     arrangement: str = "single",
     activation: str = "gradient",
     options: str | None = None,
@@ -98,9 +125,9 @@ def write_scene(
     the scene; if there are any, y1 and y2 have lengths. Without a ``window`` the networks take
     every frame as it is. With one there are ``rows`` frames after those that lack a complete past.
     """
-    inputs = len(window.delays) if window else mlps[0].shape[0]
+    inputs = len(window.delays) if window else networks[0].shape[0]
     rows += window.past if window else 0
-    outputs = sum(mlp.shape[2] for mlp in mlps)
+    outputs = sum(network.shape[-1] for network in networks)
     sensors = [f"x{k}" for k in range(inputs)]
     targets = [f"y{i}" for i in range(outputs)]
     rng = np.random.default_rng(5)
@@ -109,15 +136,16 @@ def write_scene(
     )
     lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
-    hidden = [mlp.shape[1] for mlp in mlps]
-    weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(mlps)))]
+    layers = [list(network.shape[1:-1]) for network in networks]
+    hidden = layers[0] if len(networks) == 1 else [nodes for (nodes,) in layers]
+    weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(networks)))]
     text = TEMPLATE.format(
         name=name,
         sensors=sensors,
         outputs=targets,
         arrangement=arrangement,
-        hidden=hidden[0] if len(mlps) == 1 else hidden,
-        weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
+        hidden=hidden[0] if len(hidden) == 1 else hidden,
+        weights=f'"{name}.npz"' if len(networks) == 1 else weights,
         precision=precision,
         design=design,
         activation=activation,
@@ -131,8 +159,8 @@ def write_scene(
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
-    for file, mlp in zip(weights, mlps, strict=True):
-        save_network(folder / file, mlp, {"scene": name})
+    for file, network in zip(weights, networks, strict=True):
+        save_network(folder / file, network, {"scene": name})
     return path
 
 
@@ -147,10 +175,11 @@ class Case:
     """A scene of random networks.
 
     ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
-    nodes, the last of them has no weights.
+    nodes, the last of them has no weights. With ``activations`` there is one network, which has as
+    many hidden layers, each with ``quantiser`` behind it.
     """
 
-    shapes: list[tuple[int, int, int]]
+    shapes: list[tuple[int, ...]]
     precision: str
     spread: float = 1.0
     activation: str = "gradient"
@@ -162,15 +191,21 @@ class Case:
     interface: str = "stream"
     hardware: str = ""
     window: Window | None = None
+    activations: tuple[str, ...] = ()
+    quantiser: Quantiser | None = None
 
-    def networks(self) -> list[Mlp]:
+    def networks(self) -> list[Trained]:
+        if self.activations:
+            (shape,) = self.shapes
+            return [random_network(shape, self.activations, self.spread, self.seed, self.quantiser)]
         mlps = [
-            random_mlp(shape, self.spread, self.seed + i) for i, shape in enumerate(self.shapes)
+            random_mlp((inputs, hidden, outputs), self.spread, self.seed + i)
+            for i, (inputs, hidden, outputs) in enumerate(self.shapes)
         ]
         if self.arrangement == "single" and self.shapes[0][1] > 1:
             mlps[0].w1[-1] = 0
             mlps[0].b1[-1] = 0
-        return mlps
+        return [*mlps]
 
     def scene(self, folder: Path, name: str) -> Scene:
         path = write_scene(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from golden.dense import Quantiser
 from golden.precision import PRECISIONS
 from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
@@ -161,6 +162,46 @@ ENGINES = {
     ),
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
+}
+# Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
+# network; the second has registers behind the memories, and sums that leave the word; the third has
+# no multiplier.
+LAYERED = {
+    "layers-engine": replace(
+        ENGINE,
+        shapes=[(3, 4, 5, 3, 2)],
+        activations=("relu", "sigmoid", "leaky_relu"),
+        spread=1.5,
+    ),
+    "deep-layers-engine": replace(
+        ENGINE,
+        shapes=[(2, 5, 3, 2)],
+        activations=("relu", "hard_tanh"),
+        hardware='pipeline = "deep"',
+        spread=2.0,
+    ),
+    "layers-serial": replace(
+        ENGINE,
+        shapes=[(2, 3, 4, 1)],
+        activations=("leaky_relu", "tanh"),
+        hardware='multiplier = "serial"',
+    ),
+    # Quantised: halves to even behind a zero point; and the code below.
+    "exact-engine": replace(
+        ENGINE,
+        shapes=[(3, 4, 3, 2)],
+        activations=("linear", "linear"),
+        spread=1.5,
+        quantiser=Quantiser(2.0**-3, 2, 0, 15),
+    ),
+    "floor-engine": replace(
+        ENGINE,
+        shapes=[(2, 3, 2, 1)],
+        activations=("relu", "relu"),
+        hardware='pipeline = "deep"',
+        spread=1.5,
+        quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
+    ),
 }
 # Hardware that does not depend on its image.
 RELOADED = {

@@ -1,8 +1,10 @@
 """round_saturate against its twin.
 
 Sweeps: every sample; sums at and around both ends of the sum and of the word, around zero, around
-the places at which the result changes, at every power of two, and 4000 random sums of every size.
-Drives: a sum and a sample every clock, alternately while a frame is computed and while none is.
+the places at which the result changes, at every power of two, and 4000 random sums of every size;
+where bits are cut, also sums half way between two codes.
+Drives: a sum and a sample every clock, alternately while a frame is computed and while none is,
+with ReLU and without it where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears.
 Does not prove: that every sum is right.
 """
@@ -15,9 +17,10 @@ from golden.engine.operand_memory import WORD
 from golden.fixed import Fix
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES
+from tb.common.small import ENGINES, LAYERED
 
-CASES = {"rails-engine": ENGINES["rails-engine"]}
+WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
+CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
@@ -31,6 +34,9 @@ def sums(bench):
     fmt = Fix(bench.twin.acc_width, 0)
     steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
     marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
+    if bench.twin.cut:
+        # Half way between two codes, where those of several bits are cut.
+        marks = np.concatenate([marks, (steps >> bench.twin.cut) << (bench.twin.cut + DROPPED)])
     powers = 1 << np.arange(fmt.width - 1)
     marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
     near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
@@ -51,12 +57,15 @@ async def sums_and_samples(dut):
     acc, sample = bench.rng.choice(accs, len(order)), bench.rng.choice(samples, len(order))
     acc[run], sample[~run] = accs[order[run]], samples[order[~run] - len(accs)]
     drive = {"run": run.astype(np.int64), "acc": acc, "sample": sample}
+    if bench.twin.rectifies:
+        drive["relu"] = bench.rng.integers(0, 2, len(order))
     recording = await bench.play(drive, ["word"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     flags = recording.unsigned("run", rows).astype(bool)
     seen = recording.signed("acc", rows), recording.signed("sample", rows)
     got = recording.signed("word", rows + bench.latency)
-    expected = bench.twin.process(flags, *seen)
+    relu = recording.unsigned("relu", rows) if bench.twin.rectifies else np.zeros(len(rows), int)
+    expected = bench.twin.process(flags, *seen, relu)
     bench.meet("sum", seen[0][flags])
-    bench.compare("word", got, expected, run=flags, acc=seen[0], sample=seen[1])
+    bench.compare("word", got, expected, run=flags, acc=seen[0], sample=seen[1], relu=relu)
     bench.finish(at_least=16384)

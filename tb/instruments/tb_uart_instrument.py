@@ -23,8 +23,8 @@ import cocotb
 import numpy as np
 
 from golden.border import State
-from golden.engine.graph import graph_of
 from golden.engine.image import ACC_WIDTH, Image, image_of
+from golden.engine.layers import graph_of
 from golden.engine.program import assemble
 from golden.engine.tanh_table import tanh_table
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte

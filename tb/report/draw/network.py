@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import mean
 
 from golden.scene import Scene
 from tb.report.draw.drawing import (
@@ -20,7 +23,7 @@ from tb.report.draw.drawing import (
 )
 
 LANE, ROW, NODE, TERMINAL = 8.0, 16.0, 9.0, 14.0
-# The distance from the inputs to the hidden nodes, and from these to the outputs.
+# The distance from one column of nodes to the next.
 SPAN = 62.0
 # The room above the nodes for a heading, and below them for a line that takes an output back.
 HEADING, BELOW = 22.0, 22.0
@@ -34,7 +37,7 @@ class Place:
 
     top: float
     inputs: list[Point]
-    hidden: list[Point]
+    hidden: list[list[Point]]
     outputs: list[Point]
     bottom: float
 
@@ -57,9 +60,9 @@ def network(scene: Scene) -> str:
     Raises
     ------
     InputError
-        See ``Scene.mlps``.
+        See ``Scene.networks``.
     """
-    shapes = [mlp.shape for mlp in scene.mlps()]
+    shapes = [network.shape for network in scene.networks()]
     sensors = len(scene.sensors)
     fed = scene.outputs[:-1] if scene.arrangement == "cascade" else ()
     names = 4 + max(text_width(name) for name in scene.sensors)
@@ -92,9 +95,10 @@ def network(scene: Scene) -> str:
             if place is not places[-1]:
                 body.append(dot((lane, y), 1.8, fill=colour))
     for place, shape, member in zip(places, shapes, scene.members, strict=True):
-        body += _nodes(place, shape[1], member.outputs)
+        body += _nodes(place, shape[1:-1], member.outputs)
+    columns = max(map(len, shapes)) - 1
     width = max(
-        left + 2 * SPAN + 24 + max(text_width(name, 12) for name in scene.outputs),
+        left + columns * SPAN + 24 + max(text_width(name, 12) for name in scene.outputs),
         left + max(text_width(words, 12) for words in heading),
     )
     ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
@@ -113,10 +117,11 @@ def _heading(scene: Scene) -> list[str]:
     return [words[scene.arrangement], f"activation: {scene.activation_text}", *past]
 
 
-def _place(shape: tuple[int, int, int], left: float, top: float) -> Place:
-    """The nodes of a network, in three columns with a common middle."""
-    inputs, hidden, outputs = shape
-    heights = [(inputs - 1) * TERMINAL, (min(hidden, MOST_NODES) - 1) * NODE, (outputs - 1) * ROW]
+def _place(shape: tuple[int, ...], left: float, top: float) -> Place:
+    """The nodes of a network, in a column for each layer; the columns have a common middle."""
+    inputs, *hidden, outputs = shape
+    shown = [min(nodes, MOST_NODES) for nodes in hidden]
+    heights = [(inputs - 1) * TERMINAL, (max(shown) - 1) * NODE, (outputs - 1) * ROW]
     middle = top + HEADING + max(heights) / 2
 
     def column(count: int, pitch: float, x: float) -> list[Point]:
@@ -125,29 +130,35 @@ def _place(shape: tuple[int, int, int], left: float, top: float) -> Place:
     return Place(
         top,
         column(inputs, TERMINAL, left),
-        column(min(hidden, MOST_NODES), NODE, left + SPAN),
-        column(outputs, ROW, left + 2 * SPAN),
+        [column(nodes, NODE, left + SPAN * n) for n, nodes in enumerate(shown, start=1)],
+        column(outputs, ROW, left + SPAN * (len(hidden) + 1)),
         top + HEADING + max(heights) + NODE / 2,
     )
 
 
-def _nodes(place: Place, hidden: int, names: tuple[str, ...]) -> list[str]:
+def _nodes(place: Place, hidden: Sequence[int], names: tuple[str, ...]) -> list[str]:
     """Weights as thin lines, hidden nodes as circles, outputs with their names."""
-    nodes = place.hidden
-    if hidden > len(nodes):
+    circled, dotted = [], []
+    for nodes, count in zip(place.hidden, hidden, strict=True):
         # Three dots replace the nodes in the middle.
         middle = len(nodes) // 2
-        dots = nodes[middle - 1 : middle + 2]
-        nodes = [node for node in nodes if node not in dots]
-    else:
-        dots = []
-    weights = [line([a, b], stroke=FAINT, stroke_width=0.4) for a in place.inputs for b in nodes]
-    weights += [line([a, b], stroke=FAINT, stroke_width=0.4) for a in nodes for b in place.outputs]
+        dots = nodes[middle - 1 : middle + 2] if count > len(nodes) else []
+        circled.append([node for node in nodes if node not in dots])
+        dotted.append(dots)
+    weights = [
+        line([a, b], stroke=FAINT, stroke_width=0.4)
+        for before, after in pairwise([place.inputs, *circled, place.outputs])
+        for a in before
+        for b in after
+    ]
     body = [group(weights)]
-    circles = [dot(node, 3.4, fill="#fff", stroke=INK) for node in nodes]
-    body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{hidden} hidden nodes"))
-    count = f"{hidden} hidden node{'s' if hidden > 1 else ''}"
-    body.append(text((place.hidden[0][0], place.top + 12), count, text_anchor="middle"))
+    for nodes, dots, count in zip(circled, dotted, hidden, strict=True):
+        circles = [dot(node, 3.4, fill="#fff", stroke=INK) for node in nodes]
+        body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{count} hidden nodes"))
+    counts = ", ".join(map(str, hidden))
+    words = f"{counts} hidden node{'s' if sum(hidden) > 1 else ''}"
+    heading = mean(nodes[0][0] for nodes in place.hidden), place.top + 12
+    body.append(text(heading, words, text_anchor="middle"))
     body += [dot(point, 2.4) for point in place.inputs]
     for (x, y), name in zip(place.outputs, names, strict=True):
         body += [

@@ -42,7 +42,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
     """Every picture that can be drawn of the scene, and those that cannot."""
     design = scene.twin()
     blocks = list(walk(design))
-    hidden = sum(mlp.shape[1] for mlp in scene.mlps())
+    hidden = sum(sum(network.shape[1:-1]) for network in scene.networks())
     yield Picture(
         "network",
         "Networks",

@@ -41,11 +41,11 @@ def main() -> None:
     bit_true = len(frames) / (time.perf_counter() - started)
     grown = _peak_megabytes() - before - results.nbytes / 2**20
 
-    mlps, activation = scene.mlps(), scene.scheme.real
+    networks, activation = scene.networks(), scene.scheme.real
     started = time.perf_counter()
     for start in range(0, len(frames), FLOAT_CHUNK):
         samples = SIGNAL.to_real(frames[start : start + FLOAT_CHUNK])
-        process_real(scene.arrangement, mlps, samples, activation)
+        process_real(scene.arrangement, networks, samples, activation)
     real = len(frames) / (time.perf_counter() - started)
 
     print(

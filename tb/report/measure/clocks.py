@@ -24,7 +24,7 @@ def clocks(_: int) -> Table:
         design = scene.twin()
         found = scene_errors(scene)["bit-true"]
         worst = max(range(len(found)), key=lambda c: found[c].largest_mean)
-        mlps = scene.mlps()
+        hidden = [network.shape[1:-1] for network in scene.networks()]
         rows.append(
             [
                 scene.name,
@@ -33,8 +33,8 @@ def clocks(_: int) -> Table:
                 scene.design,
                 scene.activation_text,
                 scene.precision.name,
-                " ".join(str(mlp.shape[1]) for mlp in mlps),
-                sum(mlp.shape[1] for mlp in mlps),
+                " ".join(":".join(map(str, nodes)) for nodes in hidden),
+                sum(map(sum, hidden)),
                 len(scene.outputs),
                 scene.outputs[worst],
                 found[worst].largest_mean,

@@ -180,7 +180,9 @@ def written(scene: Scene, folder: Path) -> Iterator[Trained]:
         # These errors are measured as in ``moved``: with noise and drift, if the scene names some.
         disturbed = "_disturbed" if not scene.training.disturbance.none else ""
         errors = (story[f"{part}{disturbed}_rms_percent"] for part in ("validation", "test"))
-        yield Trained(replace(member, weights_path=path).load(), *errors)
+        mlp = replace(member, weights_path=path).load()
+        assert isinstance(mlp, Mlp), f"{path} is not what a search trains"
+        yield Trained(mlp, *errors)
 
 
 def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more: int = 0) -> Table:

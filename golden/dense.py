@@ -1,0 +1,262 @@
+"""Networks of any depth in floating point: dense layers, each with an activation of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.input_error import InputError
+from golden.mlp import Activation, Mlp, tanh
+from golden.real import Real
+
+# How steep a leaky ReLU is below 0 where nobody says otherwise, which is what PyTorch takes.
+LEAK = 0.01
+
+
+def _sigmoid(q: Real) -> tuple[Real, Real]:
+    # By tanh, which does not overflow.
+    value = 0.5 + 0.5 * np.tanh(0.5 * q)
+    return value, value * (1 - value)
+
+
+def _hard_tanh(q: Real) -> tuple[Real, Real]:
+    return np.clip(q, -1.0, 1.0), (np.abs(q) < 1).astype(np.float64)
+
+
+def _linear(q: Real) -> tuple[Real, Real]:
+    return q, np.ones_like(q)
+
+
+def _relu(q: Real) -> tuple[Real, Real]:
+    return np.maximum(q, 0.0), (q > 0).astype(np.float64)
+
+
+# What a layer may end with, by name: the value and its slope, which training needs.
+ACTIVATIONS: dict[str, Activation] = {
+    "tanh": tanh,
+    "sigmoid": _sigmoid,
+    "relu": _relu,
+    "leaky_relu": _relu,
+    "hard_tanh": _hard_tanh,
+    "linear": _linear,
+}
+
+
+@dataclass(frozen=True)
+class Quantiser:
+    """What brings the values of a quantised network onto a grid: ``(code - zero) * scale``.
+
+    Parameters
+    ----------
+    scale : float
+    zero : int
+    low, high : int
+        The ends of the codes.
+    rounding : str
+        "even", halves to the even code; "away", halves away from 0; "floor".
+    before_zero : bool
+        Whether a value is rounded before the zero is added, as in ONNX, or after, as in QONNX.
+
+    Raises
+    ------
+    InputError
+        For a scale that is not above 0, or ends without a code between them.
+    """
+
+    scale: float
+    zero: int
+    low: int
+    high: int
+    rounding: str = "even"
+    before_zero: bool = False
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.scale) and self.scale > 0):
+            raise InputError(f"scale: got {self.scale}, expected a number above 0")
+        if not self.low < self.high:
+            raise InputError(f"codes: got {self.low} to {self.high}, expected two or more")
+        if self.rounding not in ("even", "away", "floor"):
+            raise InputError(f"rounding: got {self.rounding!r}, expected even, away or floor")
+
+    def process(self, values: Real) -> Real:
+        """The values of the grid that stand for ``values``."""
+        zero = 0 if self.before_zero else self.zero
+        scaled = values / self.scale + zero
+        if self.rounding == "even":
+            codes = np.rint(scaled)
+        elif self.rounding == "away":
+            codes = np.sign(scaled) * np.floor(np.abs(scaled) + 0.5)
+        else:
+            codes = np.floor(scaled)
+        found: Real = np.clip(codes + (self.zero - zero), self.low, self.high) - self.zero
+        return found * self.scale
+
+
+@dataclass(frozen=True)
+class Dense:
+    """One layer: ``activation(weights @ x + biases)``.
+
+    Parameters
+    ----------
+    weights : float array, shape (nodes, inputs)
+    biases : float array, shape (nodes,)
+    activation : str
+        A name of ``ACTIVATIONS``.
+    leak : float
+        The slope of "leaky_relu" below 0, from 0 to 1; the others take no notice of it.
+    quantiser : Quantiser or None
+        What stands behind the activation, in a quantised network.
+
+    Raises
+    ------
+    InputError
+        When shapes do not fit each other, a value is not finite, or the activation is not known.
+    """
+
+    weights: Real
+    biases: Real
+    activation: str = "linear"
+    leak: float = LEAK
+    quantiser: Quantiser | None = None
+
+    def __post_init__(self) -> None:
+        shape, nodes = np.shape(self.weights), np.shape(self.biases)
+        if len(shape) != 2 or 0 in shape or nodes != shape[:1]:
+            raise InputError(
+                f"weights, biases: got shapes {shape} and {nodes}, expected (nodes, inputs) and "
+                "(nodes,)"
+            )
+        for name in ("weights", "biases"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise InputError(f"{name}: got NaN or infinity, expected finite numbers")
+        if self.activation not in ACTIVATIONS:
+            raise InputError(
+                f"activation: got {self.activation!r}, expected one of {', '.join(ACTIVATIONS)}"
+            )
+        if not 0 <= self.leak <= 1:
+            raise InputError(f"leak: got {self.leak}, expected 0 to 1")
+
+    @property
+    def nodes(self) -> int:
+        return len(self.biases)
+
+    @property
+    def activation_text(self) -> str:
+        """The activation as a reader names it."""
+        leaky = self.activation == "leaky_relu"
+        return f"leaky_relu ({self.leak:g})" if leaky else self.activation
+
+    def activate(self, q: Real, of_tanh: Activation = tanh) -> tuple[Real, Real]:
+        """The activation's value and slope at the sums ``q``.
+
+        ``of_tanh`` takes the place of tanh, where hardware has an approximation of it.
+        """
+        if self.activation == "tanh":
+            return of_tanh(q)
+        value, slope = ACTIVATIONS[self.activation](q)
+        if self.activation == "leaky_relu":
+            return value + self.leak * np.minimum(q, 0.0), np.where(q > 0, 1.0, self.leak)
+        return value, slope
+
+
+@dataclass(frozen=True)
+class DenseNetwork:
+    """Dense layers one behind the other; the last one is linear.
+
+    Parameters
+    ----------
+    layers : tuple of Dense
+        Two or more.
+
+    Raises
+    ------
+    InputError
+        When a layer does not take what the one before gives, or the last one is not linear.
+    """
+
+    layers: tuple[Dense, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.layers) < 2:
+            raise InputError(f"layers: got {len(self.layers)}, expected 2 or more")
+        for n in range(1, len(self.layers)):
+            inputs, nodes = self.layers[n].weights.shape[1], self.layers[n - 1].nodes
+            if inputs != nodes:
+                raise InputError(
+                    f"layer {n + 1}: got weights of {inputs} inputs, expected {nodes}, as many as "
+                    f"layer {n} has nodes"
+                )
+        if self.layers[-1].activation != "linear" or self.layers[-1].quantiser:
+            raise InputError(
+                f"layer {len(self.layers)}: got {self.layers[-1].activation!r}, expected the last "
+                "layer to be 'linear'"
+            )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Inputs, the hidden nodes of each layer, and outputs."""
+        return self.layers[0].weights.shape[1], *(layer.nodes for layer in self.layers)
+
+    @property
+    def quantised(self) -> bool:
+        """Whether a layer has a quantiser."""
+        return any(layer.quantiser for layer in self.layers)
+
+    @property
+    def activations(self) -> tuple[str, ...]:
+        """Those of the hidden layers."""
+        return tuple(layer.activation for layer in self.layers[:-1])
+
+    def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:
+        """Outputs, shape (..., outputs), of frames, shape (..., inputs).
+
+        ``activation`` takes the place of tanh in the layers that have tanh.
+        """
+        values = np.asarray(frames, dtype=np.float64)
+        for layer in self.layers:
+            values, _ = layer.activate(values @ layer.weights.T + layer.biases, activation)
+            if layer.quantiser:
+                values = layer.quantiser.process(values)
+        return values
+
+
+# A trained network: one hidden layer of tanh, or any other.
+Trained = Mlp | DenseNetwork
+Some = TypeVar("Some", bound=Trained)
+
+
+def network_of(layers: list[Dense]) -> Trained:
+    """The network of these layers.
+
+    Of one hidden layer of tanh it is an ``Mlp``, which every design takes. A last layer that is not
+    linear is followed by a linear one that leaves its values as they are.
+
+    Raises
+    ------
+    InputError
+        See ``DenseNetwork``.
+    """
+    if layers[-1].activation != "linear" or layers[-1].quantiser:
+        nodes = layers[-1].nodes
+        layers = [*layers, Dense(np.eye(nodes), np.zeros(nodes))]
+    network = DenseNetwork(tuple(layers))
+    if network.activations == ("tanh",) and not layers[0].quantiser:
+        first, second = network.layers
+        return Mlp(first.weights, first.biases, second.weights, second.biases)
+    return network
+
+
+def layers_of(network: Trained) -> tuple[Dense, ...]:
+    """The layers of a network, of one hidden layer of tanh too."""
+    if isinstance(network, DenseNetwork):
+        return network.layers
+    return Dense(network.w1, network.b1, "tanh"), Dense(network.w2, network.b2)
+
+
+def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:
+    """A network of the same kind with other layers, whose activations are the same."""
+    return cast(Some, network_of(list(layers)))

@@ -1,0 +1,103 @@
+"""The grid of a quantiser as the words of an engine hold it, so that no code differs.
+
+A word is the code's distance from the lowest one, moved to the left until the highest fills the
+word. So the ends of the word are those of the codes, and the lowest bits, as many for every layer
+of a network, are 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from golden.dense import Dense
+from golden.engine.formats import DROPPED, WIDTH
+from golden.fixed import Fix
+from golden.input_error import InputError
+
+# A word of fewer bits than the one before it: the least that can be cut is one.
+MOST_BITS = WIDTH - 2
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What stands behind a layer of a quantised network.
+
+    Parameters
+    ----------
+    result : Fix
+        Format of the words, as distances from the lowest code.
+    cut : int
+        Lowest bits of a word that are 0.
+    even : bool
+        A sum half way between two codes becomes the even one.
+    down : bool
+        A sum becomes the code below it, and not the nearest.
+    lowest : Fraction
+        The value of the lowest code.
+    """
+
+    result: Fix
+    cut: int
+    even: bool
+    down: bool
+    lowest: Fraction
+
+    @property
+    def high(self) -> int:
+        """The word of the highest code."""
+        return (1 << (WIDTH - 1)) - (1 << self.cut)
+
+    @property
+    def start(self) -> int:
+        """What a sum must start with for its rounding, besides half a unit of a whole word."""
+        half = 1 << (DROPPED - 1)
+        return (0 if self.down else half << self.cut) - half
+
+
+def grid_of(layer: Dense) -> Grid | None:
+    """The grid of a layer; None where it has no quantiser.
+
+    Raises
+    ------
+    InputError
+        For a grid that words do not hold exactly.
+    """
+    quantiser = layer.quantiser
+    if quantiser is None:
+        return None
+    if layer.activation not in ("relu", "linear"):
+        raise InputError(
+            f"got a quantiser behind {layer.activation}, expected one behind relu or linear, which "
+            "are exact"
+        )
+    scale = Fraction(quantiser.scale)
+    if scale.numerator & (scale.numerator - 1) or scale.denominator & (scale.denominator - 1):
+        raise InputError(
+            f"got the scale {quantiser.scale:g}, expected a power of two: others would be rounded"
+        )
+    low = max(quantiser.low, quantiser.zero) if layer.activation == "relu" else quantiser.low
+    codes = quantiser.high - low + 1
+    if codes < 2 or codes & (codes - 1) or codes > 1 << MOST_BITS:
+        raise InputError(
+            f"got {codes} codes, {low} to {quantiser.high}, expected a power of two, 2 to "
+            f"{1 << MOST_BITS}: others would need a comparison"
+        )
+    rounded = low - (quantiser.zero if quantiser.before_zero else 0)
+    if quantiser.rounding == "away" and rounded < 0:
+        raise InputError("got halves rounded away from 0 on both sides of it, expected to even")
+    if quantiser.rounding == "even" and rounded % 2:
+        raise InputError(
+            f"got the zero point {quantiser.zero} with halves rounded to even, expected an even one"
+        )
+    cut = WIDTH - 1 - (codes.bit_length() - 1)
+    frac = cut + scale.denominator.bit_length() - scale.numerator.bit_length()
+    if frac < 0:
+        raise InputError(f"got the scale {quantiser.scale:g}, expected {2**cut} at most")
+    return Grid(
+        Fix(WIDTH, frac),
+        cut,
+        quantiser.rounding == "even",
+        quantiser.rounding == "floor",
+        (low - quantiser.zero) * scale,
+    )

@@ -1,0 +1,410 @@
+"""Trained networks as the neurons of an engine: codes of weights, and a format for each layer.
+
+A sum in front of tanh saturates at -8 and 8, where tanh is level, so its format is the same for
+every network. Behind a ReLU, and behind a layer that is linear, saturation would be an error. The
+words of such a layer have the most fraction bits with which no sum of it can leave the word,
+whatever the samples are: the ends of every sum are worked out from those of its operands, in whole
+numbers.
+
+Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2``: halves of the
+weights on both sides, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)``: two words of
+each node, of which what follows takes both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from golden.cli import naming
+from golden.dense import Trained, layers_of
+from golden.engine.formats import (
+    DROPPED,
+    HIDDEN,
+    ONE,
+    RESULT,
+    SAMPLE,
+    SAMPLE_SHIFT,
+    WIDTH,
+    coeff_frac,
+)
+from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.grid import Grid, grid_of
+from golden.fixed import Fix
+from golden.input_error import InputError
+from golden.precision import SIGNAL
+
+_MOST = (1 << (WIDTH - 1)) - 1
+_HALF = 1 << (DROPPED - 1)
+# The ends of a word.
+_LOW, _HIGH = RESULT.low, RESULT.high
+
+
+@dataclass(frozen=True)
+class Value:
+    """A word that a layer takes.
+
+    Parameters
+    ----------
+    node : int
+        Which input of the layer it belongs to; of a leaky ReLU there are two of one node.
+    factor : Fraction
+        What the weights of that input are multiplied by.
+    fmt : Fix
+    low, high : int
+        The ends of its codes.
+    earlier : bool
+        An output of an earlier network.
+    """
+
+    node: int
+    factor: Fraction
+    fmt: Fix
+    low: int
+    high: int
+    earlier: bool = False
+
+
+@dataclass(frozen=True)
+class Sums:
+    """One layer in codes.
+
+    Parameters
+    ----------
+    activation : str
+        "tanh", "relu", "leaky_relu", "hard_tanh" or "linear".
+    result : Fix
+        Format of the words that its sums become.
+    biases : list of int
+    weights : list of list of int
+        By node, and then by the words that it takes.
+    values : list of Value
+        The words that what follows takes.
+    grid : Grid or None
+        Of a layer with a quantiser.
+    rests : list of int
+        Of such a layer, what the biases leave of each sum's start; below a unit of them.
+    """
+
+    activation: str
+    result: Fix
+    biases: list[int]
+    weights: list[list[int]]
+    values: list[Value]
+    grid: Grid | None = None
+    rests: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Exact:
+    """One layer of a network, its numbers without any rounding."""
+
+    activation: str
+    leak: Fraction
+    weights: list[list[Fraction]]
+    biases: list[Fraction]
+    grid: Grid | None
+
+
+def exact_layers(network: Trained) -> list[Exact]:
+    """The layers of a network, with tanh in the place of sigmoid.
+
+    Behind a quantiser words are distances from the lowest code; the biases of what follows make
+    up for that.
+
+    Raises
+    ------
+    InputError
+        See ``grid_of``.
+    """
+    found: list[Exact] = []
+    halved = False
+    for number, layer in enumerate(layers_of(network), start=1):
+        weights = [[Fraction(w) for w in row] for row in layer.weights.tolist()]
+        biases = [Fraction(b) for b in layer.biases.tolist()]
+        if halved:
+            weights = [[w / 2 for w in row] for row in weights]
+            biases = [b + sum(row) for b, row in zip(biases, weights, strict=True)]
+        halved = layer.activation == "sigmoid"
+        if halved:
+            weights = [[w / 2 for w in row] for row in weights]
+            biases = [b / 2 for b in biases]
+        before = found[-1].grid if found else None
+        if before:
+            lowest = before.lowest
+            biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
+        with naming(f"layer {number}"):
+            grid = grid_of(layer)
+        kind = "tanh" if halved else layer.activation
+        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid))
+    return found
+
+
+def first_values(samples: int, earlier: int) -> list[Value]:
+    """What the first layer of a network takes: samples, and the outputs of earlier networks."""
+    ends = SIGNAL.low << SAMPLE_SHIFT, SIGNAL.high << SAMPLE_SHIFT
+    one = Fraction(1)
+    found = [Value(k, one, SAMPLE, *ends) for k in range(samples)]
+    more = range(samples, samples + earlier)
+    return found + [Value(k, one, RESULT, _LOW, _HIGH, earlier=True) for k in more]
+
+
+def planned(network: Trained, values: list[Value]) -> list[Sums]:
+    """Codes and formats of every layer of a network that takes ``values``.
+
+    Raises
+    ------
+    InputError
+        When the sums of a layer are too large for any format.
+    """
+    layers = exact_layers(network)
+    found: list[Sums] = []
+    for number, layer in enumerate(layers, start=1):
+        output = number == len(layers)
+        if layer.grid:
+            with naming(f"layer {number}"):
+                sums = _on_grid(layer, layer.grid, values)
+            ends = 0, layer.grid.high
+            values = [Value(j, Fraction(1), sums.result, *ends) for j in range(len(sums.biases))]
+            found.append(replace(sums, values=values))
+            continue
+        fixed = RESULT if output or layer.activation == "hard_tanh" else None
+        fixed = HIDDEN if layer.activation == "tanh" else fixed
+        for frac in [fixed.frac] if fixed else range(WIDTH - 1, -1, -1):
+            sums = _coded(layer, Fix(WIDTH, frac), values)
+            low, high = _ends(sums, values)
+            if layer.activation == "relu":
+                low, high = ([max(0, end) for end in ends] for ends in (low, high))
+            if fixed or (min(low) >= _LOW and max(high) <= _HIGH):
+                break
+        else:
+            raise InputError(
+                f"layer {number}: got sums that reach {max(*high, -min(low)):g}, expected "
+                f"{_HIGH} at most"
+            )
+        values = _given(layer, sums.result, low, high)
+        found.append(Sums(layer.activation, sums.result, sums.biases, sums.weights, values))
+    return found
+
+
+def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
+    """A layer's codes so that each sum is exact.
+
+    Raises
+    ------
+    InputError
+        When a weight or a bias is no whole code.
+    """
+    weights = [
+        [_whole(row[v.node] * v.factor, coeff_frac(grid.result, v.fmt), "weight") for v in values]
+        for row in layer.weights
+    ]
+    starts = [
+        _whole(bias - grid.lowest, grid.result.frac + DROPPED, "bias") + grid.start
+        for bias in layer.biases
+    ]
+    biases, rests = (
+        list(part) for part in zip(*(divmod(s, 1 << DROPPED) for s in starts), strict=True)
+    )
+    return Sums(layer.activation, grid.result, biases, weights, [], grid, rests)
+
+
+def _whole(value: Fraction, frac: int, what: str) -> int:
+    """The code of ``frac`` fraction bits that a value is."""
+    scaled = value * Fraction(2) ** frac
+    if scaled.denominator != 1:
+        raise InputError(
+            f"got a {what} of {float(value):g}, which {frac} fraction bits do not hold exactly; "
+            "expected scales of weights, samples and quantisers that are powers of two, those of "
+            f"the sums no less than 1/{1 << DROPPED} of that of the quantiser behind them"
+        )
+    return int(scaled)
+
+
+def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
+    """A layer's codes for one format of its words."""
+    weights = [
+        [_code(row[value.node] * value.factor, result, value.fmt) for value in values]
+        for row in layer.weights
+    ]
+    biases = []
+    for bias, codes in zip(layer.biases, weights, strict=True):
+        # Half a unit of the output's last place times each weight of an earlier output.
+        moved = sum(code for code, v in zip(codes, values, strict=True) if v.earlier)
+        half = Fraction(1, 1 << (SIGNAL.frac + 1)) / Fraction(2) ** coeff_frac(result, RESULT)
+        biases.append(_code(bias - moved * half, result, ONE))
+    return Sums(layer.activation, result, biases, weights, [])
+
+
+def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
+    """The least and the largest word of each node, if words had no ends."""
+    low, high = [], []
+    for bias, codes in zip(sums.biases, sums.weights, strict=True):
+        both = [(c * v.low, c * v.high) for c, v in zip(codes, values, strict=True)]
+        start = (bias << DROPPED) + _HALF
+        low.append((start + sum(map(min, both))) >> DROPPED)
+        high.append((start + sum(map(max, both))) >> DROPPED)
+    return low, high
+
+
+def _given(layer: Exact, result: Fix, low: list[int], high: list[int]) -> list[Value]:
+    """The words that a layer gives to what follows it."""
+    found = []
+    one = Fraction(1)
+    for node, (least, most) in enumerate(zip(low, high, strict=True)):
+        ends = max(least, _LOW), min(most, _HIGH)
+        if layer.activation == "tanh":
+            found.append(Value(node, one, RESULT, _LOW, _HIGH))
+        elif layer.activation == "leaky_relu":
+            found.append(Value(node, layer.leak, result, *ends))
+            found.append(Value(node, 1 - layer.leak, result, 0, max(0, ends[1])))
+        else:
+            found.append(Value(node, one, result, *ends))
+    return found
+
+
+def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -> Graph:
+    """The neurons of trained networks.
+
+    Parameters
+    ----------
+    arrangement : str
+        "single", "multiple" or "cascade".
+    networks : sequence of Mlp or DenseNetwork
+    lean : bool
+        Leave out terms whose weight is zero, and hidden nodes that no output uses. Results are the
+        same either way.
+
+    Notes
+    -----
+    A weight that 18 bits do not hold becomes several terms. A later network of a cascade sees an
+    output as its word holds it, with half a unit of the output's last place added; its biases take
+    that away again. What a bias of a quantised layer has below its own unit is a weight of a word
+    of one unit, which is a neuron of its own.
+    """
+    samples = networks[0].shape[0]
+    neurons: list[Neuron] = []
+    earlier: list[int] = []
+    useless = zeros = 0
+    plans: list[list[Sums]] = []
+    for network in networks:
+        outputs = sum(len(plan[-1].biases) for plan in plans) if arrangement == "cascade" else 0
+        plans.append(planned(network, first_values(samples, outputs)))
+    _check_grids([x.grid for plan in plans for x in plan if "relu" in x.activation or x.grid])
+    built = [_used(plan, lean) for plan in plans]
+    pairs = [
+        (layer, j)
+        for plan, used in zip(plans, built, strict=True)
+        for layer, nodes in zip(plan, used, strict=True)
+        for j in nodes
+    ]
+    if any(layer.grid and layer.rests[j] for layer, j in pairs):
+        neurons.append(Neuron("one unit", RESULT, (Term(Kind.ONE, -1, 1),)))
+    for number, (layers, used) in enumerate(zip(plans, built, strict=True)):
+        place = f"network {number + 1} " if len(networks) > 1 else ""
+        seen = [*range(samples), *(earlier if arrangement == "cascade" else [])]
+        useless += sum(
+            len(layer.biases) - len(nodes) for layer, nodes in zip(layers, used, strict=True)
+        )
+        # By the words that a layer takes, where each is; those that are not built are nowhere.
+        sources: dict[int, int] = dict(enumerate(seen))
+        for depth, (layer, nodes) in enumerate(zip(layers, used, strict=True), start=1):
+            output = depth == len(layers)
+            where = f"layer {depth} " if len(layers) > 2 else ""
+            taken, sources = sources, {}
+            for j in nodes:
+                name = f"output {len(earlier) + 1}" if output else f"{place}{where}node {j + 1}"
+                weights = [(source, layer.weights[j][k]) for k, source in taken.items()]
+                codes = (layer.biases[j], *(code for _, code in weights))
+                zeros += lean * sum(not code for code in codes)
+                if layer.grid and layer.rests[j]:
+                    weights = [(samples, layer.rests[j]), *weights]
+                terms = _terms(layer.biases[j], weights, lean)
+                last = samples + len(neurons)
+                made = [*_node(name, layer, terms, last, output)]
+                neurons += made
+                if output:
+                    earlier.append(last)
+                elif layer.activation == "leaky_relu":
+                    sources |= {2 * j: last, 2 * j + 1: last + 1}
+                else:
+                    sources[j] = last + len(made) - 1
+    return Graph(samples, tuple(neurons), useless, zeros)
+
+
+def _check_grids(grids: list[Grid | None]) -> None:
+    """Refuse quantisers of which an engine would need two: it has one kind for all words.
+
+    Raises
+    ------
+    InputError
+    """
+    kinds = {(WIDTH - 1 - g.cut, g.even) if g else None for g in grids}
+    if len(kinds) > 1:
+        texts = sorted(
+            f"{kind[0]} bits{', halves to even' * kind[1]}" if kind else "none" for kind in kinds
+        )
+        raise InputError(
+            f"quantisers: got layers of {' and of '.join(texts)}, expected the same for every "
+            "layer with ReLU or a quantiser, the samples' too"
+        )
+
+
+def _node(
+    name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool
+) -> Iterator[Neuron]:
+    """The neurons of one node, the first of which is the value ``place``."""
+    if output:
+        yield Neuron(name, layer.result, terms, output=True)
+    elif layer.activation == "tanh":
+        yield Neuron(f"{name} sum", layer.result, terms)
+        looked_up = (Term(Kind.INTERCEPT, place, 0), Term(Kind.DISTANCE, place, 0))
+        yield Neuron(f"{name} tanh", RESULT, looked_up)
+    elif layer.activation == "leaky_relu":
+        yield Neuron(f"{name} sum", layer.result, terms)
+        itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))
+        yield Neuron(f"{name} relu", layer.result, (itself,), relu=True)
+    elif layer.grid:
+        yield Neuron(name, layer.result, terms, False, True, layer.grid.cut, layer.grid.even)
+    else:
+        yield Neuron(name, layer.result, terms, relu=layer.activation == "relu")
+
+
+def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
+    """The nodes of each layer that what follows uses.
+
+    One that nothing uses could come behind the last output, which must be the last of all.
+    """
+    found = [list(range(len(layer.biases))) for layer in layers]
+    for n in range(len(layers) - 1, 0, -1) if lean else ():
+        rows = [layers[n].weights[j] for j in found[n]]
+        nodes = {
+            value.node
+            for k, value in enumerate(layers[n - 1].values)
+            if any(row[k] for row in rows)
+        }
+        found[n - 1] = sorted(nodes)
+    return found
+
+
+def _code(value: Fraction, result: Fix, operand: Fix) -> int:
+    """The nearest code of a weight, halves up; of any width."""
+    frac = coeff_frac(result, operand)
+    scaled = value * (1 << frac) if frac >= 0 else value / (1 << -frac)
+    return int((2 * scaled + 1) // 2)
+
+
+def _terms(bias: int, weights: Sequence[tuple[int, int]], lean: bool) -> tuple[Term, ...]:
+    found = [Term(Kind.ONE, -1, part) for part in _parts(bias)]
+    for source, weight in weights:
+        found += [Term(Kind.WORD, source, part) for part in _parts(weight)]
+    kept = [term for term in found if term.weight] if lean else found
+    return tuple(kept or [Term(Kind.ONE, -1, 0)])
+
+
+def _parts(code: int) -> Iterator[int]:
+    """A code as a sum of codes of 18 bits."""
+    count = max(1, -(-abs(code) // _MOST))
+    for k in range(count):
+        yield code * (k + 1) // count - code * k // count

@@ -1,0 +1,265 @@
+"""Training of networks whose layers the scene names: several of them, or another activation.
+
+As for one hidden layer of tanh (``golden.training``): a descent from random weights for each
+restart, of which the validation rows choose, and a shift of the output biases by the mean bit-true
+error. The nodes are those that the scene names, so there is nothing else to search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from golden.dense import Dense, Trained, layers_of, network_of
+from golden.input_error import InputError
+from golden.mlp import tanh
+from golden.precision import SIGNAL
+from golden.real import Real
+from golden.scene import Scene
+from golden.scene.scale import Scale, on_readings, on_signals, signals
+from golden.training.objective import EarlyStop, Objective, Rows
+from golden.training.search import OPTIMISERS, Result
+from golden.training.task import Frames, Task, task_for
+
+
+def random_layers(
+    shape: Sequence[int], activations: Sequence[str], rng: np.random.Generator
+) -> Trained:
+    """Random weights with which values are of about the same size in every layer."""
+    layers = []
+    for (inputs, nodes), kind in zip(pairwise(shape), (*activations, "linear"), strict=True):
+        # A ReLU lets half of the values through.
+        gain = 2.0 if "relu" in kind else 1.0
+        weights = rng.normal(0, np.sqrt(gain / inputs), (nodes, inputs))
+        layers.append(Dense(weights, rng.normal(0, 0.1, nodes), kind))
+    return network_of(layers)
+
+
+def packed(network: Trained) -> Real:
+    """All weights and biases in one vector, layer by layer."""
+    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
+    return np.concatenate(parts)
+
+
+def unpacked(vector: Real, like: Trained) -> Trained:
+    """The inverse of ``packed`` for a network with the layers of ``like``."""
+    layers, at = [], 0
+    for layer in layers_of(like):
+        end = at + layer.weights.size
+        weights = vector[at:end].reshape(layer.weights.shape)
+        at = end + layer.nodes
+        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
+    return network_of(layers)
+
+
+class LayeredObjective(Objective):
+    """What a descent minimises; see ``Objective``.
+
+    Parameters
+    ----------
+    like : Mlp or DenseNetwork
+        A network with the layers that are trained.
+    **settings
+        Those of ``Objective``, but for the shape and the activation.
+    """
+
+    def __init__(self, like: Trained, **settings: Any):
+        inputs, *hidden, outputs = like.shape
+        super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
+        self.like = like
+
+    def residuals(self, vector: Real) -> Real:
+        network = unpacked(vector, self.like)
+        errors = self._errors(network, self.training)
+        result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
+        value = float(result @ result)
+        if value < self._lowest:
+            self._lowest = value
+            held_back = self._errors(network, self.validation)
+            validation = float(held_back @ held_back)
+            if validation < self._least_validation:
+                self._least_validation = validation
+                self._in_vain = 0
+                self.best = vector.copy()
+            else:
+                self._in_vain += 1
+                if self._in_vain == self.patience:
+                    raise EarlyStop
+        return result
+
+    def _errors(self, network: Trained, rows: Rows) -> Real:
+        """The scaled errors of a network, flat."""
+        return ((network.process(rows.inputs, self.activation) - rows.targets) / rows.scale).ravel()
+
+    def jacobian(self, vector: Real) -> Real:
+        network = unpacked(vector, self.like)
+        values, slopes = self._forward(network)
+        scale = self.training.scale
+        rows, outputs = scale.shape
+        back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
+        found: list[Real] = []
+        for n, layer in reversed(list(enumerate(layers_of(network)))):
+            back = back * slopes[n][:, np.newaxis, :]
+            weights = back[..., np.newaxis] * values[n][:, np.newaxis, np.newaxis, :]
+            found = [weights.reshape(rows, outputs, -1), back, *found]
+            back = back @ layer.weights
+        result = np.concatenate(found, axis=2) / scale[:, :, np.newaxis]
+        decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
+        return np.concatenate([result.reshape(-1, len(vector)), decay])
+
+    def evaluate(self, vector: Real) -> tuple[float, Real]:
+        residuals = self.residuals(vector)
+        network = unpacked(vector, self.like)
+        values, slopes = self._forward(network)
+        scale = self.training.scale
+        back = residuals[: scale.size].reshape(scale.shape) / scale
+        found: list[Real] = []
+        for n, layer in reversed(list(enumerate(layers_of(network)))):
+            back = back * slopes[n]
+            found = [(back.T @ values[n]).ravel(), back.sum(axis=0), *found]
+            back = back @ layer.weights
+        gradient = np.concatenate(found)
+        return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
+
+    def _forward(self, network: Trained) -> tuple[list[Real], list[Real]]:
+        """What each layer takes, and the slope of its activation."""
+        values, slopes = [self.training.inputs], []
+        for layer in layers_of(network):
+            sums = values[-1] @ layer.weights.T + layer.biases
+            value, slope = layer.activate(sums, self.activation)
+            values.append(value)
+            slopes.append(slope)
+        return values, slopes
+
+
+def descended(task: Task, start: Trained, training: Frames, validation: Frames) -> Trained:
+    """The network that a descent leads to from ``start``, its output biases shifted.
+
+    Raises
+    ------
+    InputError
+        When the hardware's formats cannot hold its weights.
+    """
+    settings = task.scene.training
+    outputs = start.shape[-1]
+    normal, plain = task.normal, [Scale()] * outputs
+    normalised = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
+    like = on_signals(start, normal, plain)
+    point = packed(like)
+    objective = LayeredObjective(
+        like,
+        training=normalised[0],
+        validation=normalised[1],
+        weight_decay=settings.weight_decay,
+        patience=settings.patience,
+    )
+    point = objective.search(OPTIMISERS[settings.optimiser], point, settings.steps)
+    return _shifted(task, on_readings(unpacked(point, like), normal, plain), training)
+
+
+def _shifted(task: Task, network: Trained, frames: Frames) -> Trained:
+    """Output biases moved by the weighted mean bit-true error on ``frames``, twice."""
+    weight = 1 / frames.scale**2
+    for _ in range(2):
+        miss = (weight * (frames.targets - bit_true(task, network, frames))).sum(axis=0)
+        *before, last = layers_of(network)
+        moved = replace(last, biases=last.biases + miss / weight.sum(axis=0))
+        network = network_of([*before, moved])
+    return network
+
+
+def bit_true(task: Task, network: Trained, frames: Frames) -> Real:
+    """Outputs of a network in the scene's hardware.
+
+    Raises
+    ------
+    InputError
+        When the hardware's formats cannot hold its weights.
+    """
+    return SIGNAL.to_real(task.scene.build(network).process(frames.codes))
+
+
+def signed_errors(task: Task, network: Trained, frames: Frames) -> Real:
+    """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
+    return 100 * (bit_true(task, network, frames) - frames.targets) / frames.scale
+
+
+def train(task: Task, restart: int) -> Trained:
+    """The network of one restart.
+
+    Raises
+    ------
+    InputError
+        When the hardware's formats cannot hold its weights.
+    """
+    member = task.scene.members[task.number]
+    shape = (task.training.inputs.shape[1], *member.layers, task.training.targets.shape[1])
+    kinds = member.activations or ("tanh",) * len(member.layers)
+    rng = np.random.default_rng([task.scene.training.seed, task.number, *member.layers, restart])
+    start = on_readings(random_layers(shape, kinds, rng), task.normal, [Scale()] * shape[-1])
+    return descended(task, start, task.training, task.validation)
+
+
+def measured(task: Task, restart: int) -> Result:
+    """Train one candidate and measure its bit-true errors."""
+    nodes = sum(task.scene.members[task.number].layers)
+    try:
+        network = train(task, restart)
+        validation, test = (
+            float(np.sqrt((signed_errors(task, network, frames) ** 2).mean()))
+            for frames in (task.validation, task.test)
+        )
+    except InputError as error:
+        return Result(nodes, restart, float("inf"), float("inf"), str(error))
+    return Result(nodes, restart, validation, test)
+
+
+def search(task: Task, workers: int = -1) -> Iterator[Result]:
+    """Every restart's result, in order, as it becomes known; see ``golden.training.search``."""
+    jobs = (delayed(measured)(task, restart) for restart in range(task.scene.training.restarts))
+    yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
+
+
+@dataclass
+class LayerStages:
+    """The network of a scene as training makes it; see ``golden.training.stages``."""
+
+    scene: Scene
+    chosen: list[Trained] = field(default_factory=list)
+    tested: list[Trained] = field(default_factory=list)
+    written: list[Trained] = field(default_factory=list)
+    files: list[Trained] = field(default_factory=list)
+
+    def task(self, earlier: list[Trained], number: int) -> Task:
+        """The task of the one network."""
+        return task_for(self.scene, self.scene.vectors(), [])
+
+    def add(self, hidden: int, restart: int) -> None:
+        """The network, from the restart that was chosen; ``hidden`` is all of its nodes.
+
+        Raises
+        ------
+        InputError
+            When the hardware's formats cannot hold its weights.
+        """
+        task = self.task([], 0)
+        chosen = self._as_read(train(task, restart))
+        tested = written = chosen
+        if self.scene.training.refit:
+            tested = self._as_read(descended(task, chosen[1], task.known, task.known))
+            written = self._as_read(descended(task, chosen[1], task.every, task.every))
+        self.chosen.append(chosen[1])
+        self.tested.append(tested[1])
+        self.written.append(written[1])
+        self.files.append(written[0])
+
+    def _as_read(self, network: Trained) -> tuple[Trained, Trained]:
+        """What a file holds of a network, and what is read from it."""
+        scales = self.scene.scales_of(0)
+        file = on_readings(network, *scales)
+        return file, on_signals(file, *scales)

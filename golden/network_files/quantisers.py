@@ -1,0 +1,127 @@
+"""Operators of quantised ONNX graphs: Quant of QONNX, QuantizeLinear and DequantizeLinear.
+
+With a constant in front of them they make another constant. In the chain of layers they are what
+stands behind an activation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from onnx import helper
+
+from golden.dense import Quantiser
+from golden.input_error import InputError
+from golden.real import Real
+
+QUANT, QUANTIZE, DEQUANTIZE = "Quant", "QuantizeLinear", "DequantizeLinear"
+OPERATORS = (QUANT, QUANTIZE, DEQUANTIZE)
+DOMAINS = ("", "ai.onnx", "qonnx.custom_op.general", "onnx.brevitas", "finn.custom_op.general")
+ROUNDINGS = {"ROUND": "even", "HALF_EVEN": "even", "HALF_UP": "away", "FLOOR": "floor"}
+
+Refuse = Callable[[Any, str], InputError]
+
+
+def attributes_of(node: Any) -> dict[str, Any]:
+    """The attributes of a node, texts as such."""
+    found = {a.name: helper.get_attribute_value(a) for a in node.attribute}
+    return {k: v.decode() if isinstance(v, bytes) else v for k, v in found.items()}
+
+
+def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any]:
+    """Scale, zero point and what else follows the data, which must be constants.
+
+    Raises
+    ------
+    InputError
+    """
+    names = list(node.input[1:])
+    missing = [name for name in names if name and name not in constants]
+    if missing or len(names) < (3 if node.op_type == QUANT else 1):
+        raise refuse(node, f"got {len(names)} inputs behind the data, expected constants")
+    return [np.asarray(constants[name]) if name else None for name in names]
+
+
+def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quantiser:
+    """The quantiser of a Quant or a QuantizeLinear in the chain of layers.
+
+    Raises
+    ------
+    InputError
+        For scales or zero points of each value, and for a rounding that is not known.
+    """
+    scale, zero, *more = parameters(node, constants, refuse)
+    if any(np.size(value) != 1 for value in (scale, zero, *more) if value is not None):
+        raise refuse(node, "got a scale or a zero point for each value, expected one for all")
+    low, high = _ends(node, zero, more, refuse)
+    rounding = attributes_of(node).get("rounding_mode", "ROUND").upper()
+    if rounding not in ROUNDINGS:
+        raise refuse(
+            node, f"got the rounding mode {rounding}, expected one of {', '.join(ROUNDINGS)}"
+        )
+    place = 0 if zero is None else zero.item()
+    if place != int(place):
+        raise refuse(node, f"got the zero point {place}, expected a whole number")
+    try:
+        return Quantiser(
+            float(scale.item()), int(place), low, high, ROUNDINGS[rounding], node.op_type != QUANT
+        )
+    except InputError as error:
+        raise refuse(node, str(error)) from None
+
+
+def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, int]:
+    """The ends of the codes."""
+    if node.op_type == QUANTIZE:
+        # Without a zero point a byte without a sign.
+        kind = np.uint8 if zero is None else zero.dtype
+        if kind.kind not in "iu" if isinstance(kind, np.dtype) else False:
+            raise refuse(node, f"got a zero point of {kind}, expected whole numbers")
+        ends = np.iinfo(kind)
+        return int(ends.min), int(ends.max)
+    attributes = attributes_of(node)
+    signed, narrow = (int(attributes.get(key, 0)) for key in ("signed", "narrow"))
+    width = more[0].item()
+    if width != int(width) or not 1 <= width <= 32:
+        raise refuse(node, f"got {width} bits, expected a whole number from 1 to 32")
+    half = 1 << (int(width) - 1)
+    return (narrow - half, half - 1) if signed else (0, 2 * half - 1 - narrow)
+
+
+def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> Any:
+    """What such an operator makes of a constant: values that QuantizeLinear leaves as codes.
+
+    Raises
+    ------
+    InputError
+    """
+    scale, zero, *more = parameters(node, constants, refuse)
+    values = np.asarray(data)
+    if node.op_type == DEQUANTIZE:
+        factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))
+        return (values.astype(np.float64) - place) * factor
+    factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))
+    if not (np.isfinite(factor).all() and (factor > 0).all()):
+        raise refuse(node, "got a scale that is not above 0")
+    low, high = _ends(node, zero, more, refuse)
+    if node.op_type == QUANTIZE:
+        codes = np.clip(np.rint(values / factor) + place, low, high)
+        return codes.astype(np.uint8 if zero is None else zero.dtype)
+    rounding = ROUNDINGS.get(attributes_of(node).get("rounding_mode", "ROUND").upper(), "even")
+    found = [
+        Quantiser(float(f), int(z), low, high, rounding).process(np.asarray(v, dtype=np.float64))
+        for v, f, z in np.broadcast(values, factor, place)
+    ]
+    result: Real = np.reshape(found, values.shape)
+    return result
+
+
+def _along(node: Any, value: Any, values: Any) -> Any:
+    """Scales or zero points of each value along their axis."""
+    array = np.asarray(value, dtype=np.float64)
+    if node.op_type == QUANT or array.ndim != 1 or array.size == 1 or values.ndim < 2:
+        return array if array.size != 1 else array.reshape(())
+    axis = attributes_of(node).get("axis", 1)
+    return array.reshape([-1 if n == axis % values.ndim else 1 for n in range(values.ndim)])

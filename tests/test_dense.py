@@ -1,0 +1,450 @@
+"""Networks of several hidden layers: in files, in scenes, and on the engine."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from onnx import TensorProto, helper, numpy_helper
+from onnx.reference import ReferenceEvaluator
+
+from golden.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.engine.exact import tanh_error
+from golden.engine.formats import ONE, RESULT, SAMPLE, coeff_frac
+from golden.engine.layers import exact_layers, first_values, planned
+from golden.fixed import Codes
+from golden.input_error import InputError
+from golden.mlp import Mlp, tanh
+from golden.network_files.network_file import load_network, write_network
+from golden.networks.arrangement import process_real
+from golden.networks.engine import Engine
+from golden.networks.oracle import exact
+from golden.networks.settings import Settings
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from tb.common.cases import random_network, write_scene
+
+
+def random(shape: tuple[int, ...], kinds: tuple[str, ...], seed: int = 1, spread: float = 1.0):
+    return random_network(shape, kinds, spread, seed)
+
+
+def same(one: Trained, other: Trained) -> bool:
+    return type(one) is type(other) and all(
+        np.array_equal(a.weights, b.weights)
+        and np.array_equal(a.biases, b.biases)
+        and a.activation_text == b.activation_text
+        for a, b in zip(layers_of(one), layers_of(other), strict=True)
+    )
+
+
+# In files.
+
+
+@pytest.mark.parametrize("form", [".npz", ".onnx"])
+@pytest.mark.parametrize(
+    ("shape", "kinds"),
+    [
+        ((3, 4, 5, 2), ("relu", "tanh")),
+        ((2, 3, 1), ("sigmoid",)),
+        ((3, 2, 4, 3, 2), ("leaky_relu", "hard_tanh", "linear")),
+    ],
+)
+def test_a_file_gives_the_same_network_back(tmp_path: Path, form, shape, kinds) -> None:
+    network = random(shape, kinds)
+    write_network(tmp_path / f"net{form}", network)
+    for asked in (shape, (shape[0], 0, shape[-1])):
+        assert same(load_network(tmp_path / f"net{form}", asked), network)
+
+
+def test_the_slope_of_a_leaky_relu_is_kept(tmp_path: Path) -> None:
+    first, *others = random((3, 4, 5, 2), ("leaky_relu", "relu")).layers
+    leaky = Dense(first.weights, first.biases, "leaky_relu", 0.25)
+    network = network_of([leaky, *others])
+    for form in (".npz", ".onnx"):
+        write_network(tmp_path / f"net{form}", network)
+        found = load_network(tmp_path / f"net{form}", (3, 4, 5, 2))
+        assert isinstance(found, DenseNetwork)
+        assert found.layers[0].leak == 0.25
+    (results,) = ReferenceEvaluator(str(tmp_path / "net.onnx")).run(None, {"x": np.eye(3)})
+    assert np.allclose(results, network.process(np.eye(3)), atol=1e-14)
+
+
+def test_one_hidden_layer_of_tanh_is_what_it_was(tmp_path: Path) -> None:
+    network = random((3, 4, 2), ("tanh",))
+    assert isinstance(network, Mlp)
+    write_network(tmp_path / "net.npz", network)
+    with np.load(tmp_path / "net.npz") as archive:
+        assert archive.files == ["w1", "b1", "w2", "b2"]
+
+
+def test_netlabs_form_holds_no_other(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"net.mat: got a network with hidden layers of relu, exp"):
+        write_network(tmp_path / "net.mat", random((3, 4, 2), ("relu",)))
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ((3, 4, 2), "got 2 hidden layers, expected 1 of a 3:4:2 network"),
+        ((3, 4, 6, 2), r"w2: got shape \(5, 4\), expected \(6, 4\) of a 3:4:6:2 network"),
+        ((3, 5, 4, 2), r"w1: got shape \(4, 3\), expected \(5, 3\) of a 3:5:4:2 network"),
+    ],
+)
+def test_another_shape_is_refused(tmp_path: Path, shape, message) -> None:
+    write_network(tmp_path / "net.npz", random((3, 4, 5, 2), ("relu", "tanh")))
+    with pytest.raises(InputError, match=f"net.npz: {message}"):
+        load_network(tmp_path / "net.npz", shape)
+
+
+def test_arrays_of_an_npz_that_do_not_go_together(tmp_path: Path) -> None:
+    arrays = {f"w{n}": np.ones((2, 2)) for n in (1, 2, 3)} | {
+        f"b{n}": np.ones(2) for n in (1, 2, 3)
+    }
+    for more, message in (
+        ({}, "got an array 'w3' and 1 activations, expected an activation for each layer but"),
+        ({"activations": np.array([1, 2])}, "activations: got int64 of shape"),
+        (
+            {"activations": np.array(["relu", "rellu"])},
+            "layer 2: activation: got 'rellu', expected",
+        ),
+        (
+            {"activations": np.array(["relu", "leaky_relu"]), "leaks": np.array([0.1])},
+            "leaks: got 1 numbers, expected 2",
+        ),
+        (
+            {"activations": np.array(["relu", "leaky_relu"]), "leaks": np.array([9, 9])},
+            "layer 2: leak: got 9.0, expected 0 to 1",
+        ),
+        ({"activations": np.array(["relu"] * 3)}, "no array 'w4', got w1"),
+    ):
+        np.savez(tmp_path / "net.npz", **arrays, **more)
+        with pytest.raises(InputError, match=f"net.npz: {message}"):
+            load_network(tmp_path / "net.npz", (2, 0, 2))
+
+
+# From elsewhere: ONNX, judged by ONNX's own reference implementation.
+
+
+def graph(tmp_path: Path, nodes, constants, inputs: int = 3) -> Path:
+    made = helper.make_graph(
+        nodes,
+        "test",
+        [helper.make_tensor_value_info("x", TensorProto.DOUBLE, [None, inputs])],
+        [helper.make_tensor_value_info("y", TensorProto.DOUBLE, [None, None])],
+        [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()],
+    )
+    path = tmp_path / "net.onnx"
+    onnx.save(helper.make_model(made, opset_imports=[helper.make_opsetid("", 17)]), str(path))
+    return path
+
+
+def node(kind: str, inputs: str, output: str, **attributes):
+    taken = [name.replace("-", "") for name in inputs.split()]
+    return helper.make_node(kind, taken, [output], name=f"my_{kind}", **attributes)
+
+
+def chain(*activations) -> list:
+    """Three layers as Keras writes them, the nodes of each activation behind the first two."""
+    nodes, value = [], "x"
+    for n, made in enumerate([*activations, []], start=1):
+        nodes += [node("MatMul", f"{value} w{n}", f"a{n}"), node("Add", f"a{n} b{n}", f"q{n}")]
+        value = f"q{n}"
+        for k, (kind, more, attributes) in enumerate(made):
+            nodes.append(node(kind, f"{value} {more}", f"r{n}{k}", **attributes))
+            value = f"r{n}{k}"
+    nodes[-1].output[0] = "y"
+    return nodes
+
+
+def numbers() -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(1)
+    found = {
+        "gain": rng.uniform(0.5, 2, 4),
+        "offset": rng.normal(0, 1, 4),
+        "mean": rng.normal(0, 1, 4),
+        "variance": rng.uniform(0.5, 2, 4),
+        "slope": np.array([0.3]),
+        "slopes": np.array([0.3, 0.2, 0.3, 0.3]),
+        "one": np.array(1.0),
+        "minus_one": np.array(-1.0),
+        "six": np.array(6.0),
+    }
+    for n, (inputs, outputs) in enumerate(pairwise((3, 4, 5, 2)), start=1):
+        found[f"w{n}"] = rng.normal(0, 1, (inputs, outputs))
+        found[f"b{n}"] = rng.normal(0, 1, outputs)
+    return found
+
+
+NORMALISED = ("BatchNormalization", "gain offset mean variance", {"epsilon": 1e-3})
+UNDERSTOOD = {
+    "relu": (("Relu", "", {}),),
+    "sigmoid": (("Sigmoid", "", {}),),
+    "tanh": (("Tanh", "", {}),),
+    "leaky": (("LeakyRelu", "", {"alpha": 0.2}),),
+    "leaky as PyTorch has it": (("LeakyRelu", "", {}),),
+    "one slope": (("PRelu", "slope", {}),),
+    "clipped": (("Clip", "minus_one one", {}),),
+    "nothing": (),
+    "normalised before": (NORMALISED, ("Relu", "", {})),
+    "normalised behind": (("Relu", "", {}), NORMALISED),
+    "flattened": (("Flatten", "", {}), ("Relu", "", {})),
+}
+
+
+@pytest.mark.parametrize("name", UNDERSTOOD)
+def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
+    path = graph(tmp_path, chain(UNDERSTOOD[name], [("Relu", "", {})]), numbers())
+    x = np.random.default_rng(2).normal(0, 2, (50, 3))
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    found = load_network(path, (3, 0, 2))
+    assert found.shape == (3, 4, 5, 2)
+    assert np.abs(found.process(x) - expected).max() < 1e-6
+
+
+def test_an_activation_at_the_end_is_followed_by_a_layer_that_changes_nothing(tmp_path) -> None:
+    nodes = [node("Gemm", "x w1 b1", "a"), node("Sigmoid", "a", "b"), node("Mul", "b six", "y")]
+    path = graph(tmp_path, nodes, numbers())
+    x = np.random.default_rng(2).normal(0, 2, (50, 3))
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    assert np.abs(load_network(path, (3, 4, 4)).process(x) - expected).max() < 1e-12
+
+
+REFUSED = {
+    "two activations": (
+        chain([("Relu", "", {}), ("Tanh", "", {})], []),
+        r"behind layer 1: operator Tanh \('my_Tanh'\): stands behind another activation, expected",
+    ),
+    "before any layer": (
+        [node("Relu", "x", "a"), *chain([], [])],
+        r"net.onnx: operator Relu \('my_Relu'\): stands in front of every layer",
+    ),
+    "a slope for each node": (
+        chain([("PRelu", "slopes", {})], []),
+        r"behind layer 1: operator PRelu .*: got 2 slopes, expected one for all nodes",
+    ),
+    "a slope that falls": (
+        chain([], [("LeakyRelu", "", {"alpha": -1.0})]),
+        r"behind layer 2: operator LeakyRelu .*: got the slope -1 below 0, expected 0 to 1",
+    ),
+    "other ends": (
+        chain([("Clip", "minus_one six", {})], []),
+        r"behind layer 1: operator Clip .*: got the ends \[-1.0\] and \[6.0\], expected -1 and 1",
+    ),
+    "one end": (
+        chain([("Clip", "minus_one", {})], []),
+        r"behind layer 1: operator Clip .*: got the ends \[-1.0\] and None, expected -1 and 1",
+    ),
+    "a convolution": (
+        [node("Conv", "x w1", "a")],
+        r"operator Conv .*: not supported: tactus is for dense networks and has no convolution",
+    ),
+    "a state": ([node("LSTM", "x w1", "a")], r"operator LSTM .*: not supported: .* keep a state"),
+    "classes": (
+        [*chain([("Relu", "", {})], [])[:-1], node("Softmax", "a3", "y")],
+        r"behind layer 3: operator Softmax .*: not supported: tactus gives the values in front",
+    ),
+    "a quantiser of no scale": (
+        [node("Quant", "x", "a")],
+        r"operator Quant .*: got 0 inputs behind the data, expected constants",
+    ),
+    "in training": (
+        chain([(NORMALISED[0], NORMALISED[1], {"training_mode": 1})], []),
+        r"behind layer 1: operator BatchNormalization .*: expected it as it is after training",
+    ),
+    "another axis": (
+        chain([("Flatten", "", {"axis": 2})], []),
+        r"behind layer 1: operator Flatten .*: got axis 2, expected 1",
+    ),
+    "one layer": (
+        [node("Gemm", "x w1 b1", "y")],
+        r"net.onnx: got 1 linear layers, expected 2 or more with an activation between them",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_graph_is_refused_by_layer_and_node(tmp_path: Path, name: str) -> None:
+    nodes, message = REFUSED[name]
+    if name == "before any layer":
+        nodes[1].input[0] = "a"
+    with pytest.raises(InputError, match=message):
+        load_network(graph(tmp_path, nodes, numbers()), (3, 0, 2))
+
+
+# On the engine.
+
+
+def bounds(network: Trained, segment_width: int = 9) -> np.ndarray:
+    """How far each output can be from real arithmetic: what rounding takes, layer by layer.
+
+    No activation is steeper than 1.
+    """
+    plan = planned(network, first_values(network.shape[0], 0))
+    layers = [np.array(layer.weights, dtype=float) for layer in exact_layers(network)]
+    off, operands = np.zeros(network.shape[0]), [SAMPLE] * network.shape[0]
+    for weights, sums in zip(layers, plan, strict=True):
+        last = sums is plan[-1]
+        halves = [2.0 ** -(coeff_frac(sums.result, fmt) + 1 + fmt.frac - 17) for fmt in operands]
+        off = np.abs(weights) @ off + sum(halves) + 2.0 ** -(coeff_frac(sums.result, ONE) + 1)
+        off += 2.0 ** -((SIGNAL.frac if last else sums.result.frac) + 1)
+        if sums.activation == "tanh":
+            off += tanh_error(segment_width)
+        # The ends of a word are not quite those of a hard tanh.
+        off += 2.0**-17 * (sums.activation == "hard_tanh")
+        operands = [value.fmt for value in sums.values]
+    return off
+
+
+def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
+    """Random frames, the rails among them."""
+    codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
+    codes[0], codes[1] = SIGNAL.low, SIGNAL.high
+    return codes
+
+
+@st.composite
+def networks(draw: st.DrawFn) -> Trained:
+    """Networks of one to four hidden layers, with a node that nothing uses."""
+    kinds = draw(st.lists(st.sampled_from(list(ACTIVATIONS)), min_size=1, max_size=4))
+    shape = draw(st.lists(st.integers(1, 5), min_size=len(kinds) + 2, max_size=len(kinds) + 2))
+    spread = draw(st.sampled_from([0.1, 1.0, 10.0]))
+    return random(tuple(shape), tuple(kinds), draw(st.integers(0, 99)), spread)
+
+
+@settings(max_examples=40)
+@given(network=networks())
+def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Trained) -> None:
+    codes = random_codes(network.shape[0], 40)
+    real = network.process(SIGNAL.to_real(codes))
+    wanted = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
+    found = {}
+    for lean in (True, False):
+        engine = Engine.of([network], Settings(lean=lean))
+        found[lean] = engine.process(codes)
+        assert np.array_equal(found[lean], exact(engine, codes))
+    serial = Engine.of([network], Settings(options={"multiplier": "serial"}))
+    assert np.array_equal(found[True], found[False])
+    assert np.array_equal(found[True], serial.process(codes))
+    assert (np.abs(SIGNAL.to_real(found[True]) - wanted) <= bounds(network)).all()
+
+
+@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
+def test_several_networks_of_several_layers(arrangement: str) -> None:
+    more = arrangement == "cascade"
+    several = [
+        random((3, 4, 3, 1), ("relu", "sigmoid"), 1, 0.5),
+        random((3 + more, 4, 1), ("tanh",), 2, 0.5),
+        random((3 + 2 * more, 3, 4, 1), ("leaky_relu", "relu"), 3, 0.5),
+    ]
+    codes = random_codes(3, 200)
+    samples = SIGNAL.to_real(codes)
+    real = process_real(arrangement, several, samples, tanh)
+    assert np.abs(real).max() < 1
+    engine = Engine.of(several, arrangement=arrangement)
+    found = engine.process(codes)
+    assert np.array_equal(found, exact(engine, codes))
+    assert np.abs(SIGNAL.to_real(found) - real).max() < 4 * 2.0**-SIGNAL.frac
+    names = [neuron.name for neuron in engine.graph.neurons if neuron.relu]
+    assert "network 1 layer 1 node 1" in names
+    assert "network 3 layer 1 node 1 relu" in names
+
+
+@pytest.mark.parametrize("kind", ["relu", "linear", "leaky_relu"])
+def test_no_sum_saturates_and_a_bit_more_would(kind: str) -> None:
+    """Frames of rails drive each sum of the first layer to its ends."""
+    network = random((3, 6, 4, 2), (kind, kind), spread=3.0)
+    first, second, _ = planned(network, first_values(3, 0))
+    low = np.array([value.low for value in first.values])
+    high = np.array([value.high for value in first.values])
+    assert low.min() >= RESULT.low
+    assert high.max() <= RESULT.high
+    reach = max(high.max(), -low.min())
+    assert 2 * reach > RESULT.high, "a bit is not used"
+    weights = network.layers[0].weights
+    signs = np.concatenate([weights > 0, weights < 0])
+    codes = np.where(signs, SIGNAL.high, SIGNAL.low)
+    sums = SIGNAL.to_real(codes) @ weights.T + network.layers[0].biases
+    assert np.abs(sums).max() * 2**first.result.frac <= RESULT.high + 1
+    assert np.abs(sums).max() * 2**first.result.frac > 0.9 * reach
+    assert second.result.frac <= first.result.frac
+
+
+def test_sums_that_no_format_holds_are_refused() -> None:
+    network = random((3, 4, 2), ("relu",))
+    first, last = network.layers
+    wide = network_of([Dense(first.weights * 1e6, first.biases, "relu"), last])
+    with pytest.raises(
+        InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"
+    ):
+        Engine.of([wide])
+
+
+def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
+    first, second, last = random((3, 4, 5, 2), ("relu", "relu")).layers
+    # The last node of layer 2 alone uses the first of layer 1.
+    second.weights[:-1, 0] = 0
+    last.weights[:, -1] = 0
+    engine = Engine.of([network_of([first, second, last])])
+    names = [neuron.name for neuron in engine.graph.neurons]
+    assert engine.useless_nodes == 3
+    assert names == [
+        *(f"layer 1 node {n}" for n in (2, 3)),
+        *(f"layer 2 node {n}" for n in (1, 2, 3, 4)),
+        "output 1",
+        "output 2",
+    ]
+
+
+def test_an_image_with_relu_is_refused() -> None:
+    option = {"reload": True}
+    with pytest.raises(InputError, match=r"hardware.reload: got True for a network with ReLU, exp"):
+        Engine.of([random((3, 4, 2), ("relu",))], Settings(options=option))
+    Engine.of([random((3, 4, 5, 2), ("sigmoid", "tanh"))], Settings(options=option))
+
+
+# In scenes.
+
+
+def scene_of(tmp_path: Path, network: Trained, design: str = "engine") -> Path:
+    return write_scene(tmp_path, "several", "exact", [network], activation="precise", design=design)
+
+
+def test_a_scene_of_several_layers(tmp_path: Path) -> None:
+    network = random((3, 4, 5, 2), ("relu", "sigmoid"))
+    path = scene_of(tmp_path, network)
+    scene = load_scene(str(path))
+    assert scene.describe() == "3:4:5:2"
+    codes = random_codes(3, 20)
+    assert np.array_equal(scene.twin().process(codes), Engine.of([network]).process(codes))
+    samples = SIGNAL.to_real(codes)
+    assert np.array_equal(scene.process_real(samples), network.process(samples))
+    with pytest.raises(InputError, match=r"several.npz: got hidden layers of relu, sigmoid, expec"):
+        scene.mlps()
+
+
+def test_a_scene_may_name_activations_or_leave_them_to_the_file(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, random((3, 4, 5, 2), ("relu", "sigmoid")))
+    text = path.read_text()
+    for hidden in ("[4, 5]", "0", '[4, 5]\nactivations = ["relu", "sigmoid"]'):
+        path.write_text(text.replace("hidden = [4, 5]", f"hidden = {hidden}"))
+        assert load_scene(str(path)).describe() == "3:4:5:2"
+    path.write_text(text.replace("[4, 5]", '[4, 5]\nactivations = ["relu", "tanh"]'))
+    with pytest.raises(InputError, match="got hidden layers of relu, sigmoid, expected relu, tanh"):
+        load_scene(str(path)).twin()
+
+
+@pytest.mark.parametrize("design", ["hybrid", "parallel", "adder_graph"])
+def test_other_designs_refuse_other_networks(tmp_path: Path, design: str) -> None:
+    path = scene_of(tmp_path, random((3, 4, 2), ("relu",)), design)
+    if design == "adder_graph":
+        path.write_text(path.read_text().replace("precise", "bipartite"))
+    with pytest.raises(
+        InputError, match=rf"several.toml: hardware.design: got '{design}' for hidd"
+    ):
+        load_scene(str(path)).twin()

@@ -1,0 +1,165 @@
+"""Training of networks whose layers the scene names."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.commands.train import main
+from golden.dense import ACTIVATIONS, Dense, Trained, layers_of, network_of
+from golden.input_error import InputError
+from golden.layer_training import LayeredObjective, packed, random_layers, unpacked
+from golden.mlp import tanh
+from golden.network_files.network_file import read_provenance
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from golden.scene_errors import held_out_rows
+from golden.training.objective import Objective, Rows
+from golden.training.objective import pack as pack_of_two
+from tb.common.cases import random_network, write_scene
+
+
+def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
+    rng = np.random.default_rng(3)
+    inputs, outputs = network.shape[0], network.shape[-1]
+    parts = [
+        Rows(
+            rng.normal(0, 1, (n, inputs)), rng.normal(0, 1, (n, outputs)), np.full((n, outputs), 2)
+        )
+        for n in (7, 5)
+    ]
+    return LayeredObjective(
+        network, training=parts[0], validation=parts[1], weight_decay=decay, patience=9
+    )
+
+
+def leaky(network: Trained) -> Trained:
+    """Every leaky ReLU with a slope that shows."""
+    return network_of([Dense(x.weights, x.biases, x.activation, 0.3) for x in layers_of(network)])
+
+
+NETWORKS = [
+    leaky(random_network((3, 4, 2), (kind,), 1.0, seed)) for seed, kind in enumerate(ACTIVATIONS)
+] + [leaky(random_network((2, 4, 3, 5, 2), ("relu", "sigmoid", "leaky_relu"), 1.0, 9))]
+
+
+@pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
+def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
+    aim, point = objective(network), packed(network)
+    value, gradient = aim.evaluate(point)
+    jacobian = aim.jacobian(point)
+    for k, step in enumerate(1e-6 * np.eye(len(point))):
+        ahead, behind = aim.residuals(point + step), aim.residuals(point - step)
+        assert np.allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=1e-6)
+        assert abs((ahead @ ahead - behind @ behind) / 2e-6 - gradient[k]) < 1e-5
+    assert value == pytest.approx(float(aim.residuals(point) @ aim.residuals(point)))
+
+
+def test_a_hidden_layer_of_tanh_is_measured_as_before() -> None:
+    network = NETWORKS[0]
+    aim = objective(network)
+    two = Objective(network.shape, tanh, aim.training, aim.validation, aim.weight_decay, 9)
+    point = packed(network)
+    assert np.array_equal(point, pack_of_two(network))
+    assert np.allclose(aim.residuals(point), two.residuals(point))
+    assert np.allclose(aim.evaluate(point)[1], two.evaluate(point)[1])
+
+
+@pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
+def test_weights_in_a_vector_and_back(network: Trained) -> None:
+    found = unpacked(packed(network), network)
+    for one, other in zip(layers_of(found), layers_of(network), strict=True):
+        assert np.array_equal(one.weights, other.weights)
+        assert one.activation_text == other.activation_text
+
+
+def test_a_descent_ends_when_validation_does_not_fall() -> None:
+    """Whatever lowers the training error makes the rows that are held back worse."""
+    network = random_layers((2, 3, 3, 1), ("relu", "relu"), np.random.default_rng(1))
+    aim = objective(network, decay=0.0)
+    aim.validation = Rows(
+        aim.training.inputs, network.process(aim.training.inputs), np.ones((7, 1))
+    )
+    aim.patience = 3
+    seen = []
+
+    def descend(objective, start, steps):
+        point = start
+        for _ in range(steps):
+            seen.append(point)
+            _, slope = objective.evaluate(point)
+            point = point - 1e-3 * slope
+
+    assert np.array_equal(aim.search(descend, packed(network), 50), packed(network))
+    assert len(seen) == 4
+
+
+def scene_of(tmp_path: Path, more: str = "") -> Path:
+    """Targets that a network of two hidden layers gives, on 60 random frames."""
+    teacher = random_network((3, 4, 4, 2), ("relu", "relu"), 1.0, 4)
+    path = write_scene(tmp_path, "deep", "exact", [teacher], activation="precise", design="engine")
+    rng = np.random.default_rng(5)
+    x = SIGNAL.to_real(rng.integers(SIGNAL.low, SIGNAL.high, (60, 3)))
+    rows = [",".join(map(repr, row.tolist())) for row in np.hstack([x, teacher.process(x) / 8])]
+    path.with_suffix(".csv").write_text("\n".join(["x0,x1,x2,y0,y1", *rows]))
+    scale = 'full_scale = { y0 = 1, y1 = 1 }\ngroup_by = ""'
+    path.write_text(path.read_text().replace('group_by = "y0"', scale) + more)
+    for file in tmp_path.glob("deep*.npz"):
+        file.unlink()
+    return path
+
+
+def trained(path: Path, monkeypatch) -> None:
+    build = path.parent / "build"
+    monkeypatch.setattr(sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)])
+    main()
+
+
+def test_a_scene_of_several_layers_is_trained(tmp_path: Path, monkeypatch) -> None:
+    path = scene_of(tmp_path)
+    text = path.read_text().replace("[4, 4]", '[4, 4]\nactivations = ["relu", "relu"]')
+    path.write_text(text.replace("steps = 20", "steps = 100"))
+    trained(path, monkeypatch)
+    scene = load_scene(str(path))
+    assert scene.describe() == "3:4:4:2"
+    assert scene.networks()[0].activations == ("relu", "relu")
+    story = read_provenance(scene.weights_paths[0])
+    assert story is not None
+    assert (story["network"], story["hidden"]) == ("3:4:4:2", "4 relu, 4 relu")
+    assert story["test_rms_percent"] < 5
+    # What it was not trained on is known.
+    rows = held_out_rows(scene)
+    assert rows is not None
+    miss = scene.vectors().percent_errors(
+        SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
+    )[rows]
+    assert abs(np.sqrt((miss**2).mean()) - story["test_rms_percent"]) < 1e-3
+    before = (tmp_path / "deep.npz").read_bytes()
+    trained(path, monkeypatch)
+    assert (tmp_path / "deep.npz").read_bytes() == before
+
+
+def test_training_takes_tanh_where_nothing_is_said_and_may_be_refitted(
+    tmp_path: Path, monkeypatch
+) -> None:
+    path = scene_of(tmp_path, 'refit = true\noptimiser = "scg"\n')
+    trained(path, monkeypatch)
+    scene = load_scene(str(path))
+    assert scene.networks()[0].activations == ("tanh", "tanh")
+    assert held_out_rows(scene) is None
+
+
+def test_activations_without_nodes_are_not_trained(tmp_path: Path, monkeypatch) -> None:
+    path = scene_of(tmp_path)
+    path.write_text(path.read_text().replace("[4, 4]", '0\nactivations = ["relu"]'))
+    with pytest.raises(InputError, match=r"deep.toml: network.hidden: got 0 with activations, exp"):
+        trained(path, monkeypatch)
+
+
+def test_few_digits_are_for_one_hidden_layer(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, "digits = 20\n")
+    with pytest.raises(InputError, match=r"training.digits: got 20 with hidden layers of \[4, 4\]"):
+        load_scene(str(path))

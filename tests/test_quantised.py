@@ -1,0 +1,397 @@
+"""Quantised networks: read from ONNX, and the same on the engine to the last bit.
+
+The judges evaluate the graph node by node: ONNX's reference implementation, and for the operators
+of QONNX, which ONNX does not know, what stands here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from onnx import TensorProto, helper, numpy_helper
+from onnx.reference import ReferenceEvaluator
+
+from golden.dense import DenseNetwork
+from golden.engine.graph import Graph
+from golden.engine.layers import graph_of
+from golden.input_error import InputError
+from golden.network_files.network_file import load_network, write_network
+from golden.networks.engine import Engine
+from golden.networks.oracle import exact
+from golden.networks.settings import Settings
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from tb.common.cases import random_network, write_scene
+
+QONNX = "qonnx.custom_op.general"
+
+
+def save(path: Path, nodes, constants, inputs: int, kind=TensorProto.DOUBLE) -> Path:
+    made = helper.make_graph(
+        nodes,
+        "test",
+        [helper.make_tensor_value_info("x", kind, [None, inputs])],
+        [helper.make_tensor_value_info("y", kind, [None, None])],
+        [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()],
+    )
+    opsets = [helper.make_opsetid("", 21), helper.make_opsetid(QONNX, 1)]
+    onnx.save(helper.make_model(made, opset_imports=opsets), str(path))
+    return path
+
+
+def quant(taken: str, parameters: str, given: str, **attributes):
+    """A Quant, of whose parameters the names begin with ``parameters``."""
+    names = [taken, *(f"{parameters}_{key}" for key in ("scale", "zero", "bits"))]
+    settings = {"signed": 1, "narrow": 0, "rounding_mode": "ROUND"} | attributes
+    return helper.make_node("Quant", names, [given], f"my_{given}", domain=QONNX, **settings)
+
+
+def node_by_node(path: Path, x: np.ndarray) -> np.ndarray:
+    """What a graph with operators of QONNX gives, as their definitions say."""
+    graph = onnx.load(str(path)).graph
+    values = {c.name: numpy_helper.to_array(c) for c in graph.initializer} | {"x": x}
+    for node in graph.node:
+        taken = [values[name] for name in node.input]
+        if node.op_type == "Quant":
+            attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
+            data, scale, zero, bits = taken
+            signed, narrow = attributes["signed"], attributes["narrow"]
+            low = (-(2 ** (bits - 1)) + narrow) if signed else 0
+            high = 2 ** (bits - 1) - 1 if signed else 2**bits - 1 - narrow
+            scaled = data / scale + zero
+            rounded = {
+                b"ROUND": np.round,
+                b"FLOOR": np.floor,
+                b"HALF_UP": lambda v: np.sign(v) * np.floor(np.abs(v) + 0.5),
+            }[attributes["rounding_mode"]](scaled)
+            given = (np.clip(rounded, low, high) - zero) * scale
+        elif node.op_type == "MatMul":
+            given = taken[0] @ taken[1]
+        elif node.op_type == "Add":
+            given = taken[0] + taken[1]
+        else:
+            assert node.op_type == "Relu"
+            given = np.maximum(taken[0], 0)
+        values[node.output[0]] = given
+    return values["y"]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A random network of QONNX: bits of what stands behind each hidden layer, and how."""
+
+    shape: tuple[int, ...]
+    bits: int
+    signed: tuple[bool, ...]
+    relu: tuple[bool, ...]
+    zeros: tuple[int, ...]
+    scales: tuple[int, ...]
+    weight_bits: int
+    rounding: str
+    of_samples: bool
+    seed: int
+
+    def save(self, path: Path) -> Path:
+        rng = np.random.default_rng(self.seed)
+        nodes, constants, value = [], {}, "x"
+
+        def parameters(name, scale, zero, bits):
+            constants.update(
+                {f"{name}_scale": scale, f"{name}_zero": float(zero), f"{name}_bits": float(bits)}
+            )
+
+        if self.of_samples:
+            parameters("s", 2.0 ** (1 - self.bits), 0, self.bits)
+            nodes.append(quant("x", "s", "xq", rounding_mode=self.rounding))
+            value = "xq"
+        for n, (inputs, outputs) in enumerate(pairwise(self.shape), start=1):
+            constants[f"w{n}"] = rng.normal(0, 0.7, (inputs, outputs))
+            constants[f"b{n}"] = rng.normal(0, 0.5, outputs)
+            # A scale for each node.
+            scale = 2.0 ** -rng.integers(self.weight_bits - 2, self.weight_bits, (1, outputs))
+            parameters(f"w{n}", scale, 0, self.weight_bits)
+            parameters(f"b{n}", 2.0**-9, 0, 12)
+            nodes += [
+                quant(f"w{n}", f"w{n}", f"wq{n}", narrow=1),
+                quant(f"b{n}", f"b{n}", f"bq{n}"),
+                helper.make_node("MatMul", [value, f"wq{n}"], [f"m{n}"]),
+                helper.make_node("Add", [f"m{n}", f"bq{n}"], [f"a{n}"]),
+            ]
+            value = f"a{n}"
+            if n == len(self.shape) - 1:
+                nodes[-1].output[0] = "y"
+                break
+            signed, relu = self.signed[n - 1], self.relu[n - 1]
+            if relu:
+                nodes.append(helper.make_node("Relu", [value], [f"r{n}"]))
+                value = f"r{n}"
+            # Of a ReLU half of the signed codes are met.
+            bits = self.bits + (relu and signed)
+            parameters(f"q{n}", 2.0 ** -self.scales[n - 1], self.zeros[n - 1] * (not relu), bits)
+            nodes.append(
+                quant(value, f"q{n}", f"q{n}", signed=int(signed), rounding_mode=self.rounding)
+            )
+            value = f"q{n}"
+        return save(path, nodes, constants, self.shape[0])
+
+
+@st.composite
+def plans(draw: st.DrawFn) -> Plan:
+    hidden = draw(st.integers(1, 3))
+    bits = draw(st.integers(2, 8))
+    several = {"min_size": hidden, "max_size": hidden}
+    rounding = draw(st.sampled_from(["ROUND", "FLOOR", "HALF_UP"]))
+    booleans = st.lists(st.booleans(), **several)
+    signed, relu = tuple(draw(booleans)), tuple(draw(booleans))
+    if rounding == "HALF_UP":
+        # Halves away from 0 are halves up where nothing is below it.
+        relu = tuple(one or other for one, other in zip(relu, signed, strict=True))
+    return Plan(
+        tuple(draw(st.lists(st.integers(1, 5), min_size=hidden + 2, max_size=hidden + 2))),
+        bits,
+        signed,
+        relu,
+        tuple(draw(st.lists(st.integers(0, 3), **several))),
+        tuple(draw(st.lists(st.integers(bits - 2, bits + 1), **several))),
+        draw(st.integers(2, 8)),
+        rounding,
+        draw(st.booleans()) and rounding != "HALF_UP",
+        draw(st.integers(0, 999)),
+    )
+
+
+def codes_for(inputs: int, count: int = 60) -> np.ndarray:
+    """Random frames, coarse ones, on which sums lie half way between codes, and rails."""
+    rng = np.random.default_rng(1)
+    fine = rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
+    coarse = rng.integers(-16, 16, (count, inputs)) << 9
+    rails = rng.choice([SIGNAL.low, SIGNAL.high], (10, inputs))
+    return np.concatenate([fine, coarse, rails])
+
+
+def as_output(values: np.ndarray) -> np.ndarray:
+    """Codes of the outputs: rounded half up and saturated, once."""
+    return np.clip(np.floor(values * 2**SIGNAL.frac + 0.5), SIGNAL.low, SIGNAL.high)
+
+
+@settings(max_examples=30)
+@given(plan=plans())
+def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan) -> None:
+    path = plan.save(tmp_path_factory.mktemp("qonnx") / "net.onnx")
+    codes = codes_for(plan.shape[0])
+    samples = SIGNAL.to_real(codes)
+    expected = node_by_node(path, samples)
+    network = load_network(path, (plan.shape[0], 0, plan.shape[-1]))
+    assert np.array_equal(network.process(samples), expected)
+    for option in ({}, {"multiplier": "serial"}):
+        engine = Engine.of([network], Settings(options=option))
+        found = engine.process(codes)
+        assert np.array_equal(found, as_output(expected))
+        assert np.array_equal(found, exact(engine, codes))
+
+
+def linear(name: str, value: str, codes: np.ndarray, scale: float, constants) -> list:
+    """Weights as bytes with a zero point, and the product with them."""
+    constants |= {f"{name}_c": codes, f"{name}_s": np.float32(scale), f"{name}_z": np.int8(3)}
+    return [
+        helper.make_node(
+            "DequantizeLinear", [f"{name}_c", f"{name}_s", f"{name}_z"], [f"{name}_d"]
+        ),
+        helper.make_node("MatMul", [value, f"{name}_d"], [f"{name}_m"]),
+    ]
+
+
+def behind(name: str, value: str, scale: float, zero, constants) -> list:
+    """QuantizeLinear and DequantizeLinear behind a layer."""
+    constants |= {f"{name}_qs": np.float32(scale), f"{name}_qz": zero}
+    names = [f"{name}_qs", f"{name}_qz"]
+    return [
+        helper.make_node("QuantizeLinear", [value, *names], [f"{name}_q"], f"my_{name}"),
+        helper.make_node("DequantizeLinear", [f"{name}_q", *names], [f"{name}_y"]),
+    ]
+
+
+@pytest.mark.parametrize("zero", [np.uint8(0), np.uint8(128), np.int8(0), np.int8(-128)])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_network_of_bytes_is_exact_on_the_engine(tmp_path: Path, zero, seed: int) -> None:
+    """QuantizeLinear and DequantizeLinear, behind the outputs too, judged by ONNX in floats."""
+    rng = np.random.default_rng(seed)
+    constants: dict[str, np.ndarray] = {"b": np.float32(rng.integers(-99, 99, 4) / 2**8)}
+    nodes = [
+        *behind("x", "x", 2**-7, np.int8(0), constants),
+        *linear("w1", "x_y", rng.integers(-90, 90, (3, 4), np.int8), 2**-6, constants),
+        helper.make_node("Add", ["w1_m", "b"], ["a"]),
+        *behind("h", "a", 2**-5, zero, constants),
+        *linear("w2", "h_y", rng.integers(-50, 90, (4, 2), np.int8), 2**-8, constants),
+        *behind("o", "w2_m", 2**-6, zero, constants),
+    ]
+    nodes[-1].output[0] = "y"
+    path = save(tmp_path / "net.onnx", nodes, constants, 3, TensorProto.FLOAT)
+    codes = codes_for(3, 300)
+    samples = SIGNAL.to_real(codes).astype(np.float32)
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": samples})
+    network = load_network(path, (3, 0, 2))
+    assert network.shape == (3, 3, 4, 2, 2)
+    engine = Engine.of([network])
+    assert np.array_equal(engine.process(codes), as_output(expected))
+    assert len(np.unique(expected)) > 5
+
+
+def example(tmp_path: Path, **changed) -> Path:
+    """A small network of QONNX, some of whose settings are others."""
+    settings = {
+        "shape": (2, 3, 3, 2),
+        "bits": 4,
+        "signed": (False, False),
+        "relu": (True, True),
+        "zeros": (0, 0),
+        "scales": (3, 3),
+        "weight_bits": 4,
+        "rounding": "ROUND",
+        "of_samples": False,
+        "seed": 1,
+    }
+    return Plan(**(settings | changed)).save(tmp_path / "net.onnx")
+
+
+def graph(path: Path) -> Graph:
+    return graph_of("single", [load_network(path, (2, 0, 2))])
+
+
+def test_what_hardware_an_exact_network_needs(tmp_path: Path) -> None:
+    engine = Engine.of([load_network(example(tmp_path), (2, 0, 2))])
+    assert (engine.round_saturate.cut, engine.round_saturate.even) == (13, True)
+    path = example(tmp_path, rounding="FLOOR", bits=6)
+    engine = Engine.of([load_network(path, (2, 0, 2))])
+    assert (engine.round_saturate.cut, engine.round_saturate.even) == (11, False)
+
+
+def changed(path: Path, name: str, value) -> Path:
+    """Another constant in a graph."""
+    model = onnx.load(str(path))
+    for constant in model.graph.initializer:
+        if constant.name == name:
+            constant.CopyFrom(numpy_helper.from_array(np.asarray(value), name))
+    onnx.save(model, str(path))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("q1_scale", 0.3, "layer 1: got the scale 0.3, expected a power of two"),
+        ("q2_zero", 1.0, r"layer 2: got 15 codes, 1 to 15, expected a power of two, 2 to 65536"),
+        ("q2_bits", 5.0, "quantisers: got layers of 4 bits, halves to even and of 5 bits, halves"),
+        (
+            "w2_scale",
+            0.3,
+            "layer 2: got a weight of .* fraction bits do not hold exactly; expected",
+        ),
+        ("b2_scale", 2.0**-40, "layer 2: got a bias of .* fraction bits do not hold exactly"),
+        ("q1_scale", 2.0**20, r"layer 1: got the scale 1.04858e\+06, expected 8192 at most"),
+    ],
+)
+def test_what_would_be_rounded_is_refused(tmp_path: Path, name, value, message) -> None:
+    path = changed(example(tmp_path), name, value)
+    if name == "b2_scale":
+        changed(path, "b2_bits", 32.0)
+        changed(path, "b2", [2.0**-40] * 3)
+    with pytest.raises(InputError, match=message):
+        graph(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("q1_scale", [0.5, 0.25, 0.5], r"operator Quant \('my_q1'\): got a scale .* one for all"),
+        (
+            "q1_scale",
+            -1.0,
+            r"behind layer 1: operator Quant .*: scale: got -1.0, expected a number",
+        ),
+        ("q1_bits", 0.5, "operator Quant .*: got 0.5 bits, expected a whole number from 1 to 32"),
+        ("q1_zero", 0.5, "operator Quant .*: got the zero point 0.5, expected a whole number"),
+        ("w1_scale", 0.0, r"operator Quant \('my_wq1'\): got a scale that is not above 0"),
+    ],
+)
+def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, message) -> None:
+    with pytest.raises(InputError, match=message):
+        load_network(changed(example(tmp_path), name, value), (2, 0, 2))
+
+
+def test_roundings_that_differ_or_are_not_known(tmp_path: Path) -> None:
+    path = example(tmp_path)
+    model = onnx.load(str(path))
+    (node,) = (n for n in model.graph.node if n.output[0] == "q1")
+    for mode, message in (
+        ("FLOOR", "quantisers: got layers of 4 bits and of 4 bits, halves to even, expected"),
+        ("UP", "got the rounding mode UP, expected one of ROUND, HALF_EVEN, HALF_UP, FLOOR"),
+    ):
+        for attribute in node.attribute:
+            if attribute.name == "rounding_mode":
+                attribute.s = mode.encode()
+        onnx.save(model, str(path))
+        with pytest.raises(InputError, match=message):
+            graph(path)
+
+
+def test_a_relu_without_a_quantiser_among_others(tmp_path: Path) -> None:
+    path = example(tmp_path)
+    model = onnx.load(str(path))
+    (node,) = (n for n in model.graph.node if n.output[0] == "q2")
+    node.op_type, node.domain = "Identity", ""
+    del node.input[1:]
+    del node.attribute[:]
+    onnx.save(model, str(path))
+    with pytest.raises(InputError, match=r"quantisers: got layers of 4 bits, .* and of none"):
+        graph(path)
+
+
+def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:
+    network = load_network(example(tmp_path, of_samples=True), (2, 0, 2))
+    write_network(tmp_path / "other.npz", network)
+    found = load_network(tmp_path / "other.npz", (2, 0, 2))
+    assert [x.quantiser for x in found.layers] == [x.quantiser for x in network.layers]
+    assert found.quantised
+    for form, words in (("onnx", "quantised network"), ("mat", "network with hidden layers")):
+        with pytest.raises(InputError, match=f"other.{form}: got a {words}"):
+            write_network(tmp_path / f"other.{form}", network)
+    with np.load(tmp_path / "other.npz") as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    for rows, message in (
+        (arrays["quantisers"][:-1], r"got shape \(2, 6\), expected \(3, 6\)"),
+        (arrays["quantisers"] * 0.5, "expected a scale, three whole numbers"),
+        (-arrays["quantisers"] * [1, 0, 0, 0, 0, 0], "scale: got -0.125, expected"),
+    ):
+        np.savez(tmp_path / "other.npz", **(arrays | {"quantisers": rows}))
+        with pytest.raises(InputError, match=f"other.npz: quantisers: .*{message}"):
+            load_network(tmp_path / "other.npz", (2, 0, 2))
+
+
+def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
+    """Readings of -4 to 4 and outputs of -8 to 8, so that every scale is a power of two."""
+    network = random_network((2, 3, 3, 2), ("relu", "relu"), 1.0, 1)
+    path = write_scene(tmp_path, "exact", "exact", [network], activation="precise", design="engine")
+    example(tmp_path)
+    text = path.read_text().replace('"exact.npz"', '"net.onnx"')
+    scale = ", ".join(
+        f"{n} = {{ factor = {4 if n < 'y' else 8} }}" for n in ("x0", "x1", "y0", "y1")
+    )
+    path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
+    scene = load_scene(str(path))
+    (held,) = scene.networks()
+    assert isinstance(held, DenseNetwork)
+    assert held.quantised
+    codes = codes_for(2)
+    expected = node_by_node(tmp_path / "net.onnx", 4 * SIGNAL.to_real(codes)) / 8
+    assert np.array_equal(scene.twin().process(codes), as_output(expected))
+    path.write_text(path.read_text().replace("factor = 4", "factor = 4.1"))
+    with pytest.raises(InputError, match=r"exact.toml: layer 1: got a weight of .* powers of two"):
+        load_scene(str(path)).twin()
