@@ -13,12 +13,12 @@ from golden.input_error import InputError
 from golden.mlp import Activation, Mlp, tanh
 from golden.real import Real
 
-# How steep a leaky ReLU is below 0 where nobody says otherwise, which is what PyTorch takes.
+# The default slope of a leaky ReLU below 0, as in PyTorch.
 LEAK = 0.01
 
 
 def _sigmoid(q: Real) -> tuple[Real, Real]:
-    # By tanh, which does not overflow.
+    # It is computed from tanh, which does not overflow.
     value = 0.5 + 0.5 * np.tanh(0.5 * q)
     return value, value * (1 - value)
 
@@ -35,7 +35,7 @@ def _relu(q: Real) -> tuple[Real, Real]:
     return np.maximum(q, 0.0), (q > 0).astype(np.float64)
 
 
-# What a layer may end with, by name: the value and its slope, which training needs.
+# The activations by name. Each gives the value and the slope, which training needs.
 ACTIVATIONS: dict[str, Activation] = {
     "tanh": tanh,
     "sigmoid": _sigmoid,
@@ -48,23 +48,24 @@ ACTIVATIONS: dict[str, Activation] = {
 
 @dataclass(frozen=True)
 class Quantiser:
-    """What brings the values of a quantised network onto a grid: ``(code - zero) * scale``.
+    """A quantiser, which rounds values to the grid ``(code - zero) * scale``.
 
     Parameters
     ----------
     scale : float
     zero : int
     low, high : int
-        The ends of the codes.
+        The lowest and the highest code.
     rounding : str
-        "even", halves to the even code; "away", halves away from 0; "floor".
+        "even" rounds halves to the even code, "away" rounds halves away from 0, and "floor" rounds
+        down.
     before_zero : bool
         Whether a value is rounded before the zero is added, as in ONNX, or after, as in QONNX.
 
     Raises
     ------
     InputError
-        For a scale that is not above 0, or ends without a code between them.
+        For a scale that is not above 0, or when ``low`` is not below ``high``.
     """
 
     scale: float
@@ -83,7 +84,7 @@ class Quantiser:
             raise InputError(f"rounding: got {self.rounding!r}, expected even, away or floor")
 
     def process(self, values: Real) -> Real:
-        """The values of the grid that stand for ``values``."""
+        """Round values to the grid."""
         zero = 0 if self.before_zero else self.zero
         scaled = values / self.scale + zero
         if self.rounding == "even":
@@ -107,9 +108,9 @@ class Dense:
     activation : str
         A name of ``ACTIVATIONS``.
     leak : float
-        The slope of "leaky_relu" below 0, from 0 to 1; the others take no notice of it.
+        The slope of "leaky_relu" below 0, from 0 to 1. Other activations ignore it.
     quantiser : Quantiser or None
-        What stands behind the activation, in a quantised network.
+        The quantiser behind the activation, in a quantised network.
 
     Raises
     ------
@@ -146,14 +147,14 @@ class Dense:
 
     @property
     def activation_text(self) -> str:
-        """The activation as a reader names it."""
+        """The activation in words, with its slope where it has one."""
         leaky = self.activation == "leaky_relu"
         return f"leaky_relu ({self.leak:g})" if leaky else self.activation
 
     def activate(self, q: Real, of_tanh: Activation = tanh) -> tuple[Real, Real]:
         """The activation's value and slope at the sums ``q``.
 
-        ``of_tanh`` takes the place of tanh, where hardware has an approximation of it.
+        ``of_tanh`` replaces tanh where the hardware approximates it.
         """
         if self.activation == "tanh":
             return of_tanh(q)
@@ -165,17 +166,18 @@ class Dense:
 
 @dataclass(frozen=True)
 class DenseNetwork:
-    """Dense layers one behind the other; the last one is linear.
+    """A network of dense layers, the last of which is linear.
 
     Parameters
     ----------
     layers : tuple of Dense
-        Two or more.
+        Two or more layers.
 
     Raises
     ------
     InputError
-        When a layer does not take what the one before gives, or the last one is not linear.
+        When a layer has another number of inputs than the layer before has nodes, or when the last
+        layer is not linear.
     """
 
     layers: tuple[Dense, ...]
@@ -208,13 +210,13 @@ class DenseNetwork:
 
     @property
     def activations(self) -> tuple[str, ...]:
-        """Those of the hidden layers."""
+        """The activations of the hidden layers."""
         return tuple(layer.activation for layer in self.layers[:-1])
 
     def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:
         """Outputs, shape (..., outputs), of frames, shape (..., inputs).
 
-        ``activation`` takes the place of tanh in the layers that have tanh.
+        ``activation`` replaces tanh in the layers that have tanh.
         """
         values = np.asarray(frames, dtype=np.float64)
         for layer in self.layers:
@@ -230,10 +232,10 @@ Some = TypeVar("Some", bound=Trained)
 
 
 def network_of(layers: list[Dense]) -> Trained:
-    """The network of these layers.
+    """Make a network of layers.
 
-    Of one hidden layer of tanh it is an ``Mlp``, which every design takes. A last layer that is not
-    linear is followed by a linear one that leaves its values as they are.
+    If there is one hidden layer of tanh, the result is an ``Mlp``, which every design takes. If the
+    last layer is not linear, a linear layer that does not change its values is added.
 
     Raises
     ------
@@ -251,12 +253,12 @@ def network_of(layers: list[Dense]) -> Trained:
 
 
 def layers_of(network: Trained) -> tuple[Dense, ...]:
-    """The layers of a network, of one hidden layer of tanh too."""
+    """The layers of a network, also of one with a single hidden layer of tanh."""
     if isinstance(network, DenseNetwork):
         return network.layers
     return Dense(network.w1, network.b1, "tanh"), Dense(network.w2, network.b2)
 
 
 def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:
-    """A network of the same kind with other layers, whose activations are the same."""
+    """A network of the same type with other layers that have the same activations."""
     return cast(Some, network_of(list(layers)))

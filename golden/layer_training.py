@@ -1,8 +1,8 @@
-"""Training of networks whose layers the scene names: several of them, or another activation.
+"""Trains networks for which the scene names several layers, or an activation other than tanh.
 
-As for one hidden layer of tanh (``golden.training``): a descent from random weights for each
-restart, of which the validation rows choose, and a shift of the output biases by the mean bit-true
-error. The nodes are those that the scene names, so there is nothing else to search.
+The training is that of one hidden layer of tanh (``golden.training``): each restart is a descent
+from random weights, the validation rows choose one of the restarts, and the output biases are
+shifted by the mean bit-true error. The scene names the nodes, so nothing else is searched.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from golden.training.task import Frames, Task, task_for
 def random_layers(
     shape: Sequence[int], activations: Sequence[str], rng: np.random.Generator
 ) -> Trained:
-    """Random weights with which values are of about the same size in every layer."""
+    """A network with random weights, such that values have about the same size in every layer."""
     layers = []
     for (inputs, nodes), kind in zip(pairwise(shape), (*activations, "linear"), strict=True):
-        # A ReLU lets half of the values through.
+        # A ReLU passes on half of the values.
         gain = 2.0 if "relu" in kind else 1.0
         weights = rng.normal(0, np.sqrt(gain / inputs), (nodes, inputs))
         layers.append(Dense(weights, rng.normal(0, 0.1, nodes), kind))
@@ -58,14 +58,14 @@ def unpacked(vector: Real, like: Trained) -> Trained:
 
 
 class LayeredObjective(Objective):
-    """What a descent minimises; see ``Objective``.
+    """The function that a descent minimises; see ``Objective``.
 
     Parameters
     ----------
     like : Mlp or DenseNetwork
         A network with the layers that are trained.
     **settings
-        Those of ``Objective``, but for the shape and the activation.
+        The parameters of ``Objective``, except the shape and the activation.
     """
 
     def __init__(self, like: Trained, **settings: Any):
@@ -93,7 +93,7 @@ class LayeredObjective(Objective):
         return result
 
     def _errors(self, network: Trained, rows: Rows) -> Real:
-        """The scaled errors of a network, flat."""
+        """The scaled errors of a network, in one dimension."""
         return ((network.process(rows.inputs, self.activation) - rows.targets) / rows.scale).ravel()
 
     def jacobian(self, vector: Real) -> Real:
@@ -127,7 +127,7 @@ class LayeredObjective(Objective):
         return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
 
     def _forward(self, network: Trained) -> tuple[list[Real], list[Real]]:
-        """What each layer takes, and the slope of its activation."""
+        """The inputs of each layer, and the slopes of its activation."""
         values, slopes = [self.training.inputs], []
         for layer in layers_of(network):
             sums = values[-1] @ layer.weights.T + layer.biases
@@ -138,7 +138,7 @@ class LayeredObjective(Objective):
 
 
 def descended(task: Task, start: Trained, training: Frames, validation: Frames) -> Trained:
-    """The network that a descent leads to from ``start``, its output biases shifted.
+    """The network to which a descent from ``start`` leads, with its output biases shifted.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
 
 
 def _shifted(task: Task, network: Trained, frames: Frames) -> Trained:
-    """Output biases moved by the weighted mean bit-true error on ``frames``, twice."""
+    """Shift the output biases twice by the weighted mean bit-true error on ``frames``."""
     weight = 1 / frames.scale**2
     for _ in range(2):
         miss = (weight * (frames.targets - bit_true(task, network, frames))).sum(axis=0)
@@ -220,14 +220,14 @@ def measured(task: Task, restart: int) -> Result:
 
 
 def search(task: Task, workers: int = -1) -> Iterator[Result]:
-    """Every restart's result, in order, as it becomes known; see ``golden.training.search``."""
+    """The results of all restarts, in order, each as soon as it is known."""
     jobs = (delayed(measured)(task, restart) for restart in range(task.scene.training.restarts))
     yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
 
 
 @dataclass
 class LayerStages:
-    """The network of a scene as training makes it; see ``golden.training.stages``."""
+    """The stages in which training makes a scene's network; see ``golden.training.stages``."""
 
     scene: Scene
     chosen: list[Trained] = field(default_factory=list)
@@ -236,11 +236,11 @@ class LayerStages:
     files: list[Trained] = field(default_factory=list)
 
     def task(self, earlier: list[Trained], number: int) -> Task:
-        """The task of the one network."""
+        """The task of the only network."""
         return task_for(self.scene, self.scene.vectors(), [])
 
     def add(self, hidden: int, restart: int) -> None:
-        """The network, from the restart that was chosen; ``hidden`` is all of its nodes.
+        """Add the network of the chosen restart; ``hidden`` is the number of all of its nodes.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class LayerStages:
         self.files.append(written[0])
 
     def _as_read(self, network: Trained) -> tuple[Trained, Trained]:
-        """What a file holds of a network, and what is read from it."""
+        """The network as a file holds it, and as it is read from there."""
         scales = self.scene.scales_of(0)
         file = on_readings(network, *scales)
         return file, on_signals(file, *scales)

@@ -1,8 +1,8 @@
-"""The grid of a quantiser as the words of an engine hold it, so that no code differs.
+"""The grid of a quantiser in the words of an engine, which hold every code exactly.
 
-A word is the code's distance from the lowest one, moved to the left until the highest fills the
-word. So the ends of the word are those of the codes, and the lowest bits, as many for every layer
-of a network, are 0.
+A word is the difference between a code and the lowest code, shifted left until the highest code
+fills the word. So the word saturates where the codes do, and its lowest bits are 0. All layers of a
+network have the same number of such bits.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from golden.engine.formats import DROPPED, WIDTH
 from golden.fixed import Fix
 from golden.input_error import InputError
 
-# A word of fewer bits than the one before it: the least that can be cut is one.
+# At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2
 
 
 @dataclass(frozen=True)
 class Grid:
-    """What stands behind a layer of a quantised network.
+    """The quantiser behind a layer, in the terms of the engine.
 
     Parameters
     ----------
     result : Fix
-        Format of the words, as distances from the lowest code.
+        Format of the words, which are differences from the lowest code.
     cut : int
-        Lowest bits of a word that are 0.
+        How many of the lowest bits of a word are 0.
     even : bool
-        A sum half way between two codes becomes the even one.
+        Whether a sum half way between two codes becomes the even one.
     down : bool
-        A sum becomes the code below it, and not the nearest.
+        Whether a sum becomes the code below it, and not the nearest one.
     lowest : Fraction
         The value of the lowest code.
     """
@@ -50,18 +50,18 @@ class Grid:
 
     @property
     def start(self) -> int:
-        """What a sum must start with for its rounding, besides half a unit of a whole word."""
+        """The start value of a sum for its rounding, without the half unit that every sum has."""
         half = 1 << (DROPPED - 1)
         return (0 if self.down else half << self.cut) - half
 
 
 def grid_of(layer: Dense) -> Grid | None:
-    """The grid of a layer; None where it has no quantiser.
+    """The grid of a layer, or None if it has no quantiser.
 
     Raises
     ------
     InputError
-        For a grid that words do not hold exactly.
+        For a grid that the words of an engine cannot hold exactly.
     """
     quantiser = layer.quantiser
     if quantiser is None:

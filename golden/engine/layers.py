@@ -1,14 +1,13 @@
-"""Trained networks as the neurons of an engine: codes of weights, and a format for each layer.
+"""Makes the neurons of an engine from trained networks: codes of weights, and a format per layer.
 
-A sum in front of tanh saturates at -8 and 8, where tanh is level, so its format is the same for
-every network. Behind a ReLU, and behind a layer that is linear, saturation would be an error. The
-words of such a layer have the most fraction bits with which no sum of it can leave the word,
-whatever the samples are: the ends of every sum are worked out from those of its operands, in whole
-numbers.
+A sum before tanh saturates at -8 and 8, where tanh is flat, so its format is the same for every
+network. Behind a ReLU or a linear layer saturation would be an error. So the words of such a layer
+have the most fraction bits with which none of its sums can overflow, whatever the samples are. The
+bounds of each sum follow from the bounds of its operands, in whole numbers.
 
-Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2``: halves of the
-weights on both sides, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)``: two words of
-each node, of which what follows takes both.
+Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2`` needs half of
+the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)`` needs
+two words per node, both of which the next layer takes.
 """
 
 from __future__ import annotations
@@ -37,25 +36,25 @@ from golden.precision import SIGNAL
 
 _MOST = (1 << (WIDTH - 1)) - 1
 _HALF = 1 << (DROPPED - 1)
-# The ends of a word.
+# The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high
 
 
 @dataclass(frozen=True)
 class Value:
-    """A word that a layer takes.
+    """A word that a layer takes as an operand.
 
     Parameters
     ----------
     node : int
-        Which input of the layer it belongs to; of a leaky ReLU there are two of one node.
+        The input of the layer to which it belongs. A node with leaky ReLU has two words.
     factor : Fraction
-        What the weights of that input are multiplied by.
+        The factor by which the weights of that input are multiplied.
     fmt : Fix
     low, high : int
-        The ends of its codes.
+        The least and the largest code.
     earlier : bool
-        An output of an earlier network.
+        Whether it is an output of an earlier network.
     """
 
     node: int
@@ -68,7 +67,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Sums:
-    """One layer in codes.
+    """One layer, in codes.
 
     Parameters
     ----------
@@ -78,13 +77,13 @@ class Sums:
         Format of the words that its sums become.
     biases : list of int
     weights : list of list of int
-        By node, and then by the words that it takes.
+        A list for each node, with a weight for each word that it takes.
     values : list of Value
-        The words that what follows takes.
+        The words that the next layer takes.
     grid : Grid or None
-        Of a layer with a quantiser.
+        The grid of a layer with a quantiser.
     rests : list of int
-        Of such a layer, what the biases leave of each sum's start; below a unit of them.
+        For such a layer, the part of each sum's start value that is below the unit of a bias.
     """
 
     activation: str
@@ -98,7 +97,7 @@ class Sums:
 
 @dataclass(frozen=True)
 class Exact:
-    """One layer of a network, its numbers without any rounding."""
+    """One layer of a network, with numbers that are not rounded."""
 
     activation: str
     leak: Fraction
@@ -108,10 +107,10 @@ class Exact:
 
 
 def exact_layers(network: Trained) -> list[Exact]:
-    """The layers of a network, with tanh in the place of sigmoid.
+    """The layers of a network, with sigmoid replaced by tanh.
 
-    Behind a quantiser words are distances from the lowest code; the biases of what follows make
-    up for that.
+    Behind a quantiser, words are differences from the lowest code. The biases of the next layer
+    compensate for that.
 
     Raises
     ------
@@ -142,7 +141,7 @@ def exact_layers(network: Trained) -> list[Exact]:
 
 
 def first_values(samples: int, earlier: int) -> list[Value]:
-    """What the first layer of a network takes: samples, and the outputs of earlier networks."""
+    """The operands of the first layer of a network: samples, and outputs of earlier networks."""
     ends = SIGNAL.low << SAMPLE_SHIFT, SIGNAL.high << SAMPLE_SHIFT
     one = Fraction(1)
     found = [Value(k, one, SAMPLE, *ends) for k in range(samples)]
@@ -151,7 +150,7 @@ def first_values(samples: int, earlier: int) -> list[Value]:
 
 
 def planned(network: Trained, values: list[Value]) -> list[Sums]:
-    """Codes and formats of every layer of a network that takes ``values``.
+    """The codes and formats of every layer of a network whose inputs are ``values``.
 
     Raises
     ------
@@ -189,12 +188,12 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
 
 
 def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
-    """A layer's codes so that each sum is exact.
+    """The codes of a layer with which each sum is exact.
 
     Raises
     ------
     InputError
-        When a weight or a bias is no whole code.
+        When a weight or a bias is no whole number of code units.
     """
     weights = [
         [_whole(row[v.node] * v.factor, coeff_frac(grid.result, v.fmt), "weight") for v in values]
@@ -211,7 +210,7 @@ def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
 
 
 def _whole(value: Fraction, frac: int, what: str) -> int:
-    """The code of ``frac`` fraction bits that a value is."""
+    """The code of a value with ``frac`` fraction bits, which must hold it exactly."""
     scaled = value * Fraction(2) ** frac
     if scaled.denominator != 1:
         raise InputError(
@@ -223,14 +222,14 @@ def _whole(value: Fraction, frac: int, what: str) -> int:
 
 
 def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
-    """A layer's codes for one format of its words."""
+    """The codes of a layer, for one format of its words."""
     weights = [
         [_code(row[value.node] * value.factor, result, value.fmt) for value in values]
         for row in layer.weights
     ]
     biases = []
     for bias, codes in zip(layer.biases, weights, strict=True):
-        # Half a unit of the output's last place times each weight of an earlier output.
+        # An earlier output comes with half a unit of its last place added; see ``graph_of``.
         moved = sum(code for code, v in zip(codes, values, strict=True) if v.earlier)
         half = Fraction(1, 1 << (SIGNAL.frac + 1)) / Fraction(2) ** coeff_frac(result, RESULT)
         biases.append(_code(bias - moved * half, result, ONE))
@@ -238,7 +237,7 @@ def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
 
 
 def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
-    """The least and the largest word of each node, if words had no ends."""
+    """The least and the largest word of each node, if words had unlimited width."""
     low, high = [], []
     for bias, codes in zip(sums.biases, sums.weights, strict=True):
         both = [(c * v.low, c * v.high) for c, v in zip(codes, values, strict=True)]
@@ -249,7 +248,7 @@ def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
 
 
 def _given(layer: Exact, result: Fix, low: list[int], high: list[int]) -> list[Value]:
-    """The words that a layer gives to what follows it."""
+    """The words that a layer gives to the next layer."""
     found = []
     one = Fraction(1)
     for node, (least, most) in enumerate(zip(low, high, strict=True)):
@@ -273,15 +272,16 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
         "single", "multiple" or "cascade".
     networks : sequence of Mlp or DenseNetwork
     lean : bool
-        Leave out terms whose weight is zero, and hidden nodes that no output uses. Results are the
-        same either way.
+        Whether to leave out terms of zero weight, and hidden nodes that no output uses. The results
+        are the same either way.
 
     Notes
     -----
-    A weight that 18 bits do not hold becomes several terms. A later network of a cascade sees an
-    output as its word holds it, with half a unit of the output's last place added; its biases take
-    that away again. What a bias of a quantised layer has below its own unit is a weight of a word
-    of one unit, which is a neuron of its own.
+    A weight that does not fit in 18 bits becomes several terms. A later network of a cascade reads
+    the word of an output, to which half a unit of the output's last place is added; the biases of
+    that network subtract it again. If the start value of a sum in a quantised layer has a part
+    below the unit of a bias, this part is the weight of a word of one unit, which is a neuron of
+    its own.
     """
     samples = networks[0].shape[0]
     neurons: list[Neuron] = []
@@ -307,7 +307,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
         useless += sum(
             len(layer.biases) - len(nodes) for layer, nodes in zip(layers, used, strict=True)
         )
-        # By the words that a layer takes, where each is; those that are not built are nowhere.
+        # Where each word is that a layer takes. Words of nodes that are not built are missing.
         sources: dict[int, int] = dict(enumerate(seen))
         for depth, (layer, nodes) in enumerate(zip(layers, used, strict=True), start=1):
             output = depth == len(layers)
@@ -334,7 +334,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
 
 
 def _check_grids(grids: list[Grid | None]) -> None:
-    """Refuse quantisers of which an engine would need two: it has one kind for all words.
+    """Refuse different quantisers in one engine, which rounds all of its words alike.
 
     Raises
     ------
@@ -354,7 +354,7 @@ def _check_grids(grids: list[Grid | None]) -> None:
 def _node(
     name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool
 ) -> Iterator[Neuron]:
-    """The neurons of one node, the first of which is the value ``place``."""
+    """The neurons of one node. The first of them is the value ``place``."""
     if output:
         yield Neuron(name, layer.result, terms, output=True)
     elif layer.activation == "tanh":
@@ -372,9 +372,9 @@ def _node(
 
 
 def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
-    """The nodes of each layer that what follows uses.
+    """The nodes of each layer that a later layer uses.
 
-    One that nothing uses could come behind the last output, which must be the last of all.
+    A node that nothing uses could come after the last output, which must be the last of all.
     """
     found = [list(range(len(layer.biases))) for layer in layers]
     for n in range(len(layers) - 1, 0, -1) if lean else ():
@@ -389,7 +389,7 @@ def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
 
 
 def _code(value: Fraction, result: Fix, operand: Fix) -> int:
-    """The nearest code of a weight, halves up; of any width."""
+    """The nearest code of a weight, with halves rounded up. It may have any width."""
     frac = coeff_frac(result, operand)
     scaled = value * (1 << frac) if frac >= 0 else value / (1 << -frac)
     return int((2 * scaled + 1) // 2)

@@ -1,4 +1,4 @@
-"""What a network file holds, whichever form it has."""
+"""The content of a network file, which is the same for every form of file."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ class Held:
     Parameters
     ----------
     arrays : dict
-        ``w1`` and ``b1`` of the first layer, and so on; nodes stand in the rows of the weights.
+        ``w1`` and ``b1`` of the first layer, and so on. Each row of the weights is a node.
     activations : tuple of str
-        That of each layer, all but the last, which is linear.
+        The activation of each layer except the last, which is linear.
     leaks : tuple of float
-        Of the same layers, the slope of "leaky_relu" below 0; empty where there is none.
+        The slopes of "leaky_relu" below 0 in the same layers; empty if there are none.
     quantisers : tuple of Quantiser or None
-        Of the same layers; empty where there is none.
+        The quantisers of the same layers; empty if there are none.
     """
 
     arrays: dict[str, Real]
@@ -31,7 +31,7 @@ class Held:
 
     @property
     def names(self) -> list[str]:
-        """Those of the arrays that there must be, layer by layer."""
+        """The names of the arrays that must be there, layer by layer."""
         return [f"{kind}{n + 1}" for n in range(len(self.activations) + 1) for kind in "wb"]
 
     def leak(self, layer: int) -> float:
@@ -39,5 +39,5 @@ class Held:
         return self.leaks[layer] if self.leaks else LEAK
 
     def quantiser(self, layer: int) -> Quantiser | None:
-        """What stands behind the activation of a layer; the last has none."""
+        """The quantiser behind the activation of a layer; the last layer has none."""
         return self.quantisers[layer] if layer < len(self.quantisers) else None

@@ -1,7 +1,7 @@
 """Operators of quantised ONNX graphs: Quant of QONNX, QuantizeLinear and DequantizeLinear.
 
-With a constant in front of them they make another constant. In the chain of layers they are what
-stands behind an activation.
+If the input of such an operator is a constant, its output is a constant too. Otherwise it stands in
+the chain of layers and is the quantiser behind an activation.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ Refuse = Callable[[Any, str], InputError]
 
 
 def attributes_of(node: Any) -> dict[str, Any]:
-    """The attributes of a node, texts as such."""
+    """The attributes of a node by name, with texts decoded."""
     found = {a.name: helper.get_attribute_value(a) for a in node.attribute}
     return {k: v.decode() if isinstance(v, bytes) else v for k, v in found.items()}
 
 
 def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any]:
-    """Scale, zero point and what else follows the data, which must be constants.
+    """The scale, the zero point and all further inputs behind the data, which must be constants.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
     Raises
     ------
     InputError
-        For scales or zero points of each value, and for a rounding that is not known.
+        When values have different scales or zero points, and for an unknown rounding mode.
     """
     scale, zero, *more = parameters(node, constants, refuse)
     if any(np.size(value) != 1 for value in (scale, zero, *more) if value is not None):
@@ -73,9 +73,9 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
 
 
 def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, int]:
-    """The ends of the codes."""
+    """The lowest and the highest code."""
     if node.op_type == QUANTIZE:
-        # Without a zero point a byte without a sign.
+        # Without a zero point the codes are unsigned bytes.
         kind = np.uint8 if zero is None else zero.dtype
         if kind.kind not in "iu" if isinstance(kind, np.dtype) else False:
             raise refuse(node, f"got a zero point of {kind}, expected whole numbers")
@@ -91,7 +91,7 @@ def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, i
 
 
 def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> Any:
-    """What such an operator makes of a constant: values that QuantizeLinear leaves as codes.
+    """Apply such an operator to a constant; the result of QuantizeLinear is codes.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
 
 
 def _along(node: Any, value: Any, values: Any) -> Any:
-    """Scales or zero points of each value along their axis."""
+    """Scales or zero points, shaped so that they apply along their axis."""
     array = np.asarray(value, dtype=np.float64)
     if node.op_type == QUANT or array.ndim != 1 or array.size == 1 or values.ndim < 2:
         return array if array.size != 1 else array.reshape(())
