@@ -9,7 +9,7 @@ from hdl.common.signals import fixed, flag, unsigned
 
 
 @block
-def round_saturate(clk, run, acc, sample, word, relu=None, *, spec: RoundSaturate):
+def round_saturate(clk, run, acc, sample, word, *, relu=None, spec: RoundSaturate):
     """The sum without its lowest bits, saturated; while no frame is computed, the sample.
 
     Parameters
@@ -20,7 +20,7 @@ def round_saturate(clk, run, acc, sample, word, relu=None, *, spec: RoundSaturat
     word : signed 18 bits
         It comes one clock later.
     relu : bool
-        Where ``spec.rectifies``: a sum below 0 becomes 0, and the lowest ``spec.cut`` bits do.
+        Only with ``spec.rectifies``: a sum below 0 becomes 0, and so do the lowest ``cut`` bits.
     spec : RoundSaturate
     """
     sign = spec.acc_width - 1

@@ -147,7 +147,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
             spec=spec.operand_memory,
         ),
         table_address(clk, read, segment, spec=table),
-        round_saturate(clk, run, acc, in_.data, data, relu, spec=spec.round_saturate),
+        round_saturate(clk, run, acc, in_.data, data, relu=relu, spec=spec.round_saturate),
     )
     if spec.serial:
         return common, serial_steps(
