@@ -91,7 +91,7 @@ def test_netlabs_form_holds_no_other(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ((3, 4, 2), "got 2 hidden layers, expected 1 of a 3:4:2 network"),
+        ((3, 4, 2), "hidden layers: got 2, expected 1 of a 3:4:2 network"),
         ((3, 4, 6, 2), r"w2: got shape \(5, 4\), expected \(6, 4\) of a 3:4:6:2 network"),
         ((3, 5, 4, 2), r"w1: got shape \(4, 3\), expected \(5, 3\) of a 3:5:4:2 network"),
     ],

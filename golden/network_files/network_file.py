@@ -98,7 +98,7 @@ def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
     text = ":".join(map(str, widths))
     if len(hidden) != len(held.activations):
         raise InputError(
-            f"{path}: got {len(held.activations)} hidden layers, expected {len(hidden)} of a "
+            f"{path}: hidden layers: got {len(held.activations)}, expected {len(hidden)} of a "
             f"{text} network"
         )
     layers = []
