@@ -25,7 +25,8 @@ from cocotb.triggers import Timer
 
 from golden.block import Block, around, walk
 from golden.border import State
-from golden.scene import load_scene
+from golden.networks.network import Network
+from golden.scene import Scene, load_scene
 from tb.common.coverage import Coverage
 
 RESET_CLOCKS = 2
@@ -89,7 +90,8 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
     def chosen(test: Test) -> Test:
         given = os.environ.get(CONFIGURATION)
         if given is not None:
-            return cocotb.test()(test) if applies(_under_test(given)) else test
+            *_, twin = _loaded(given)
+            return cocotb.test()(test) if applies(twin) else test
         # Outside a simulator a bench is read for its cases and faults, and planned.
         found = cocotb.test()(test)
         found.applies = applies
@@ -99,10 +101,12 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
 
 
 @cache
-def _under_test(configuration: str) -> Block:
+def _loaded(configuration: str) -> tuple[Scene, Network, Block]:
+    """The scene, its twin and the block under test, which all tests of a bench share."""
     given = json.loads(configuration)
-    parts = walk(load_scene(given["scene"]).twin())
-    return next(block for block in parts if block.entity == given["entity"])
+    scene = load_scene(given["scene"])
+    design = scene.twin()
+    return scene, design, next(b for b in walk(design) if b.entity == given["entity"])
 
 
 class Bench:
@@ -110,11 +114,9 @@ class Bench:
 
     def __init__(self, dut):
         self.dut = dut
-        self.configuration = json.loads(os.environ[CONFIGURATION])
-        self.scene = load_scene(self.configuration["scene"])
-        self.design = self.scene.twin()
-        entity = self.configuration["entity"]
-        self.twin = next(block for block in walk(self.design) if block.entity == entity)
+        given = os.environ[CONFIGURATION]
+        self.configuration = json.loads(given)
+        self.scene, self.design, self.twin = _loaded(given)
         self.latency = self.twin.latency
         # cocotb derives RANDOM_SEED from the run's seed and the test's name.
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
