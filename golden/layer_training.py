@@ -18,12 +18,11 @@ from joblib import Parallel, delayed
 from golden.dense import Dense, Trained, layers_of, network_of
 from golden.input_error import InputError
 from golden.mlp import tanh
-from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene import Scene
 from golden.scene.scale import Scale, on_readings, on_signals, signals
-from golden.training.objective import EarlyStop, Objective, Rows
-from golden.training.search import OPTIMISERS, Result
+from golden.training.objective import Objective
+from golden.training.search import OPTIMISERS, Result, bit_true_errors, shift_biases
 from golden.training.task import Frames, Task, task_for
 
 
@@ -73,31 +72,11 @@ class LayeredObjective(Objective):
         super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
         self.like = like
 
-    def residuals(self, vector: Real) -> Real:
-        network = unpacked(vector, self.like)
-        errors = self._errors(network, self.training)
-        result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
-        value = float(result @ result)
-        if value < self._lowest:
-            self._lowest = value
-            held_back = self._errors(network, self.validation)
-            validation = float(held_back @ held_back)
-            if validation < self._least_validation:
-                self._least_validation = validation
-                self._in_vain = 0
-                self.best = vector.copy()
-            else:
-                self._in_vain += 1
-                if self._in_vain == self.patience:
-                    raise EarlyStop
-        return result
-
-    def _errors(self, network: Trained, rows: Rows) -> Real:
-        """The scaled errors of a network, in one dimension."""
-        return ((network.process(rows.inputs, self.activation) - rows.targets) / rows.scale).ravel()
+    def network(self, vector: Real) -> Trained:
+        return unpacked(vector, self.like)
 
     def jacobian(self, vector: Real) -> Real:
-        network = unpacked(vector, self.like)
+        network = self.network(vector)
         values, slopes = self._forward(network)
         scale = self.training.scale
         rows, outputs = scale.shape
@@ -114,7 +93,7 @@ class LayeredObjective(Objective):
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         residuals = self.residuals(vector)
-        network = unpacked(vector, self.like)
+        network = self.network(vector)
         values, slopes = self._forward(network)
         scale = self.training.scale
         back = residuals[: scale.size].reshape(scale.shape) / scale
@@ -159,34 +138,7 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
         patience=settings.patience,
     )
     point = objective.search(OPTIMISERS[settings.optimiser], point, settings.steps)
-    return _shifted(task, on_readings(unpacked(point, like), normal, plain), training)
-
-
-def _shifted(task: Task, network: Trained, frames: Frames) -> Trained:
-    """Shift the output biases twice by the weighted mean bit-true error on ``frames``."""
-    weight = 1 / frames.scale**2
-    for _ in range(2):
-        miss = (weight * (frames.targets - bit_true(task, network, frames))).sum(axis=0)
-        *before, last = layers_of(network)
-        moved = replace(last, biases=last.biases + miss / weight.sum(axis=0))
-        network = network_of([*before, moved])
-    return network
-
-
-def bit_true(task: Task, network: Trained, frames: Frames) -> Real:
-    """Outputs of a network in the scene's hardware.
-
-    Raises
-    ------
-    InputError
-        When the hardware's formats cannot hold its weights.
-    """
-    return SIGNAL.to_real(task.scene.build(network).process(frames.codes))
-
-
-def signed_errors(task: Task, network: Trained, frames: Frames) -> Real:
-    """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
-    return 100 * (bit_true(task, network, frames) - frames.targets) / frames.scale
+    return shift_biases(task, on_readings(unpacked(point, like), normal, plain), training)
 
 
 def train(task: Task, restart: int) -> Trained:
@@ -209,11 +161,7 @@ def measured(task: Task, restart: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     nodes = sum(task.scene.members[task.number].layers)
     try:
-        network = train(task, restart)
-        validation, test = (
-            float(np.sqrt((signed_errors(task, network, frames) ** 2).mean()))
-            for frames in (task.validation, task.test)
-        )
+        validation, test = bit_true_errors(task, train(task, restart))
     except InputError as error:
         return Result(nodes, restart, float("inf"), float("inf"), str(error))
     return Result(nodes, restart, validation, test)

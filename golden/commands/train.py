@@ -20,7 +20,7 @@ from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.layer_training import LayerStages, signed_errors
+from golden.layer_training import LayerStages
 from golden.layer_training import search as search_layers
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
@@ -32,7 +32,7 @@ from golden.scene.vectors import warn_outside
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
-from golden.training.search import Result, candidates, search
+from golden.training.search import Result, candidates, search, signed_errors
 from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task

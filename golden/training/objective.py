@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from golden.dense import Trained
 from golden.mlp import Activation, Mlp
 from golden.real import Real
 
@@ -27,9 +28,9 @@ class Rows:
     targets: Real
     scale: Real
 
-    def residuals(self, mlp: Mlp, activation: Activation) -> Real:
-        """The scaled errors of ``mlp`` as a vector."""
-        return ((mlp.process(self.inputs, activation) - self.targets) / self.scale).ravel()
+    def residuals(self, network: Trained, activation: Activation) -> Real:
+        """The scaled errors of a network as a vector."""
+        return ((network.process(self.inputs, activation) - self.targets) / self.scale).ravel()
 
 
 def pack(mlp: Mlp) -> Real:
@@ -89,6 +90,10 @@ class Objective:
             descend(self, start, steps)
         return start if self.best is None else self.best
 
+    def network(self, vector: Real) -> Trained:
+        """The network whose weights and biases are ``vector``."""
+        return unpack(vector, self.shape)
+
     def residuals(self, vector: Real) -> Real:
         """Scaled errors, then the weights times the root of the decay.
 
@@ -97,13 +102,13 @@ class Objective:
         EarlyStop
             See the class.
         """
-        mlp = unpack(vector, self.shape)
-        errors = self.training.residuals(mlp, self.activation)
+        network = self.network(vector)
+        errors = self.training.residuals(network, self.activation)
         result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
         value = float(result @ result)
         if value < self._lowest:
             self._lowest = value
-            held_back = self.validation.residuals(mlp, self.activation)
+            held_back = self.validation.residuals(network, self.activation)
             validation = float(held_back @ held_back)
             if validation < self._least_validation:
                 self._least_validation = validation

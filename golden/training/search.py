@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 from joblib import Parallel, delayed
 
+from golden.dense import Some, Trained, layers_of, rebuilt
 from golden.files import reading, writing
 from golden.input_error import InputError
 from golden.mlp import Mlp, tanh
@@ -76,14 +77,15 @@ def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> M
     )
 
 
-def shift_biases(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
+def shift_biases(task: Task, network: Some, frames: Frames) -> Some:
     """Shift the output biases by the weighted mean bit-true error on ``frames``, twice."""
     weight = 1 / frames.scale**2
     for _ in range(2):
-        results = task.bit_true(mlp, frames)
+        results = task.bit_true(network, frames)
         miss = (weight * (frames.targets - results)).sum(axis=0) / weight.sum(axis=0)
-        mlp = Mlp(mlp.w1, mlp.b1, mlp.w2, mlp.b2 + miss)
-    return mlp
+        *before, last = layers_of(network)
+        network = rebuilt(network, [*before, replace(last, biases=last.biases + miss)])
+    return network
 
 
 def train(
@@ -155,7 +157,7 @@ def measure(task: Task, hidden: int, restart: int) -> Result:
     return Result(hidden, restart, validation, test)
 
 
-def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
+def bit_true_errors(task: Task, network: Trained) -> tuple[float, float]:
     """The bit-true errors of the validation and of the test rows, under the scene's disturbance.
 
     Raises
@@ -163,17 +165,17 @@ def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
     InputError
         When the weights do not fit in the hardware's formats.
     """
-    return bit_true_error(task, mlp, task.validation), bit_true_error(task, mlp, task.test)
+    return bit_true_error(task, network, task.validation), bit_true_error(task, network, task.test)
 
 
-def bit_true_error(task: Task, mlp: Mlp, frames: Frames) -> float:
+def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
     """Root mean square of the bit-true percent errors on some frames of a task."""
-    return float(np.sqrt((signed_errors(task, mlp, frames) ** 2).mean()))
+    return float(np.sqrt((signed_errors(task, network, frames) ** 2).mean()))
 
 
-def signed_errors(task: Task, mlp: Mlp, frames: Frames) -> Real:
+def signed_errors(task: Task, network: Trained, frames: Frames) -> Real:
     """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
-    return 100 * (task.bit_true(mlp, frames) - frames.targets) / frames.scale
+    return 100 * (task.bit_true(network, frames) - frames.targets) / frames.scale
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.dense import Trained
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -99,15 +100,15 @@ class Task:
             for name, inputs in zip(columns, self.training.inputs.T, strict=False)
         ]
 
-    def bit_true(self, mlp: Mlp, frames: Frames) -> Real:
-        """Outputs of ``mlp`` in the scene's hardware.
+    def bit_true(self, network: Trained, frames: Frames) -> Real:
+        """Outputs of a network in the scene's hardware.
 
         Raises
         ------
         InputError
             When its weights do not fit in the hardware's formats.
         """
-        return SIGNAL.to_real(self.scene.build(mlp).process(frames.codes))
+        return SIGNAL.to_real(self.scene.build(network).process(frames.codes))
 
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
