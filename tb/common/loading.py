@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, repeat
 
 import numpy as np
 
@@ -72,7 +73,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
     for name, column in columns.items():
         columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
     ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
-    read, taking = reader(dut, ports), ports.index("load_ready")
+    read, taking, reset = reader(dut, ports), ports.index("load_ready"), ports.index("rst")
     changes = changed([(writer(dut, name), column) for name, column in columns.items()])
     driven = ("clk", "load_valid", "load_data", "load_last")
     drive_clock, valid, data, final = (writer(dut, name) for name in driven)
@@ -85,7 +86,11 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
 
     def halves() -> Iterator[None]:
         at, offered = 0, False
-        for clock, change in enumerate(changes):
+        # While a frame is computed bytes wait, so some may be left when the timeline ends. Then no
+        # frame comes any more, and four clocks are enough for a byte that comes with gaps.
+        for clock, change in enumerate(chain(changes, repeat([], 4 * len(queue)))):
+            if clock >= len(changes) and at == len(queue):
+                break
             drive_clock(0)
             for write, value in change:
                 write(value)
@@ -99,7 +104,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
             valid(int(offered))
             yield
             rows.append(read())
-            if offered and (columns["rst"][clock] or rows[-1][taking] == "1"):
+            if offered and "1" in (rows[-1][reset], rows[-1][taking]):
                 at, offered = at + 1, False
             drive_clock(1)
             yield
