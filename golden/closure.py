@@ -6,10 +6,9 @@ docstrings and imports are no part of this digest, so a change of these computes
 
 from __future__ import annotations
 
-import ast
 import re
 import tokenize
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from io import StringIO
 from pathlib import Path
@@ -23,6 +22,7 @@ IMPORT = re.compile(
     r"^ *(?:from ([\w.]+) import (?:\(([^)]*)\)|([^\n#]*))|import ([^\n#]*))", re.MULTILINE
 )
 NAME = re.compile(r"(?:^|,)\s*([\w.]+)")
+LAYOUT = {tokenize.NL, tokenize.INDENT, tokenize.DEDENT}
 # These modules compose the names of modules that they import. Each may import any module of the
 # packages that are listed.
 DISCOVERIES = {
@@ -73,7 +73,7 @@ def closure(
         path = file_of(name)
         if path is not None and name not in found:
             found[name] = path
-            waiting += [other for other in _imported(name, path) if follow(name, other)]
+            waiting += [other for other in imported_by(name, path) if follow(name, other)]
     return dict(sorted(found.items()))
 
 
@@ -102,7 +102,9 @@ def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
     """The lines of a file without docstrings, comments, imports and empty lines.
 
     So a module stays the same when it or one of its imports moves. The lines are taken as they are,
-    because the output of ``ast.unparse`` differs between versions of Python.
+    because the output of ``ast.unparse`` differs between versions of Python. The file is read token
+    by token, because ``ast.parse`` of Python 3.11 fails at times when two threads call it: "AST
+    constructor recursion depth mismatch", https://github.com/python/cpython/issues/106905.
 
     Parameters
     ----------
@@ -111,40 +113,37 @@ def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
         Names of constants that are left out as well.
     """
     text = path.read_text(encoding="utf-8")
-    lines = _without_comments(text)
-    tree = ast.parse(text)
-    named = [node for node in tree.body if _names(node) & set(without)]
-    for node in ast.walk(tree):
-        if isinstance(node, ast.stmt) and (node in named or _says(node)):
-            for number in range(node.lineno, (node.end_lineno or node.lineno) + 1):
-                lines[number - 1] = ""
+    lines = text.splitlines()
+    statement: list[tokenize.TokenInfo] = []
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            row, column = token.start
+            lines[row - 1] = lines[row - 1][:column].rstrip()
+        elif token.type == tokenize.NEWLINE:
+            if _does_nothing(statement) or _assigns(statement) in without:
+                for row in range(statement[0].start[0], statement[-1].end[0] + 1):
+                    lines[row - 1] = ""
+            statement = []
+        elif token.type not in LAYOUT:
+            statement.append(token)
     return "\n".join(line for line in lines if line.strip())
 
 
-def _without_comments(text: str) -> list[str]:
-    lines = text.splitlines()
-    if "#" in text:
-        for token in tokenize.generate_tokens(StringIO(text).readline):
-            if token.type == tokenize.COMMENT:
-                row, column = token.start
-                lines[row - 1] = lines[row - 1][:column].rstrip()
-    return lines
+def _does_nothing(statement: Sequence[tokenize.TokenInfo]) -> bool:
+    """Whether a statement is an import or a docstring."""
+    said = all(token.type == tokenize.STRING for token in statement)
+    return said or statement[0].string in {"import", "from"}
 
 
-def _says(node: ast.stmt) -> bool:
-    """Whether a statement does nothing: an import, a docstring, or another unused constant."""
-    text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    return text or isinstance(node, (ast.Import, ast.ImportFrom))
-
-
-def _names(node: ast.stmt) -> set[str]:
-    """The names to which a statement assigns."""
-    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-    return {target.id for target in targets if isinstance(target, ast.Name)}
+def _assigns(statement: Sequence[tokenize.TokenInfo]) -> str | None:
+    """The name of the constant of a module to which a statement assigns."""
+    name, *after = statement
+    constant = name.start[1] == 0 and after and after[0].string in {"=", ":"}
+    return name.string if constant else None
 
 
 @cache
-def _imported(name: str, path: Path) -> tuple[str, ...]:
+def imported_by(name: str, path: Path) -> tuple[str, ...]:
     """The modules that a module imports anywhere, also those that it needs for types alone."""
     found: list[str] = []
     for module, several, line, plain in IMPORT.findall(path.read_text(encoding="utf-8")):

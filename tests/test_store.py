@@ -180,8 +180,8 @@ class Copy:
     @staticmethod
     def forget() -> None:
         """What one process asks only once."""
-        own = (kept._modules, kept._code, kept._reading, kept._nodes, parts._data)
-        for cached in (closure.file_of, closure.code_of, closure._imported, *own):
+        own = (kept._modules, kept._code, kept._reading, parts._data)
+        for cached in (closure.file_of, closure.code_of, closure.imported_by, *own):
             cached.cache_clear()
 
 

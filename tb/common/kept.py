@@ -12,8 +12,8 @@ the twins of the whole design.
 
 from __future__ import annotations
 
-import ast
 import platform
+import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
@@ -22,7 +22,7 @@ from pathlib import Path
 
 from golden import store
 from golden.block import Block, walk
-from golden.closure import closure, code, digest_of
+from golden.closure import closure, code, code_of, digest_of, imported_by
 from golden.fingerprint import ROOT
 from hdl.synth.tools import digest
 from tb.common.runner import Job, Outcome, run_job
@@ -32,7 +32,7 @@ FACTS = ("compared", "seconds", "facts")
 PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
 # This module gives every bench its twin, and the scene to the benches that ask for it.
 BENCH = "tb.common.bench"
-ASKS = {"scene", "design", "around"}
+ASKS = re.compile(r"\.(scene|design|around)\b")
 # The effect of these modules is in the exported files.
 ELSEWHERE = ("tb.common.cases", "tb.common.small")
 NAMES = ("CASES", "FAULTS")
@@ -138,26 +138,20 @@ def _is_scene(module: str) -> bool:
 def loads_scenes(modules: dict[str, Path]) -> bool:
     """Whether a bench reads scenes by itself."""
     return any(
-        isinstance(node, ast.ImportFrom) and _is_scene(str(node.module))
+        _is_scene(imported)
         for name, path in modules.items()
         if name.startswith("tb.") and name != BENCH
-        for node in _nodes(path)
+        for imported in imported_by(name, path)
     )
 
 
 def asks_for_scene(modules: dict[str, Path]) -> bool:
     """Whether a bench asks for more of its scene than its own twin."""
     return any(
-        isinstance(node, ast.Attribute) and node.attr in ASKS
+        ASKS.search(code_of(path))
         for name, path in modules.items()
         if name.startswith("tb.") and name != BENCH
-        for node in _nodes(path)
     )
-
-
-@cache
-def _nodes(path: Path) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 def code_of_twins(twin: Block) -> str:
