@@ -26,6 +26,7 @@ LAYOUT = {tokenize.NL, tokenize.INDENT, tokenize.DEDENT}
 # These modules compose the names of modules that they import. Each may import any module of the
 # packages that are listed.
 DISCOVERIES = {
+    "golden.activation.schemes": ("golden.activation",),
     "golden.networks.designs": ("golden.networks",),
     "golden.network_files.network_file": ("golden.network_files",),
     "hdl.common.lookup": (

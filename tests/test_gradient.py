@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from golden.activation.schemes import SCHEMES, gradient_for
+from golden.activation.gradient import gradient_for
+from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.activation.schemes import gradient_for
+from golden.activation.gradient import gradient_for
 from golden.input_error import InputError
 from golden.metrics import (
     OutputError,

@@ -10,22 +10,6 @@ from pathlib import Path
 from copied import ROOT, copy_room
 
 
-def apply(diff: str, folder: Path) -> None:
-    """Apply a unified diff of one file; each hunk's old lines must stand in it just once."""
-    name = re.search(r"^\+\+\+ b/(\S+)$", diff, re.M)
-    assert name
-    file = folder / name[1]
-    text = file.read_text()
-    for hunk in re.split(r"^@@.*@@.*\n", diff, flags=re.M)[1:]:
-        lines = hunk.splitlines()
-        old, new = (
-            "".join(f"{x[1:]}\n" for x in lines if x[:1] in signs) for signs in (" -", " +")
-        )
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    file.write_text(text)
-
-
 def test_the_worked_example_works(tmp_path: Path) -> None:
     """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
     page = (ROOT / "docs" / "new-block.md").read_text()
@@ -41,9 +25,6 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     sheet = re.search(r"^`(docs/blocks/\w+\.md)`.*?\n````markdown\n(.*?)````$", page, re.M | re.S)
     assert sheet
     (copy / sheet[1]).write_text(sheet[2])
-    diff = re.search(r"```diff\n(.*?)```", page, re.S)
-    assert diff
-    apply(diff[1], copy)
     scene = next(name for name, _ in files if name.endswith(".toml"))
 
     def run(*words: str) -> subprocess.CompletedProcess[str]:

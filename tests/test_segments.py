@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from golden.activation import segments
-from golden.activation.schemes import gradient_for
+from golden.activation.gradient import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
 from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS

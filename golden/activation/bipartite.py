@@ -19,8 +19,10 @@ from golden.activation.bipartite_table import (
     BipartiteTable,
     bipartite_table,
 )
+from golden.activation.scheme import Option, Scheme
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
+from golden.mlp import tanh
 from golden.precision import EXACT, Precision
 
 # The default of where the tables are stored.
@@ -204,3 +206,12 @@ def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = M
     return Bipartite(
         precision.hidden_fmt, RESULT, memory, reach_width, variant=f"{memory}{reach_width}"
     )
+
+
+SCHEME = Scheme(
+    tanh,
+    bipartite_for,
+    {"memory": Option(MEMORY, tuple(FORMATS))},
+    precisions=(EXACT,),
+    half_codes=Bipartite.half_codes,
+)

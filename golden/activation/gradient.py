@@ -10,10 +10,12 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.g_memory import GMemory
 from golden.activation.grad_eqn import GradEqn
 from golden.activation.i_memory import IMemory
-from golden.activation.segments import SegmentTable
+from golden.activation.scheme import Scheme
+from golden.activation.segments import SegmentTable, gradient_real, segment_table
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Rounding
+from golden.precision import SIGNAL, Precision
 
 
 @dataclass(frozen=True)
@@ -113,3 +115,39 @@ class Gradient(ActivationBlock):
             mag, self.g_memory.process(addr), self.i_memory.process(addr)
         )
         return self.sign_retriever.process(result, negative)
+
+
+def gradient_for(
+    precision: Precision, factor: int, reach: int, kind: type[Gradient] = Gradient
+) -> Gradient:
+    """The Gradient activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    ``kind`` is the block: ``Gradient`` with one multiplier, or ``GradientParallel``.
+
+    Raises
+    ------
+    InputError
+        When the factor is too large for the formats; see ``segments.segment_table``.
+    """
+    table = segment_table(
+        factor,
+        reach,
+        precision.hidden_fmt,
+        SIGNAL,
+        precision.coeff_width,
+        precision.gradient_frac_limit,
+        precision.intercept_frac,
+        precision.rounding,
+    )
+    return kind(
+        precision.hidden_fmt,
+        SIGNAL,
+        table,
+        precision.intercept_frac,
+        precision.intercept_frac,
+        precision.rounding,
+        variant=f"q{factor}c{len(table.thresholds)}",
+    )
+
+
+SCHEME = Scheme(gradient_real, gradient_for)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from golden.activation.gradient import Gradient
-from golden.activation.segments import UPPER
+from golden.activation.gradient import Gradient, gradient_for
+from golden.activation.scheme import Scheme
+from golden.activation.segments import UPPER, gradient_real
 from golden.block import Block
 from golden.fixed import Codes
 
@@ -49,3 +51,6 @@ class GradientParallel(Gradient):
             inside = addr == n
             total += self.grad_eqn.process(mag, inside * coeff, inside * intercept)
         return self.sign_retriever.process(total, negative)
+
+
+SCHEME = Scheme(gradient_real, partial(gradient_for, kind=GradientParallel))

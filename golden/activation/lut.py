@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
@@ -163,3 +164,6 @@ def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
         beyond,
         variant=f"q{factor}w{count + len(beyond)}",
     )
+
+
+SCHEME = Scheme(lut_real, lut_for)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.scheme import Option, Scheme
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
@@ -397,3 +398,10 @@ def pade_for(
         precision.rounding,
         variant=f"q{factor}c{len(beyond)}",
     )
+
+
+SCHEME = Scheme(
+    pade_real,
+    pade_for,
+    {"rho": Option(RHO, real=True), "iterations": Option(ITERATIONS, real=True)},
+)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below, nearest
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
@@ -310,3 +311,6 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
         precision.rounding,
         variant=f"q{factor}c{len(thresholds)}",
     )
+
+
+SCHEME = Scheme(polynomial_real, polynomial_for)

@@ -9,11 +9,16 @@ import numpy as np
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
+from golden.activation.scheme import Option, Scheme
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.mlp import tanh
+from golden.precision import EXACT, SIGNAL, Precision
 
+# The default of where the coefficients are stored.
+COEFFICIENTS = "logic"
 # Registers from the coefficients to the result: one behind the coefficients, one behind the rows,
 # one before and one behind the multiplier, and one behind the sum.
 STAGES = 5
@@ -117,3 +122,34 @@ class Precise(ActivationBlock):
         intercept = np.take(table.intercepts, word) << self.formats.intercept_shift
         result = (intercept + x * slope) >> self.formats.out_shift
         return self.sign_retriever.process(result & self.out_fmt.high, negative)
+
+
+def precise_for(
+    precision: Precision, factor: int, reach: int, coefficients: str = COEFFICIENTS
+) -> Precise:
+    """The precise activation for a neuron whose magnitudes go up to ``reach``.
+
+    Raises
+    ------
+    InputError
+        When the precision's q has another format than that of the segments, or is normalised.
+    """
+    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
+        raise InputError(
+            f"activation precise: got q in {precision.hidden_fmt}, normalised by {factor}, of "
+            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
+            f"{EXACT.name!r}"
+        )
+    fmt = FORMATS[coefficients]
+    most = len(curve_table(fmt).intercepts)
+    reached = min(reach, precision.hidden_fmt.high) // (1 << fmt.distance_width) + 1
+    # The number is a power of two, so that neurons of similar reach share an entity.
+    words = min(1 << (reached - 1).bit_length(), most)
+    return Precise(
+        precision.hidden_fmt, SIGNAL, coefficients, words, variant=f"{coefficients}{words}"
+    )
+
+
+SCHEME = Scheme(
+    tanh, precise_for, {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))}, precisions=(EXACT,)
+)

@@ -8,7 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from golden.activation.schemes import SCHEMES, Scheme
+from golden.activation.scheme import Scheme
+from golden.activation.schemes import SCHEMES
 from golden.cli import naming
 from golden.dense import Trained
 from golden.fixed import Codes

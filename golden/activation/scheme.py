@@ -1,0 +1,109 @@
+"""What an activation publishes for scenes: its real function, its bit-true block, its options."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from golden.activation.activation_block import ActivationBlock
+from golden.input_error import InputError
+from golden.mlp import Activation
+from golden.precision import PRECISIONS, Precision
+from golden.table import suggest
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option of an activation that a scene may set.
+
+    Attributes
+    ----------
+    default : int, float or str
+        Value where a scene sets none. Its type is the type that is expected.
+    choices : tuple of str
+        The texts that are allowed; empty for a number.
+    real : bool
+        Whether the activation in floating point depends on the option too.
+    """
+
+    default: Any
+    choices: tuple[str, ...] = ()
+    real: bool = False
+
+    def check(self, value: object, place: str) -> Any:
+        """Check a value and return the one to use.
+
+        Raises
+        ------
+        InputError
+            For another type, a number that is not above 0, or a text that is no choice. The message
+            begins with ``place``.
+        """
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if self.choices:
+            if value not in self.choices:
+                known = ", ".join(self.choices)
+                hint = suggest(str(value), self.choices)
+                raise InputError(f"{place}: got {value!r}, expected one of {known}{hint}")
+        elif type(value) is not kind or not 0 < value < math.inf:  # type: ignore[operator]
+            expected = {int: "a whole number above 0", float: "a number above 0"}[kind]
+            raise InputError(f"{place}: got {value!r}, expected {expected}")
+        return value
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """One activation that a scene can name.
+
+    Attributes
+    ----------
+    real : callable
+        Value and slope in floating point; training uses both for gradient descent.
+    build : callable
+        The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
+        neuron can produce.
+    options : mapping
+        The options that a scene may set, by name. ``build`` takes every option as a keyword and has
+        the same default; ``real`` takes those that concern it.
+    precisions : tuple of Precision
+        The precisions for which it is made.
+    half_codes : bool
+        Whether its codes stand for the middle of their steps; see ``ActivationBlock``.
+    """
+
+    real: Activation
+    build: Callable[[Precision, int, int], ActivationBlock]
+    options: Mapping[str, Option] = field(default_factory=dict)
+    precisions: tuple[Precision, ...] = tuple(PRECISIONS.values())
+    half_codes: bool = False
+
+    def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
+        """This scheme with some options set; the others keep their defaults.
+
+        Raises
+        ------
+        InputError
+            For an option that the scheme does not have, or a value that the option does not allow.
+            The message begins with ``place``.
+        """
+        for name in given:
+            if name not in self.options:
+                known = ", ".join(self.options) or "none"
+                raise InputError(
+                    f"{place}: option {name!r} is not known, expected {known}"
+                    f"{suggest(name, list(self.options))}"
+                )
+        chosen = {
+            name: self.options[name].check(value, f"{place}.{name}")
+            for name, value in given.items()
+        }
+        if not chosen:
+            return self
+        concerned = {name: value for name, value in chosen.items() if self.options[name].real}
+        real = partial(self.real, **concerned) if concerned else self.real
+        return replace(self, real=real, build=partial(self.build, **chosen))
