@@ -52,8 +52,10 @@ def pytest_configure(config: pytest.Config) -> None:
     # Hundreds of processes import the same modules. None of them should compile these again.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     # matplotlib keeps the list of fonts that it once found, for all environments of a user. One
-    # that ran while its environment was removed leaves a list without the fonts it ships.
-    os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
+    # that ran while its environment was removed leaves a list without the fonts it ships. So the
+    # list of this environment stands in it, unless nothing can be written there.
+    if os.access(sys.prefix, os.W_OK):
+        os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
     # The variables of this run, such as ALL=1, are not passed to the commands that tests call. A
     # test that keeps something names a folder of its own.
     for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", VARIABLE, *GIVEN):

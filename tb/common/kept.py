@@ -54,30 +54,33 @@ BLOCKS = tuple(
 )
 
 
-def kept(job: Job) -> Outcome | None:
+def kept(job: Job, key: store.Key | None = None) -> Outcome | None:
     """The kept result of a bench, if nothing that it depends on has changed.
 
-    A result of all tests of a bench also counts as the result of one of them.
+    A result of all tests of a bench also counts as the result of one of them. ``key`` is the
+    bench's key, where the caller has it already.
     """
-    for asked in [job, replace(job, test="")] if job.test else [job]:
-        found = store.read(bench_key(asked), job.build)
+    key = key or bench_key(job)
+    for test in dict.fromkeys((job.test, "")):
+        found = store.read(replace(key, parts=key.parts | {"test": test}), job.build)
         if found is not None:
             return Outcome(job, True, **{name: found[name] for name in FACTS})
     return None
 
 
-def run_and_keep(job: Job) -> Outcome:
+def run_and_keep(job: Job, key: store.Key | None = None) -> Outcome:
     """Run a bench, even if a result is kept, and keep the new result."""
-    asked = bench_key(job)
+    key = key or bench_key(job)
     outcome = run_job(job)
     if outcome.passed:
-        store.write(asked, {name: getattr(outcome, name) for name in FACTS}, job.build)
+        store.write(key, {name: getattr(outcome, name) for name in FACTS}, job.build)
     return outcome
 
 
 def run_kept(job: Job) -> Outcome:
     """The kept result of a bench, which runs if there is none."""
-    return kept(job) or run_and_keep(job)
+    key = bench_key(job)
+    return kept(job, key) or run_and_keep(job, key)
 
 
 def bench_key(job: Job) -> store.Key:

@@ -18,7 +18,7 @@ from golden.networks.network import Network
 from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.stamp import is_current
-from tb.common.kept import kept, run_and_keep
+from tb.common.kept import bench_key, kept, run_and_keep
 from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, tell
 from tb.common.tools import SIMULATORS, language
 
@@ -87,7 +87,8 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
     with stage(f"{scene.name}: exporting VHDL and Verilog, and compiling"):
         planned = plan(scene, SIMULATORS)
         asked = chosen(planned, full)
-        stored = {job.folder: outcome for job in asked if (outcome := kept(job))}
+        keys = {job.folder: bench_key(job) for job in asked}
+        stored = {job.folder: o for job in asked if (o := kept(job, keys[job.folder]))}
     missing = [job for job in asked if job.folder not in stored]
     with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
 
@@ -99,7 +100,7 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
 
         def work(job: Job) -> Outcome:
             with progress.running(f"{job.entity} on {job.runs_on}"):
-                return run_and_keep(job)
+                return run_and_keep(job, keys[job.folder])
 
         ran = run_jobs(missing, listen, work=work)
     found = stored | {outcome.job.folder: outcome for outcome in ran}
