@@ -86,6 +86,7 @@ TABLE: dict[str, dict[str, str]] = {
         'hidden = "5"': "network.hidden: got '5', expected a whole number",
         "hidden = []": "network.hidden: got [], expected 1: single has one for all outputs",
         "hidden = [5, 5]": "mine.npz: hidden layers: got 1, expected 2 of a 3:5:5:2 network",
+        "hidden = [5, 0]": "network.hidden: got [5, 0], expected 1 or more nodes in each layer",
         "hidden = [[5]]": "network.hidden: got [[5]], expected a whole number",
         "hidden = 4": "mine.npz: w1: got shape (5, 3), expected (4, 3) of a 3:4:2 network",
     },

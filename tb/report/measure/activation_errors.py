@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.pade import UnsettledWarning
-from golden.activation.schemes import Scheme, forms
+from golden.activation.scheme import Scheme
+from golden.activation.schemes import forms
 from golden.cli import run, would
 from golden.files import replace_file, write_json
 from golden.fingerprint import ROOT
