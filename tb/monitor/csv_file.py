@@ -7,7 +7,6 @@ import io
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from golden.files import check_writable, writing
 from golden.input_error import InputError
@@ -49,12 +48,7 @@ class GrowingCsv:
     def __enter__(self) -> GrowingCsv:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         os.close(self._file)
 
     def append(self, rows: Sequence[Sequence[object]]) -> None:

@@ -6,7 +6,6 @@ import os
 import termios
 import time
 from contextlib import suppress
-from types import TracebackType
 from typing import Protocol
 
 import serial
@@ -69,12 +68,7 @@ class Line:
     def __enter__(self) -> Line:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._close()
 
     def read(self) -> bytes:

@@ -10,7 +10,6 @@ import tty
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
 
 from golden.fingerprint import ROOT
 from golden.instruments.uart_instrument import UartInstrument
@@ -150,12 +149,7 @@ class SimulatedBoard:
         self._computer = computer
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         ended = self._process.poll() is not None
         with suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
