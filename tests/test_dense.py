@@ -14,9 +14,9 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
-from golden.engine.exact import tanh_error
-from golden.engine.formats import ONE, RESULT, SAMPLE, coeff_frac
-from golden.engine.layers import exact_layers, first_values, planned
+from golden.engine.exact import layered_bounds
+from golden.engine.formats import RESULT
+from golden.engine.layers import first_values, planned
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp, tanh
@@ -280,27 +280,6 @@ def test_a_graph_is_refused_by_layer_and_node(tmp_path: Path, name: str) -> None
 # On the engine.
 
 
-def bounds(network: Trained, segment_width: int = 9) -> np.ndarray:
-    """How far each output can be from real arithmetic: what rounding takes, layer by layer.
-
-    No activation is steeper than 1.
-    """
-    plan = planned(network, first_values(network.shape[0], 0))
-    layers = [np.array(layer.weights, dtype=float) for layer in exact_layers(network)]
-    off, operands = np.zeros(network.shape[0]), [SAMPLE] * network.shape[0]
-    for weights, sums in zip(layers, plan, strict=True):
-        last = sums is plan[-1]
-        halves = [2.0 ** -(coeff_frac(sums.result, fmt) + 1 + fmt.frac - 17) for fmt in operands]
-        off = np.abs(weights) @ off + sum(halves) + 2.0 ** -(coeff_frac(sums.result, ONE) + 1)
-        off += 2.0 ** -((SIGNAL.frac if last else sums.result.frac) + 1)
-        if sums.activation == "tanh":
-            off += tanh_error(segment_width)
-        # The ends of a word are not quite those of a hard tanh.
-        off += 2.0**-17 * (sums.activation == "hard_tanh")
-        operands = [value.fmt for value in sums.values]
-    return off
-
-
 def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
     """Random frames, the rails among them."""
     codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
@@ -331,7 +310,7 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     serial = Engine.of([network], Settings(options={"multiplier": "serial"}))
     assert np.array_equal(found[True], found[False])
     assert np.array_equal(found[True], serial.process(codes))
-    assert (np.abs(SIGNAL.to_real(found[True]) - wanted) <= bounds(network)).all()
+    assert (np.abs(SIGNAL.to_real(found[True]) - wanted) <= layered_bounds(network, 9)).all()
 
 
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])

@@ -41,6 +41,8 @@ def main() -> None:
     for name, values in zip(scene.outputs, found.outputs.T, strict=True):
         unit = f" {scene.units[name]}" if name in scene.units else ""
         print(f"{name}: {values.min():g} to {values.max():g}{unit}")
+    for line in found.ranges:
+        print(line)
     outside = sum(map(bool, found.reasons))
     if past:
         print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")

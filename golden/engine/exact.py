@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
+from golden.dense import Trained
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -17,6 +19,7 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.graph import Graph, Kind, Neuron
+from golden.engine.layers import exact_layers, first_values, planned
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import TanhTable, tanh_table
@@ -35,12 +38,15 @@ def exact(graph: Graph, segment_width: int, frames: Codes) -> Codes:
     segment_width : int
     frames : int64 array, shape (frames, inputs)
     """
-    return np.array([_frame(graph, segment_width, frame) for frame in frames.tolist()])
+    found = [exact_sums(graph, segment_width, frame) for frame in frames.tolist()]
+    outputs = [place for place, neuron in enumerate(graph.neurons) if neuron.output]
+    return np.array([[frame[place][1] >> OUTPUT_SHIFT for place in outputs] for frame in found])
 
 
-def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
+def exact_sums(graph: Graph, segment_width: int, frame: list[int]) -> list[tuple[int, int]]:
+    """The sum of each neuron and the word that it becomes, for the sample codes of one frame."""
     values = [sample << SAMPLE_SHIFT for sample in frame]
-    outputs = []
+    found = []
     for neuron in graph.neurons:
         total = neuron.start + _sum(neuron, values, segment_width)
         word = max(0 if neuron.relu else RESULT.low, min(RESULT.high, total >> DROPPED))
@@ -49,9 +55,8 @@ def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
             halfway = neuron.even and total % (unit << DROPPED) == 0 and word == total >> DROPPED
             word -= word % (2 * unit if halfway else unit)
         values.append(word)
-        if neuron.output:
-            outputs.append(word >> OUTPUT_SHIFT)
-    return outputs
+        found.append((total, word))
+    return found
 
 
 def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
@@ -92,6 +97,32 @@ def error_bounds(mlp: Mlp, segment_width: int, sensors: int) -> Real:
         mlp.b2[:, np.newaxis], RESULT, ONE
     )
     return bounds
+
+
+def layered_bounds(network: Trained, segment_width: int, met: Sequence[float] = ()) -> Real:
+    """How far each output can be from real arithmetic, for layers without a quantiser.
+
+    The bounds add up what rounding takes, layer by layer, since no activation is steeper than 1. In
+    real arithmetic the outputs saturate, as those of any network.
+
+    Where the range of a layer is from the data (``met``), the bounds hold only for frames in which
+    none of its sums saturates, which ``Engine.saturations`` tells. For any other frame there is no
+    bound. Where all ranges are from bounds, they hold for every frame.
+    """
+    plan = planned(network, first_values(network.shape[0], 0), met)
+    off, operands = np.zeros(network.shape[0]), [SAMPLE] * network.shape[0]
+    for layer, sums in zip(exact_layers(network), plan, strict=True):
+        result = SIGNAL if sums is plan[-1] else sums.result
+        # A word reaches 2**17 of its units, and half a unit of the weight is lost.
+        halves = [2.0 ** (RESULT.frac - f.frac - coeff_frac(sums.result, f) - 1) for f in operands]
+        off = np.abs(np.array(layer.weights, dtype=np.float64)) @ off + sum(halves)
+        off += 2.0 ** -(coeff_frac(sums.result, ONE) + 1) + 2.0 ** -(result.frac + 1)
+        if sums.activation == "tanh":
+            off += tanh_error(segment_width)
+        # The ends of a word are not quite those of a hard tanh.
+        off += 2.0**-RESULT.frac * (sums.activation == "hard_tanh")
+        operands = [value.fmt for value in sums.values]
+    return off
 
 
 def _weight_rounding(weights: Real, result: Fix, operand: Fix) -> Real:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH
+from golden.engine.ranges import Range
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Fix
 from golden.precision import SIGNAL
@@ -104,12 +105,15 @@ class Graph:
         Hidden nodes that are not built, because no output uses them.
     useless_terms : int
         Terms that are left out, because their weight is 0.
+    ranges : tuple of Range
+        The range of each hidden layer in which saturation would be an error.
     """
 
     inputs: int
     neurons: tuple[Neuron, ...]
     useless_nodes: int = 0
     useless_terms: int = 0
+    ranges: tuple[Range, ...] = ()
 
     @property
     def outputs(self) -> int:

@@ -3,7 +3,9 @@
 A sum before tanh saturates at -8 and 8, where tanh is flat, so its format is the same for every
 network. Behind a ReLU or a linear layer saturation would be an error. So the words of such a layer
 have the most fraction bits with which none of its sums can overflow, whatever the samples are. The
-bounds of each sum follow from the bounds of its operands, in whole numbers.
+bounds of each sum follow from the bounds of its operands, in whole numbers. Where these bounds
+waste bits, and recorded frames are known, the range is that of the frames with a margin
+(``golden.engine.ranges``).
 
 Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2`` needs half of
 the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)`` needs
@@ -30,6 +32,7 @@ from golden.engine.formats import (
 )
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.grid import Grid, grid_of
+from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.precision import SIGNAL
@@ -84,6 +87,8 @@ class Sums:
         The grid of a layer with a quantiser.
     rests : list of int
         For such a layer, the part of each sum's start value that is below the unit of a bias.
+    range : Range or None
+        The range of a layer in which saturation would be an error.
     """
 
     activation: str
@@ -93,6 +98,7 @@ class Sums:
     values: list[Value]
     grid: Grid | None = None
     rests: list[int] = field(default_factory=list)
+    range: Range | None = None
 
 
 @dataclass(frozen=True)
@@ -149,8 +155,10 @@ def first_values(samples: int, earlier: int) -> list[Value]:
     return found + [Value(k, one, RESULT, _LOW, _HIGH, earlier=True) for k in more]
 
 
-def planned(network: Trained, values: list[Value]) -> list[Sums]:
+def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[Sums]:
     """The codes and formats of every layer of a network whose inputs are ``values``.
+
+    ``met`` is what ``met_by`` finds on recorded frames; without it every range is from bounds.
 
     Raises
     ------
@@ -170,21 +178,40 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
             continue
         fixed = RESULT if output or layer.activation == "hard_tanh" else None
         fixed = HIDDEN if layer.activation == "tanh" else fixed
-        for frac in [fixed.frac] if fixed else range(WIDTH - 1, -1, -1):
-            sums = _coded(layer, Fix(WIDTH, frac), values)
-            low, high = _ends(sums, values)
-            if layer.activation == "relu":
-                low, high = ([max(0, end) for end in ends] for ends in (low, high))
-            if fixed or (min(low) >= _LOW and max(high) <= _HIGH):
-                break
+        if fixed:
+            sums = _coded(layer, fixed, values)
         else:
-            raise InputError(
-                f"layer {number}: got sums that reach {max(*high, -min(low)):g}, expected "
-                f"{_HIGH} at most"
-            )
-        values = _given(layer, sums.result, low, high)
-        found.append(Sums(layer.activation, sums.result, sums.biases, sums.weights, values))
+            with naming(f"layer {number}"):
+                sums = _ranged(layer, values, met[number - 1] if met else 0.0)
+        values = _given(layer, sums.result, *_ends(layer, sums, values))
+        found.append(replace(sums, values=values))
     return found
+
+
+def _ranged(layer: Exact, values: Sequence[Value], met: float) -> Sums:
+    """The codes of a layer in which saturation would be an error; see ``golden.engine.ranges``.
+
+    Raises
+    ------
+    InputError
+        When the sums are too large for any format.
+    """
+    for frac in range(WIDTH - 1, -1, -1):
+        sums = _coded(layer, Fix(WIDTH, frac), values)
+        low, high = _ends(layer, sums, values)
+        most = max(*high, -min(low))
+        if min(low) >= _LOW and max(high) <= _HIGH:
+            break
+    else:
+        frac = -1
+    bound = most / 2.0 ** max(frac, 0)
+    known = frac_of(met, WIDTH) if met else -1
+    if known > frac and met * 2.0**frac < 1 << ENOUGH:
+        fmt = Fix(WIDTH, known)
+        return replace(_coded(layer, fmt, values), range=Range(fmt, bound, met, True))
+    if frac < 0:
+        raise InputError(f"got sums that reach {most:g}, expected {_HIGH} at most")
+    return replace(sums, range=Range(sums.result, bound, met, False))
 
 
 def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
@@ -236,7 +263,7 @@ def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
     return Sums(layer.activation, result, biases, weights, [])
 
 
-def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
+def _ends(layer: Exact, sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
     """The least and the largest word of each node, if words had unlimited width."""
     low, high = [], []
     for bias, codes in zip(sums.biases, sums.weights, strict=True):
@@ -244,6 +271,8 @@ def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
         start = (bias << DROPPED) + _HALF
         low.append((start + sum(map(min, both))) >> DROPPED)
         high.append((start + sum(map(max, both))) >> DROPPED)
+    if layer.activation == "relu":
+        low, high = ([max(0, end) for end in ends] for ends in (low, high))
     return low, high
 
 
@@ -263,7 +292,12 @@ def _given(layer: Exact, result: Fix, low: list[int], high: list[int]) -> list[V
     return found
 
 
-def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -> Graph:
+def graph_of(
+    arrangement: str,
+    networks: Sequence[Trained],
+    lean: bool = True,
+    met: Sequence[Sequence[float]] = (),
+) -> Graph:
     """The neurons of trained networks.
 
     Parameters
@@ -274,6 +308,8 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
     lean : bool
         Whether to leave out terms of zero weight, and hidden nodes that no output uses. The results
         are the same either way.
+    met : sequence of sequences of float
+        For each network what ``met_by`` finds on recorded frames; empty where there are none.
 
     Notes
     -----
@@ -288,9 +324,10 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
     earlier: list[int] = []
     useless = zeros = 0
     plans: list[list[Sums]] = []
-    for network in networks:
+    ranges: list[Range] = []
+    for network, reached in zip(networks, met or [()] * len(networks), strict=True):
         outputs = sum(len(plan[-1].biases) for plan in plans) if arrangement == "cascade" else 0
-        plans.append(planned(network, first_values(samples, outputs)))
+        plans.append(planned(network, first_values(samples, outputs), reached))
     _check_grids([x.grid for plan in plans for x in plan if "relu" in x.activation or x.grid])
     built = [_used(plan, lean) for plan in plans]
     pairs = [
@@ -313,6 +350,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
             output = depth == len(layers)
             where = f"layer {depth} " if len(layers) > 2 else ""
             taken, sources = sources, {}
+            firsts = []
             for j in nodes:
                 name = f"output {len(earlier) + 1}" if output else f"{place}{where}node {j + 1}"
                 weights = [(source, layer.weights[j][k]) for k, source in taken.items()]
@@ -322,6 +360,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                     weights = [(samples, layer.rests[j]), *weights]
                 terms = _terms(layer.biases[j], weights, lean)
                 last = samples + len(neurons)
+                firsts.append(len(neurons))
                 made = [*_node(name, layer, terms, last, output)]
                 neurons += made
                 if output:
@@ -330,7 +369,10 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                     sources |= {2 * j: last, 2 * j + 1: last + 1}
                 else:
                     sources[j] = last + len(made) - 1
-    return Graph(samples, tuple(neurons), useless, zeros)
+            if layer.range:
+                text = f"{place}layer {depth}"
+                ranges.append(replace(layer.range, layer=text, places=tuple(firsts)))
+    return Graph(samples, tuple(neurons), useless, zeros, tuple(ranges))
 
 
 def _check_grids(grids: list[Grid | None]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -157,12 +157,16 @@ class Program:
 
         The steps are those of the hardware; only the sum has more bits here.
         """
+        results = [word >> OUTPUT_SHIFT for step, _, word in self.run(samples) if step.output]
+        return np.stack(results, axis=-1)
+
+    def run(self, samples: Codes) -> Iterator[tuple[Instruction, Codes, Codes]]:
+        """The last step of each neuron in the order of the program, its sums, and their words."""
         memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
         intercepts, slopes = self.intercepts, self.slopes
         distances = 1 << self.segment_width
         segments: tuple[int, Codes, Codes] | None = None
         acc = product = np.zeros(len(samples), dtype=np.int64)
-        results = []
         for step in self.instructions:
             if step.kind == Kind.ONE:
                 product = np.asarray(step.weight << DROPPED)
@@ -195,9 +199,7 @@ class Program:
                 high = WORD.high & (-1 << self.cut) if step.relu else WORD.high
                 word = np.clip(word, 0 if step.relu else WORD.low, high)
                 memory.append(word)
-                if step.output:
-                    results.append(word >> OUTPUT_SHIFT)
-        return np.stack(results, axis=-1)
+                yield step, acc, word
 
 
 def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) -> Program:

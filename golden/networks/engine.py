@@ -7,8 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
+
 from golden.block import Block
 from golden.dense import Trained
+from golden.engine.formats import DROPPED
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph
@@ -32,6 +35,7 @@ from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.networks.design import Design
+from golden.networks.network import CHUNK
 from golden.networks.settings import Settings
 from golden.port import Port, Unsigned, input_port, output_port
 from golden.precision import EXACT
@@ -115,7 +119,7 @@ class Engine(Design):
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
         table = tanh_table(chosen["segment_width"])
-        graph = graph_of(arrangement, networks, lean)
+        graph = graph_of(arrangement, networks, lean, settings.met)
         if graph.rectifies and reload:
             raise InputError(
                 "hardware.reload: got True for a network with ReLU, expected False: what an image "
@@ -356,3 +360,26 @@ class Engine(Design):
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)
+
+    def saturations(self, frames: Codes) -> dict[str, Codes]:
+        """For each layer whose range is from the data, how many of its sums saturate in each frame.
+
+        Parameters
+        ----------
+        frames : int64 array, shape (frames, inputs)
+        """
+        ranges = [one for one in self.graph.ranges if one.from_data]
+        counts = {one.layer: np.zeros(len(frames), dtype=np.int64) for one in ranges}
+        if not ranges:
+            return counts
+        layers = {place: one.layer for one in ranges for place in one.places}
+        order = [step.neuron for step in self.program.scheduled(self.graph) if step.last]
+        for start in range(0, len(frames), CHUNK):
+            part = slice(start, start + CHUNK)
+            stored = self.program.run(frames[part])
+            for place, (step, sums, word) in zip(order, stored, strict=True):
+                if place in layers:
+                    found = sums >> DROPPED
+                    beyond = (found > word) | ((found < word) & (not step.relu))
+                    counts[layers[place]][part] += beyond
+        return counts

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from golden.precision import EXACT, Precision
@@ -24,6 +24,9 @@ class Settings:
     lean : bool
         Whether to leave out what the weights make useless: hidden nodes, segments of activations,
         and terms of a sum. The results are the same either way.
+    met : sequence of sequences of float
+        For each network the largest magnitudes on recorded frames (``golden.engine.ranges``); empty
+        where no frames are known.
     """
 
     precision: Precision = EXACT
@@ -31,6 +34,7 @@ class Settings:
     activation_options: Mapping[str, object] = field(default_factory=dict)
     options: Mapping[str, object] = field(default_factory=dict)
     lean: bool = True
+    met: Sequence[Sequence[float]] = ()
 
 
 # The exact precision with its own activation, and the default of every option.

@@ -24,7 +24,7 @@ from golden.network_files.network_file import check_targets, write_network
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
 from golden.scene import Scene, scene_names
-from golden.scene.saturation import saturating
+from golden.scene.saturation import range_lines, saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
 from golden.table import read_csv_file
@@ -224,9 +224,11 @@ def _built(scene: Scene, before: str) -> list[Finding]:
 
 
 def _saturating(scene: Scene) -> list[Finding]:
-    """Find outputs that the networks drive beyond the codes."""
+    """Tell the ranges of hidden layers, and find what the networks drive beyond its range."""
     findings: list[Finding] = []
     with collect_faults(findings):
+        lines = range_lines(scene, scene.vectors().codes)
+        findings += [Finding(OK, f"hardware.design {scene.design}", text) for text in lines]
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings
 

@@ -16,6 +16,7 @@ from golden.precision import SIGNAL
 from golden.real import Real
 from golden.rig.trained_on import TrainedOn, hardware_outputs
 from golden.scene import Scene
+from golden.scene.saturation import hidden_saturations, range_lines
 from golden.table import CsvFile, suggest
 
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
@@ -32,12 +33,15 @@ class Prediction:
         The same, bit by bit, as those of the hardware, in the units of the outputs.
     distances : float array, shape (rows,)
     reasons : list of str
-        See ``TrainedOn``.
+        See ``TrainedOn``; also each hidden layer that saturates.
+    ranges : list of str
+        The range of each hidden layer in which saturation would be an error, and what saturates.
     """
 
     outputs: Real
     distances: Real
     reasons: list[str]
+    ranges: list[str]
 
 
 def readings_of(scene: Scene, recording: CsvFile) -> Real:
@@ -70,7 +74,11 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     seen = scene.window.frames(readings)
     outputs = hardware_outputs(scene, seen)
     distances = known.distances(seen, outputs)
-    return Prediction(outputs, distances, known.reasons(outputs, distances))
+    reasons, codes = known.reasons(outputs, distances), scene.codes_of(seen)
+    for layer, counts in hidden_saturations(scene, codes):
+        for row in np.flatnonzero(counts):
+            reasons[row] = "; ".join(filter(None, [reasons[row], f"{layer} saturates"]))
+    return Prediction(outputs, distances, reasons, range_lines(scene, codes, "rows"))
 
 
 def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:

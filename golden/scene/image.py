@@ -49,8 +49,9 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
         "program_words": sizes.program_words,
         "operand_words": sizes.operand_words,
     }
+    settings = Settings(options=options, met=scene.settings().met)
     try:
-        made = Engine.of(scene.networks(), Settings(options=options), scene.arrangement)
+        made = Engine.of(scene.networks(), settings, scene.arrangement)
     except InputError as error:
         raise InputError(f"{scene.path}: {error}") from None
     assert made.loaded is not None, "an engine with reload holds an image"

@@ -1,4 +1,8 @@
-"""Finds outputs outside the range of the codes, where the hardware gives the end of the range."""
+"""Finds outputs and hidden sums beyond their range, where the hardware gives the end of the range.
+
+An output saturates where a network exceeds the codes. A hidden sum behind ReLU or a linear layer
+can saturate where the range of its layer is from the data; see ``golden.engine.ranges``.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,9 @@ import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from golden.fixed import Codes
+from golden.networks.engine import Engine
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -15,11 +22,11 @@ CLEARLY = 0.01
 
 
 def saturating(scene: Scene) -> list[str]:
-    """A sentence for each output that exceeds the range of the codes on recorded frames.
+    """A sentence for each output and each hidden layer that saturates on recorded frames.
 
-    The networks are evaluated in floating point, which is fast for every design. The later networks
-    of a cascade get the outputs of earlier ones before these saturate, so in a cascade only the
-    first output that is named is certain.
+    For the outputs the networks are evaluated in floating point, which is fast for every design.
+    The later networks of a cascade get the outputs of earlier ones before these saturate, so in a
+    cascade only the first output that is named is certain.
 
     Raises
     ------
@@ -39,7 +46,50 @@ def saturating(scene: Scene) -> list[str]:
                 f"output {name!r} saturates in {count} {len(column)} recorded frames: its network "
                 f"gives up to {np.abs(column).max():.3g} times the range of the codes"
             )
-    return sentences
+    saturated = hidden_saturations(scene, vectors.codes)
+    return sentences + [_counted(layer, counts, "recorded frames") for layer, counts in saturated]
+
+
+def hidden_saturations(scene: Scene, codes: Codes) -> list[tuple[str, Codes]]:
+    """The hidden layers that saturate, and how many sums of each do in each frame.
+
+    Parameters
+    ----------
+    scene : Scene
+    codes : int64 array, shape (frames, inputs)
+        Codes of the networks' inputs.
+    """
+    core = scene.twin().core
+    found = core.saturations(codes) if isinstance(core, Engine) else {}
+    return [(layer, counts) for layer, counts in found.items() if counts.any()]
+
+
+def range_lines(scene: Scene, codes: Codes, rows: str = "recorded frames") -> list[str]:
+    """For each hidden layer in which saturation would be an error its range, and what saturates.
+
+    Parameters
+    ----------
+    scene : Scene
+    codes : int64 array, shape (frames, inputs)
+        Codes of the networks' inputs.
+    rows : str
+        What the frames are, in words.
+    """
+    core = scene.twin().core
+    if not isinstance(core, Engine):
+        return []
+    counts = core.saturations(codes)
+    return [
+        f"{one.text}; {_counted('', counts[one.layer], rows)}" if one.from_data else one.text
+        for one in core.graph.ranges
+    ]
+
+
+def _counted(layer: str, counts: Codes, rows: str) -> str:
+    if not counts.any():
+        return f"no sum saturates in {len(counts)} {rows}"
+    place = f"{layer}: " if layer else ""
+    return f"{place}{counts.sum()} sums saturate, in {(counts > 0).sum()} of {len(counts)} {rows}"
 
 
 def warn_saturating(scene: Scene) -> None:

@@ -8,10 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
 from golden.cli import naming
 from golden.dense import Trained
+from golden.engine.ranges import met_by
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -263,15 +266,33 @@ class Scene:
         """
         return process_real(self.arrangement, self.networks(), samples, self.scheme.real)
 
-    def settings(self, lean: bool = True) -> Settings:
-        """What this scene chooses of the hardware of its networks."""
+    def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
+        """What this scene chooses of the hardware of its networks, or of others in their place."""
         return Settings(
-            self.precision, self.activation, self.activation_options, self.design_options, lean
+            self.precision,
+            self.activation,
+            self.activation_options,
+            self.design_options,
+            lean,
+            tuple(map(self._met, self.networks() if networks is None else networks)),
         )
+
+    def _met(self, network: Trained) -> tuple[float, ...]:
+        """The largest magnitudes in the hidden layers of a network on the recorded frames.
+
+        Where a network reads outputs of earlier ones, the targets take their place, which these
+        outputs come near to. One hidden layer of tanh needs no range, and so no frames.
+        """
+        if isinstance(network, Mlp):
+            return ()
+        vectors = self.vectors()
+        earlier = network.shape[0] - len(self.inputs)
+        inputs = [SIGNAL.to_real(vectors.codes), vectors.targets[:, :earlier]]
+        return met_by(network, np.concatenate(inputs, axis=1))
 
     def build(self, network: Trained, lean: bool = True) -> Design:
         """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""
-        return DESIGNS[self.design].of([network], self.settings(lean))
+        return DESIGNS[self.design].of([network], self.settings(lean, [network]))
 
     def twin(self, lean: bool = True) -> Network:
         """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""

@@ -165,7 +165,7 @@ ENGINES = {
 }
 # Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
 # network; the second has registers behind the memories, and sums that leave the word; the third has
-# no multiplier.
+# no multiplier; the fourth has a range from the data, which other frames leave.
 LAYERED = {
     "layers-engine": replace(
         ENGINE,
@@ -185,6 +185,9 @@ LAYERED = {
         shapes=[(2, 3, 4, 1)],
         activations=("leaky_relu", "tanh"),
         hardware='multiplier = "serial"',
+    ),
+    "ranged-engine": replace(
+        ENGINE, shapes=[(12, 3, 3, 2)], activations=("leaky_relu", "relu"), seed=0, spread=1.5
     ),
     # Quantised: halves to even behind a zero point; and the code below.
     "exact-engine": replace(

@@ -1,0 +1,100 @@
+"""The range of the words behind a ReLU, a leaky ReLU or a linear layer, and where it is from.
+
+Saturation of such a word would be an error. Two ranges avoid it. The bounds of a sum follow from
+the bounds of its operands, and no samples exceed them. But they add up the largest magnitudes of
+all operands, which real samples never reach together, so they can waste bits. The other range is
+that of the recorded frames with a margin. Samples that are unlike every recorded frame may exceed
+it; such a sum then saturates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.dense import Trained, layers_of
+from golden.fixed import Fix
+from golden.real import Real
+
+# The bits that the largest word of the recorded frames must have, beside its sign, for the bounds
+# to be good enough. A word is rounded by half a unit. The rounding of a weight moves the word by up
+# to 4 units for each operand, since an operand has up to 2**17 and the weight an error of up to
+# 2**-15. With 15 bits these are 2**-16 and 2**-13 of the largest word. A sample and an output have
+# one code per 2**-13 of their range, so an operand of a hidden layer then costs no more than a
+# code. Each bit less would double this.
+ENOUGH = 15
+# By how much a sum may exceed the largest magnitude of the recorded frames. If sums were normally
+# distributed, the largest of 1000 to 100,000 recorded ones would be 3 to 4.5 standard deviations
+# from the mean, and one of twice that would never occur. It costs one bit. So a range from the data
+# leaves ``ENOUGH`` bits or more.
+MARGIN = 2
+
+
+@dataclass(frozen=True)
+class Range:
+    """The range of the words of one hidden layer.
+
+    Parameters
+    ----------
+    fmt : Fix
+    bound : float
+        The magnitude that no sum exceeds, whatever the samples are.
+    met : float
+        The largest magnitude on the recorded frames; 0 where there are none.
+    from_data : bool
+        Whether the format is from ``met``. Otherwise it is from ``bound``, and no sum saturates.
+    layer : str
+        Which layer it is, in words.
+    places : tuple of int
+        The neurons of the graph that are the sums of the layer.
+    """
+
+    fmt: Fix
+    bound: float
+    met: float
+    from_data: bool
+    layer: str = ""
+    places: tuple[int, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The range in words."""
+        held = f"words of {self.fmt} hold {self.fmt.to_real(self.fmt.high):.4g}"
+        if not self.from_data:
+            return f"{self.layer}: {held}, from bounds: no sum exceeds {self.bound:.4g}"
+        return (
+            f"{self.layer}: {held}, from the data: {self.met:.4g} is met, margin {MARGIN}; bounds "
+            f"would be {self.bound:.4g}"
+        )
+
+
+def frac_of(met: float, width: int) -> int:
+    """The most fraction bits with which words of ``width`` bits hold ``met`` and the margin."""
+    return next(
+        (frac for frac in range(width - 1, -1, -1) if MARGIN * met * 2**frac < 2 ** (width - 1)), -1
+    )
+
+
+def met_by(network: Trained, inputs: Real) -> tuple[float, ...]:
+    """The largest magnitude of the words of each hidden layer, in floating point.
+
+    Parameters
+    ----------
+    network : Mlp or DenseNetwork
+    inputs : float array, shape (frames, inputs)
+        Inputs of the network, as signals.
+    """
+    found, values = [], inputs
+    for layer in layers_of(network)[:-1]:
+        # Sums that no float holds fit in no format either.
+        with np.errstate(over="ignore", invalid="ignore"):
+            sums = values @ layer.weights.T + layer.biases
+            values, _ = layer.activate(sums)
+        # A node with leaky ReLU stores its sum.
+        words = sums if layer.activation == "leaky_relu" else values
+        # Six digits, because the last bits of a sum depend on the machine.
+        found.append(float(f"{np.abs(words).max(initial=0.0):.6g}"))
+        if layer.quantiser:
+            values = layer.quantiser.process(values)
+    return tuple(found)
