@@ -56,14 +56,14 @@ NAMED = [
     ("precise", "most negative code"),
     *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in DESIGNS[name].precisions),
     ("constants", "Q_j of 200000, thesis"),
-    *(("engine, several layers", f"^{kinds}: all sensors at rails") for kinds in LAYERS),
-    *(("engine, several layers", f"^{kind}, {kind}: all weights") for kind in ("relu", "linear")),
-    ("engine, several layers", "^tanh, tanh: all weights"),
-    ("engine, several layers", "^every ReLU of layer 1 is dead"),
-    ("engine, several layers", r"^relu: [1-9]\d* sums half way"),
-    *(("engine, several layers", rf"^quantised, {r}: [1-9]\d* sums half way") for r in ROUNDINGS),
-    ("engine, several layers", "relu, ranges from the data: recorded frames"),
-    ("engine, several layers", "relu, ranges from the data: frames that leave them"),
+    *(("deep engine", f"^{kinds}: all sensors at rails") for kinds in LAYERS),
+    *(("deep engine", f"^{kind}, {kind}: all weights") for kind in ("relu", "linear")),
+    ("deep engine", "^tanh, tanh: all weights"),
+    ("deep engine", "^every ReLU of layer 1 is dead"),
+    ("deep engine", r"^relu: [1-9]\d* sums half way"),
+    *(("deep engine", rf"^quantised, {r}: [1-9]\d* sums half way") for r in ROUNDINGS),
+    ("deep engine", "relu, ranges from the data: recorded frames"),
+    ("deep engine", "relu, ranges from the data: frames that leave them"),
     *((name, "ends, thesis") for name in ("input_integral", "neuron", "output_integral")),
     *((name, "ends, exact") for name in ("input_integral", "neuron", "output_integral")),
     ("pade", "rho = 1, 2 to 200 iterations, thesis"),
@@ -226,7 +226,7 @@ def test_a_fault_in_several_layers_says_no(monkeypatch, fault: str, cases, figur
         monkeypatch.setattr(Program, "instructions", property(without_relu))
     else:
         monkeypatch.setattr(Engine, "process", _halves_up(Engine.process))
-    assert ("engine, several layers", figure) in broken(cases)
+    assert ("deep engine", figure) in broken(cases)
 
 
 def _halves_up(right):

@@ -20,7 +20,7 @@ from golden.real import Real
 from tb.report.measure.stability.case import Row, largest
 
 LOW, HIGH = SIGNAL.low, SIGNAL.high
-MODEL = "engine, several layers"
+MODEL = "deep engine"
 EQUAL = "equal exact integers"
 BOUNDED = "err by no more than rounding can cause"
 SEGMENT_WIDTH = 9
