@@ -210,7 +210,9 @@ def test_hidden_sums_that_saturate_in_recorded_frames_are_warned_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With the margin none can, so it is taken away."""
-    scene = scene_of(tmp_path, wide(), quiet(24, 40))
+    first, *others = wide().layers
+    larger = DenseNetwork((Dense(8 * first.weights, first.biases, "relu"), *others))
+    scene = scene_of(tmp_path, larger, quiet(24, 40))
     assert not [text for text in saturating(scene) if "layer" in text]
     monkeypatch.setattr("golden.engine.ranges.MARGIN", 0.1)
     again = load_scene(str(scene.path))

@@ -14,16 +14,26 @@ from shared import Shared
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.sign_retriever import SignRetriever
+from golden.engine.formats import DROPPED
+from golden.engine.program import Program
 from golden.fixed import Fix
 from golden.layers import input_integral
 from golden.layers.weighted_sum import WeightedSum
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
 from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
 from tb.report.draw.margins import LEFT, RIGHT, margins
 from tb.report.measure import table_records
-from tb.report.measure.stability import activations, networks, physics, table, visualisation
+from tb.report.measure.stability import (
+    activations,
+    layered,
+    networks,
+    physics,
+    table,
+    visualisation,
+)
 from tb.report.measure.stability.case import Row, accepted, largest
 from tb.report.measure.stability.margins import Case, closest
 from tb.report.measure.table import Table
@@ -32,6 +42,8 @@ from tb.report.page import stability as page
 # A smaller error only consists of last bits.
 UNSEEN = 1e-9
 WINDOWS = ("swing-window", "swing-window-cascade")
+LAYERS = ("relu, relu, relu", "leaky_relu, linear, leaky_relu", "sigmoid, hard_tanh, tanh")
+ROUNDINGS = ("even", "away", "floor")
 # The cases that must exist: a model, and words in the name of the case.
 NAMED = [
     *((name, "all sensors at rails") for name in scene_names()),
@@ -44,6 +56,14 @@ NAMED = [
     ("precise", "most negative code"),
     *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in DESIGNS[name].precisions),
     ("constants", "Q_j of 200000, thesis"),
+    *(("deep engine", f"^{kinds}: all sensors at rails") for kinds in LAYERS),
+    *(("deep engine", f"^{kind}, {kind}: all weights") for kind in ("relu", "linear")),
+    ("deep engine", "^tanh, tanh: all weights"),
+    ("deep engine", "^every ReLU of layer 1 is dead"),
+    ("deep engine", r"^relu: [1-9]\d* sums half way"),
+    *(("deep engine", rf"^quantised, {r}: [1-9]\d* sums half way") for r in ROUNDINGS),
+    ("deep engine", "relu, ranges from the data: recorded frames"),
+    ("deep engine", "relu, ranges from the data: frames that leave them"),
     *((name, "ends, thesis") for name in ("input_integral", "neuron", "output_integral")),
     *((name, "ends, exact") for name in ("input_integral", "neuron", "output_integral")),
     ("pade", "rho = 1, 2 to 200 iterations, thesis"),
@@ -176,6 +196,44 @@ def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
     assert ("digit-hybrid", "codes off") in found
     assert ("digit-hybrid", "error in 2^-13") in found
     assert ("hybrid", "codes off") in broken(networks.huge_weights)
+
+
+@pytest.mark.parametrize(
+    ("fault", "cases", "figure"),
+    [
+        ("wrapping", layered.ranges, "codes off"),
+        ("no ReLU", layered.dead, "error in 2^-13"),
+        ("halves up", layered.ties, "codes off"),
+    ],
+)
+def test_a_fault_in_several_layers_says_no(monkeypatch, fault: str, cases, figure: str) -> None:
+    right = Program.run
+
+    def broken_run(self, samples):
+        for step, sums, word in right(self, samples):
+            if fault == "wrapping":
+                wrapped = ((sums >> DROPPED) + (1 << 17)) % (1 << 18) - (1 << 17)
+                word[...] = np.where(step.relu, np.maximum(wrapped, 0), wrapped)
+            yield step, sums, word
+
+    def without_relu(self):
+        return [replace(step, relu=0) for step in instructions(self)]
+
+    instructions = Program.instructions.func
+    if fault == "wrapping":
+        monkeypatch.setattr(Program, "run", broken_run)
+    elif fault == "no ReLU":
+        monkeypatch.setattr(Program, "instructions", property(without_relu))
+    else:
+        monkeypatch.setattr(Engine, "process", _halves_up(Engine.process))
+    assert ("deep engine", figure) in broken(cases)
+
+
+def _halves_up(right):
+    def process(self, frames):
+        return replace(self, program=replace(self.program, even=False)).compute(frames)
+
+    return process
 
 
 def test_frames_that_are_never_refused_say_no(monkeypatch) -> None:

@@ -23,6 +23,7 @@ BREAKS = {
     "was built for",
     "give the largest code: saturate, not wrap": "an ABS that wraps: two's complement has no 8192 "
     "in 14 bits",
+    "round as the quantiser says": "halves that are rounded up where they go to the even code",
     "be exact": "an ABS that inverts the bits and adds no 1",
     "give the negative of the largest code's result": "a lost sign, or an ABS that wraps",
     "give the largest code beyond the gate": "a missing gate: Pade's regression diverges there",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from tb.report.measure.stability import activations, networks, physics, visualisation
+from tb.report.measure.stability import activations, layered, networks, physics, visualisation
 from tb.report.measure.stability.case import Row
 from tb.report.measure.table import Cell, Table
 
@@ -15,6 +15,7 @@ CASES: tuple[Callable[[], Iterator[Row]], ...] = (
     networks.rails,
     networks.huge_weights,
     networks.accumulators,
+    layered.layered,
     activations.most_negative,
     activations.divergence,
     visualisation.narrow_loads,
@@ -49,6 +50,7 @@ def stability(_: int) -> Table:
         "same sums in Python's integers, which have no width. Errors against real arithmetic are "
         "of tanh networks with the unrounded weights, which saturate where the formats do: of the "
         "output that comes nearest to its bound, which follows from the roundings and from the "
-        "activation's largest error over every code. D w is the deflection times the plate's "
-        "stiffness.",
+        "activation's largest error over every code. Networks of several layers are judged alike; "
+        "where ranges of their words are from the data, the bound is for frames in which no sum "
+        "saturates. D w is the deflection times the plate's stiffness.",
     )
