@@ -20,7 +20,7 @@ from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.layer_training import LayerStages
+from golden.layer_training import LayerStages, bit_true_error, percent_errors
 from golden.layer_training import search as search_layers
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
@@ -32,7 +32,7 @@ from golden.scene.vectors import warn_outside
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
-from golden.training.search import Result, candidates, search, signed_errors
+from golden.training.search import Result, candidates, search
 from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task
@@ -88,13 +88,18 @@ def main() -> None:
 
 
 def check_layers(scene: Scene) -> None:
-    """Refuse activations of layers whose nodes nobody names: training does not search for them.
+    """Refuse classes and layers whose nodes nobody names: training does not search for them.
 
     Raises
     ------
     InputError
     """
     for member in scene.members:
+        if scene.labels and not member.layers:
+            raise InputError(
+                f"{scene.path}: network.hidden: got 0 with data.classes, expected the nodes of "
+                "each hidden layer, such as 8 or [32, 16]: training does not search for them"
+            )
         if member.activations not in ((), ("tanh",)) and not member.layers:
             raise InputError(
                 f"{scene.path}: network.hidden: got 0 with activations, expected the nodes of each "
@@ -142,6 +147,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 **split_story(scene),
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
+                **({"classes": scene.classes, "labels": scene.labels} if scene.labels else {}),
                 "precision": scene.precision.name,
                 "design": scene.design,
                 "activation": scene.activation_text,
@@ -212,10 +218,10 @@ def errors_of(task: Task, network: Trained, part: str) -> dict[str, Any]:
         kinds["_disturbed"] = getattr(task, part)
     errors: dict[str, Any] = {}
     for kind, frames in kinds.items():
-        miss = signed_errors(task, network, frames)
-        means = np.abs(miss).mean(axis=0)
+        means = np.abs(percent_errors(task, network, frames)).mean(axis=0)
         names = task.scene.members[task.number].outputs
-        errors[f"{part}{kind}_rms_percent"] = round(float(np.sqrt((miss**2).mean())), 4)
+        figure = "wrong" if task.scene.labels else "rms"
+        errors[f"{part}{kind}_{figure}_percent"] = round(bit_true_error(task, network, frames), 4)
         errors[f"{part}{kind}_mean_percent"] = {
             name: round(float(mean), 4) for name, mean in zip(names, means, strict=True)
         }
