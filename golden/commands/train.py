@@ -24,6 +24,7 @@ from golden.layer_training import LayerStages, bit_true_error, percent_errors
 from golden.layer_training import search as search_layers
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
+from golden.rig import class_counts
 from golden.rig.check import before_training
 from golden.scene import Scene, load_scene
 from golden.scene.schema import FEWEST
@@ -113,6 +114,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
+    for finding in class_counts.findings(scene):
+        print(finding)
     unused = unused_text(scene)
     if unused:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
