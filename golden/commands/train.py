@@ -46,7 +46,7 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     best: Result | None = None
     refused = 0
     member = task.scene.members[task.number]
-    name = ", ".join(member.outputs)
+    name = task.scene.classes or ", ".join(member.outputs)
     total = task.scene.training.restarts if member.layers else len(candidates(task))
     results = search_layers(task, workers) if member.layers else search(task, record, workers)
     with Progress(name, total, "candidates") as progress:

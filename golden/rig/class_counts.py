@@ -34,18 +34,18 @@ def findings(scene: Scene) -> list[Finding]:
     counts = ", ".join(f"{n} {label}" for n, label in zip(rows, scene.labels, strict=True))
     subject = f"data.classes {scene.classes}"
     found = [Finding(OK, subject, f"rows: {counts}")]
-    none_trains = [f"{label!r}" for label, n in zip(scene.labels, trains, strict=True) if not n]
+    none_trains = [label for label, n in zip(scene.labels, trains, strict=True) if not n]
     if none_trains:
         text = (
             f"no row of {several(none_trains)} trains, expected one or more of each class; record "
             "more rows, or change training.split or training.seed"
         )
         found.append(Finding(FAULT, subject, text))
-    once = [f"{label!r}" for label, n in zip(scene.labels, rows, strict=True) if n == 1]
+    once = [label for label, n in zip(scene.labels, rows, strict=True) if n == 1]
     if once:
         text = f"{several(once)} stands in a single row, which cannot both train and test"
         found.append(Finding(WARNING, subject, text))
-    unseen = [f"{label!r}" for label, n in zip(scene.labels, held, strict=True) if not n]
+    unseen = [label for label, n in zip(scene.labels, held, strict=True) if not n]
     if unseen:
         text = f"no row of {several(unseen)} is held out: the errors say nothing about it"
         found.append(Finding(WARNING, subject, text))
