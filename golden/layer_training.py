@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from golden.dense import Dense, Trained, layers_of, network_of
+from golden.dense import Dense, Trained, network_of
 from golden.input_error import InputError
 from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective, packed, unpacked
 from golden.real import Real

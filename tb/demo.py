@@ -127,7 +127,9 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
     clocks, interval = first["clocks_per_frame"], first["interval"]
     errors_of_classes = []
     if scene.labels:
-        errors_of_classes = ["the error of a class is the part of the frames decided wrongly about it"]
+        errors_of_classes = [
+            "the error of a class is the part of the frames decided wrongly about it"
+        ]
     lines = [
         "",
         f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "

@@ -19,12 +19,13 @@ from golden.network_files.network_file import read_provenance, write_network
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.rig import check, class_counts
-from golden.scene import load_scene
+from golden.scene import class_names, load_scene
 from golden.scene.labels import class_scale, decided, margins, ordered, wrong_percent
 from golden.scene_errors import held_out_rows, scene_errors
 from tb.common.cases import random_network
 from tb.report.draw.confusion import confusion_plot
 from tb.report.measure.classes import accuracy, per_class, wrong_rows
+from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.outcome import outcome
 
 LABELS = ("fist", "flat", "wave")
@@ -156,7 +157,9 @@ def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, monkeypatch
     assert [int(row["margin"]) for row in rows] == every.margins.tolist()
     assert sum(int(row["outside"]) for row in rows) <= 6
     counts = np.bincount(every.bit_true)
-    assert f"gesture: {counts[0]} fist, {counts[1]} flat, {counts[2]} wave" in capsys.readouterr()[0]
+    assert (
+        f"gesture: {counts[0]} fist, {counts[1]} flat, {counts[2]} wave" in capsys.readouterr()[0]
+    )
 
 
 def test_a_reading_like_no_class_is_outside(hand: Path, tmp_path: Path, monkeypatch) -> None:
@@ -171,7 +174,9 @@ def test_a_network_for_other_labels_is_refused(hand: Path, tmp_path: Path) -> No
     path = write_hand(tmp_path, labels=("fist", "flat", "point"))
     for file in ("hand.npz", "hand.provenance.toml"):
         (tmp_path / file).write_bytes(hand.with_name(file).read_bytes())
-    with pytest.raises(InputError, match=r"for the labels fist, flat, wave, expected fist, flat, p"):
+    with pytest.raises(
+        InputError, match=r"for the labels fist, flat, wave, expected fist, flat, p"
+    ):
         load_scene(str(path)).networks()
 
 
@@ -241,11 +246,23 @@ def test_labels_that_are_none(labels, message: str) -> None:
     ("old", "new", "message"),
     [
         ('classes = "gesture"', "", "data.outputs: missing, expected a list of column names"),
-        ('"gesture"', '"gesture"\noutputs = ["day"]', "data.classes: got 'gesture' beside data.out"),
+        (
+            '"gesture"',
+            '"gesture"\noutputs = ["day"]',
+            "data.classes: got 'gesture' beside data.out",
+        ),
         ('"gesture"', '"x"', "data.classes: got 'x', a sensor, expected a column"),
-        ('"gesture"', '"gestur"', "no column 'gestur', got x, y, gesture, day; did you mean 'gestu"),
+        (
+            '"gesture"',
+            '"gestur"',
+            "no column 'gestur', got x, y, gesture, day; did you mean 'gestu",
+        ),
         ('"gesture"', '""', "data.classes: got '', expected"),
-        ("[network]", "full_scale = { day = 1 }\n[network]", "data.full_scale: got {'day': 1} with"),
+        (
+            "[network]",
+            "full_scale = { day = 1 }\n[network]",
+            "data.full_scale: got {'day': 1} with",
+        ),
         ('"single"', '"cascade"', "network.arrangement: got 'cascade' with data.classes, expected"),
         ("[training]", "[training]\ndigits = 9", "training.digits: got 9 with data.classes"),
         ('"gesture"', '"gesture"\nunits = { gesture = "g" }', "'gesture' is no sensor and no out"),
@@ -328,7 +345,9 @@ def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsy
 def test_make_scene_refuses_outputs_beside_classes(tmp_path: Path, monkeypatch) -> None:
     csv_file = write_hand(tmp_path).with_suffix(".csv")
     with pytest.raises(InputError, match=r"CLASSES=gesture: got OUTPUTS=day too, expected one"):
-        call(monkeypatch, scene, csv_file, "day", "--classes", "gesture", "--to", tmp_path / "a.toml")
+        call(
+            monkeypatch, scene, csv_file, "day", "--classes", "gesture", "--to", tmp_path / "a.toml"
+        )
     with pytest.raises(InputError, match=r"no column 'gestur'; did you mean 'gesture'"):
         call(monkeypatch, scene, csv_file, "--classes", "gestur", "--to", tmp_path / "a.toml")
 
@@ -336,8 +355,9 @@ def test_make_scene_refuses_outputs_beside_classes(tmp_path: Path, monkeypatch) 
 def test_make_scene_hints_at_classes(tmp_path: Path, monkeypatch, capsys) -> None:
     csv_file = write_hand(tmp_path, labels=(0, 1, 2)).with_suffix(".csv")
     call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "a.toml")
-    assert "holds only the whole numbers 0 to 2; if they are names of classes and no quantity, CL" in (
-        capsys.readouterr()[0]
+    assert (
+        "holds only the whole numbers 0 to 2; if they are names of classes and no quantity, CL"
+        in (capsys.readouterr()[0])
     )
     csv_file = write_hand(tmp_path).with_suffix(".csv")
     with pytest.raises(InputError, match=r"got 'fist', expected a number.*CLASSES=gesture tells"):
@@ -398,3 +418,28 @@ def test_large_logits_stay_finite() -> None:
         value, gradient = aim.evaluate(point)
         assert np.isfinite([value, *gradient]).all()
         assert np.isfinite(aim.jacobian(point)).all()
+
+
+@pytest.mark.parametrize("name", class_names())
+def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
+    found = load_scene(name)
+    rows, every = held_out_rows(found), decisions_of(found)
+    story = read_provenance(found.weights_paths[0])
+    wrong = every.bit_true != every.actual
+    assert story["test_wrong_percent"] == round(100 * wrong[rows].mean(), 4)
+    assert every.differ <= 2
+    assert every.take(rows).right >= 0.95 * len(rows)
+    assert not class_counts.findings(found)[1:]
+
+
+def test_digits_costs_what_it_may() -> None:
+    found = load_scene("classes/digits")
+    with found.path.with_name("digits.budget.csv").open() as file:
+        (engine,) = (
+            row
+            for row in csv.DictReader(file)
+            if (row["family"], row["entity"]) == ("xc2v", "engine")
+        )
+    assert clocks_per_frame(found.twin()) <= 2500
+    assert int(engine["LUT"]) <= 190
+    assert int(engine["multiplier"]) == 1

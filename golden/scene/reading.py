@@ -51,6 +51,11 @@ def comparison_names() -> list[str]:
     return sorted(f"comparison/{folder.name}" for folder in (FOLDER / "comparison").iterdir())
 
 
+def class_names() -> list[str]:
+    """The shipped scenes whose networks tell classes apart."""
+    return sorted(f"classes/{folder.name}" for folder in (FOLDER / "classes").iterdir())
+
+
 def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by a path that ends in ``.toml``.
 
@@ -61,7 +66,7 @@ def load_scene(name: str) -> Scene:
         cannot be read; and for faults in the file. For each fault the message names file, key, what
         was got and what was expected.
     """
-    known = scene_names()
+    known = [*scene_names(), *class_names()]
     shipped = name in known or name in comparison_names()
     path = scene_path(name) if shipped else _expanded(name)
     try:

@@ -18,7 +18,6 @@ from tb.report.measure.costs import Costs
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Cell, Table
 
-
 ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
 
 
