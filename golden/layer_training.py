@@ -10,19 +10,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from golden.dense import Dense, Trained, layers_of, network_of
+from golden.dense import Dense, Trained, network_of
 from golden.input_error import InputError
-from golden.mlp import tanh
+from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective, packed, unpacked
 from golden.real import Real
 from golden.scene import Scene
+from golden.scene.labels import wrong_percent
 from golden.scene.scale import Scale, on_readings, on_signals, signals
-from golden.training.objective import Objective
-from golden.training.search import OPTIMISERS, Result, bit_true_errors, shift_biases
+from golden.training.objective import Rows
+from golden.training.search import OPTIMISERS, Result, shift_biases, signed_errors
 from golden.training.task import Frames, Task, task_for
 
 
@@ -39,85 +39,11 @@ def random_layers(
     return network_of(layers)
 
 
-def packed(network: Trained) -> Real:
-    """All weights and biases in one vector, layer by layer."""
-    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
-    return np.concatenate(parts)
-
-
-def unpacked(vector: Real, like: Trained) -> Trained:
-    """The inverse of ``packed`` for a network with the layers of ``like``."""
-    layers, at = [], 0
-    for layer in layers_of(like):
-        end = at + layer.weights.size
-        weights = vector[at:end].reshape(layer.weights.shape)
-        at = end + layer.nodes
-        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
-    return network_of(layers)
-
-
-class LayeredObjective(Objective):
-    """The function that a descent minimises; see ``Objective``.
-
-    Parameters
-    ----------
-    like : Mlp or DenseNetwork
-        A network with the layers that are trained.
-    **settings
-        The parameters of ``Objective``, except the shape and the activation.
-    """
-
-    def __init__(self, like: Trained, **settings: Any):
-        inputs, *hidden, outputs = like.shape
-        super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
-        self.like = like
-
-    def network(self, vector: Real) -> Trained:
-        return unpacked(vector, self.like)
-
-    def jacobian(self, vector: Real) -> Real:
-        network = self.network(vector)
-        values, slopes = self._forward(network)
-        scale = self.training.scale
-        rows, outputs = scale.shape
-        back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
-        found: list[Real] = []
-        for n, layer in reversed(list(enumerate(layers_of(network)))):
-            back = back * slopes[n][:, np.newaxis, :]
-            weights = back[..., np.newaxis] * values[n][:, np.newaxis, np.newaxis, :]
-            found = [weights.reshape(rows, outputs, -1), back, *found]
-            back = back @ layer.weights
-        result = np.concatenate(found, axis=2) / scale[:, :, np.newaxis]
-        decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
-        return np.concatenate([result.reshape(-1, len(vector)), decay])
-
-    def evaluate(self, vector: Real) -> tuple[float, Real]:
-        residuals = self.residuals(vector)
-        network = self.network(vector)
-        values, slopes = self._forward(network)
-        scale = self.training.scale
-        back = residuals[: scale.size].reshape(scale.shape) / scale
-        found: list[Real] = []
-        for n, layer in reversed(list(enumerate(layers_of(network)))):
-            back = back * slopes[n]
-            found = [(back.T @ values[n]).ravel(), back.sum(axis=0), *found]
-            back = back @ layer.weights
-        gradient = np.concatenate(found)
-        return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
-
-    def _forward(self, network: Trained) -> tuple[list[Real], list[Real]]:
-        """The inputs of each layer, and the slopes of its activation."""
-        values, slopes = [self.training.inputs], []
-        for layer in layers_of(network):
-            sums = values[-1] @ layer.weights.T + layer.biases
-            value, slope = layer.activate(sums, self.activation)
-            values.append(value)
-            slopes.append(slope)
-        return values, slopes
-
-
 def descended(task: Task, start: Trained, training: Frames, validation: Frames) -> Trained:
-    """The network to which a descent from ``start`` leads, with its output biases shifted.
+    """The network to which a descent from ``start`` leads.
+
+    Its output biases are shifted. If the scene has classes, its outputs are logits, which nothing
+    shifts.
 
     Raises
     ------
@@ -127,10 +53,16 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
     settings = task.scene.training
     outputs = start.shape[-1]
     normal, plain = task.normal, [Scale()] * outputs
-    normalised = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
+    normalised: list[Rows] = [
+        replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)
+    ]
     like = on_signals(start, normal, plain)
     point = packed(like)
-    objective = LayeredObjective(
+    objective_of = LayeredObjective
+    if task.scene.labels:
+        objective_of = ClassObjective
+        normalised = [LabelledRows(f.inputs, f.targets, f.scale) for f in normalised]
+    objective = objective_of(
         like,
         training=normalised[0],
         validation=normalised[1],
@@ -138,7 +70,37 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
         patience=settings.patience,
     )
     point = objective.search(OPTIMISERS[settings.optimiser], point, settings.steps)
-    return shift_biases(task, on_readings(unpacked(point, like), normal, plain), training)
+    network = on_readings(unpacked(point, like), normal, plain)
+    return network if task.scene.labels else shift_biases(task, network, training)
+
+
+def as_read(task: Task, network: Trained) -> tuple[Trained, Trained]:
+    """A trained network as a file holds it, and as it is read from there."""
+    scene = task.scene
+    inputs, outputs = scene.scales_of(task.number)
+    file = on_readings(network, inputs, outputs)
+    return file, on_signals(file, *scene.scales_as_read(file, task.number))
+
+
+def percent_errors(task: Task, network: Trained, frames: Frames) -> Real:
+    """Bit-true errors in percent, shape (rows, outputs).
+
+    They have their signs or, of a class, are those of ``wrong_percent``.
+    """
+    if task.scene.labels:
+        return wrong_percent(task.bit_true(network, frames), frames.targets)
+    return signed_errors(task, network, frames)
+
+
+def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
+    """The figure that chooses among restarts: the root mean square of the bit-true errors.
+
+    If the scene has classes, it is the part of the frames with a wrong decision, in percent.
+    """
+    errors = percent_errors(task, network, frames)
+    if task.scene.labels:
+        return float(errors.max(axis=1).mean())
+    return float(np.sqrt((errors**2).mean()))
 
 
 def train(task: Task, restart: int) -> Trained:
@@ -161,10 +123,11 @@ def measured(task: Task, restart: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     nodes = sum(task.scene.members[task.number].layers)
     try:
-        validation, test = bit_true_errors(task, train(task, restart))
+        network = as_read(task, train(task, restart))[1]
+        errors = [bit_true_error(task, network, part) for part in (task.validation, task.test)]
     except InputError as error:
         return Result(nodes, restart, float("inf"), float("inf"), str(error))
-    return Result(nodes, restart, validation, test)
+    return Result(nodes, restart, *errors)
 
 
 def search(task: Task, workers: int = -1) -> Iterator[Result]:
@@ -196,18 +159,13 @@ class LayerStages:
             When the hardware's formats cannot hold its weights.
         """
         task = self.task([], 0)
-        chosen = self._as_read(train(task, restart))
+        chosen = as_read(task, train(task, restart))
         tested = written = chosen
         if self.scene.training.refit:
-            tested = self._as_read(descended(task, chosen[1], task.known, task.known))
-            written = self._as_read(descended(task, chosen[1], task.every, task.every))
+            start = on_signals(chosen[0], *self.scene.scales_of(0))
+            tested = as_read(task, descended(task, start, task.known, task.known))
+            written = as_read(task, descended(task, start, task.every, task.every))
         self.chosen.append(chosen[1])
         self.tested.append(tested[1])
         self.written.append(written[1])
         self.files.append(written[0])
-
-    def _as_read(self, network: Trained) -> tuple[Trained, Trained]:
-        """The network as a file holds it, and as it is read from there."""
-        scales = self.scene.scales_of(0)
-        file = on_readings(network, *scales)
-        return file, on_signals(file, *scales)

@@ -145,15 +145,39 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     """
     found = _read(path)
     for name in columns:
-        if name not in found.names:
-            found.refuse_numbers()
-            known = ", ".join(found.names)
-            raise InputError(f"{path}: no column {name!r}, got {known}{suggest(name, found.names)}")
+        _refuse_missing(found, name)
     for wrong in (found.column(name).fault(path) for name in columns):
         if wrong:
             raise InputError(wrong)
     table = [found.column(name).values for name in columns]
     return np.stack(table, axis=1) if table else np.empty((len(found.rows), 0))
+
+
+def read_texts(path: Path, column: str) -> tuple[str, ...]:
+    """Read the texts in a column of a CSV file, blanks around them taken off.
+
+    Raises
+    ------
+    InputError
+        See ``read_csv_file``; also for a missing column, or an empty cell.
+    """
+    found = _read(path)
+    _refuse_missing(found, column)
+    at = found.names.index(column)
+    texts = tuple(row[at].strip() for row in found.rows)
+    for line, text in zip(found.lines, texts, strict=True):
+        if not text:
+            raise InputError(f"{path}:{line}: column {column!r}: got an empty cell, expected text")
+    return texts
+
+
+def _refuse_missing(found: CsvFile, name: str) -> None:
+    if name not in found.names:
+        found.refuse_numbers()
+        known = ", ".join(found.names)
+        raise InputError(
+            f"{found.path}: no column {name!r}, got {known}{suggest(name, found.names)}"
+        )
 
 
 def _read(path: Path) -> CsvFile:

@@ -214,11 +214,12 @@ COMMANDS = (
     ),
     Command(
         "scene",
-        "Writes a scene for your own readings, and prints what the readings show; HARDWARE= names "
-        "the scene whose board took them.",
+        "Writes a scene for your own readings, and prints what the readings show; CLASSES= names "
+        "a column of labels instead of OUTPUTS=, HARDWARE= the scene whose board took them.",
         (
             word("CSV", "readings.csv", default="", needed=True),
-            word("OUTPUTS", "a,b", default="", needed=True),
+            word("OUTPUTS", "a,b", default=""),
+            option("CLASSES", "gesture"),
             option("TO", "my-rig.toml"),
             HARDWARE,
         ),

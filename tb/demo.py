@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run, would
+from golden.decisions import lines_of
 from golden.disturbance import Disturbance
 from golden.folders import BUILD
 from golden.machine import closing
@@ -125,18 +126,25 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
     facts = results["facts"]
     first = next(iter(facts.values()))
     clocks, interval = first["clocks_per_frame"], first["interval"]
+    errors_of_classes = []
+    if scene.labels:
+        errors_of_classes = [
+            "the error of a class is the part of the frames decided wrongly about it"
+        ]
     lines = [
         "",
         f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions",
+        *errors_of_classes,
         *textwrap.wrap(unused_text(scene), 100),
         *textwrap.wrap(f"held-out frames: {held_out_text(scene)}", 100),
         "'noise' is the mean with so much noise on every reading, in its unit",
         "",
         *error_table(scene),
         "",
+        *(lines_of(scene) if scene.labels else []),
         *length_lines(scene),
         *clock_lines(scene, clocks, interval),
         *(f"{design.entity:25} {fact}" for fact in design.facts()),

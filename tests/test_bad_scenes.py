@@ -231,10 +231,11 @@ def test_a_key_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
 
 # The messages for an empty file.
 MISSING = [
-    *("data.sensors: missing, expected a list", "data.outputs: missing, expected a list"),
+    "data.sensors: missing, expected a list",
     *(f"{key}: missing, {TEXT}" for key in ("network.arrangement", "network.weights")),
     *(f"{key}: missing, {TEXT}" for key in ("hardware.design", "hardware.precision")),
     "data.file: missing, expected text, the name of a file",
+    "data.outputs: missing, expected a list of column names, or a column of labels",
 ]
 SECTIONS = "[visualisation]\nload = 'y0'\nposition = 'y1'\n[uart]\nbaud = 5\n[front_end]"
 # Sections of a board's scene, and all messages that come at once.

@@ -16,7 +16,7 @@ from refused import main_of
 from golden.boards import board_names, load_board
 from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
-from golden.scene import DEFAULT_SCENES, FOLDER, Scene, scene_names
+from golden.scene import DEFAULT_SCENES, FOLDER, Scene, class_names, load_scene, scene_names
 from hdl.boards.record import record_path
 from hdl.boards.variants import variants_path
 from hdl.synth.budget import budget_path
@@ -269,6 +269,9 @@ def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
 
 def test_no_stray_files_beside_the_scenes() -> None:
     expected = set()
+    for scene in map(load_scene, class_names()):
+        recordings = (budget_path(scene.path), timing_path(scene.path), lean_path(scene.path))
+        expected |= {*scene.files, *map(provenance_path, scene.weights_paths), *recordings}
     for scene in scenes():
         expected.add(scene.path)
         for path in scene.weights_paths:

@@ -11,7 +11,8 @@ import pytest
 from golden.commands.train import main
 from golden.dense import ACTIVATIONS, Dense, Trained, layers_of, network_of
 from golden.input_error import InputError
-from golden.layer_training import LayeredObjective, packed, random_layers, unpacked
+from golden.layer_objective import LayeredObjective, packed, unpacked
+from golden.layer_training import random_layers
 from golden.mlp import tanh
 from golden.network_files.network_file import read_provenance
 from golden.precision import SIGNAL

@@ -8,10 +8,25 @@ from pathlib import Path
 
 from golden.cli import run, would
 from golden.input_error import InputError
-from golden.rig.predict import check_place, predict, readings_of, write_prediction
+from golden.rig.predict import Prediction, check_place, predict, readings_of, write_prediction
 from golden.rig.trained_on import trained_on
-from golden.scene import load_scene
+from golden.scene import Scene, load_scene
+from golden.scene.labels import margins
 from golden.table import read_csv_file
+
+
+def result_lines(scene: Scene, found: Prediction) -> list[str]:
+    """The range of each output or, of classes, how many rows each has, and the least margin."""
+    if scene.labels:
+        by = margins(found.codes)
+        counts = found.outputs.sum(axis=0).astype(int)
+        rows = ", ".join(f"{n} {name}" for name, n in zip(scene.labels, counts, strict=True))
+        return [f"{scene.classes}: {rows}", f"margins: {by.min()} to {by.max()} codes"]
+    lines = []
+    for name, values in zip(scene.outputs, found.outputs.T, strict=True):
+        unit = f" {scene.units[name]}" if name in scene.units else ""
+        lines.append(f"{name}: {values.min():g} to {values.max():g}{unit}")
+    return lines
 
 
 def main() -> None:
@@ -38,11 +53,7 @@ def main() -> None:
     known, which = trained_on(scene)
     found = predict(scene, readings, known)
     write_prediction(scene, recording, found, path)
-    for name, values in zip(scene.outputs, found.outputs.T, strict=True):
-        unit = f" {scene.units[name]}" if name in scene.units else ""
-        print(f"{name}: {values.min():g} to {values.max():g}{unit}")
-    for line in found.ranges:
-        print(line)
+    print("\n".join([*result_lines(scene, found), *found.ranges]))
     outside = sum(map(bool, found.reasons))
     if past:
         print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")

@@ -11,7 +11,7 @@ from golden.cli import run, would
 from golden.files import check_file, check_writable
 from golden.finding import refuse
 from golden.input_error import InputError
-from golden.rig import sensors_tell
+from golden.rig import class_counts, sensors_tell
 from golden.rig.survey import survey
 from golden.rig.write_scene import check_sensors, names_of, write_scene
 from golden.scene import load_scene
@@ -22,7 +22,10 @@ from golden.training.scaling import scaled
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
     parser.add_argument("csv")
-    parser.add_argument("outputs", help="columns to be computed from the others, comma-separated")
+    parser.add_argument(
+        "outputs", nargs="?", help="columns to be computed from the others, comma-separated"
+    )
+    parser.add_argument("--classes", help="instead: a column of labels to be told apart")
     parser.add_argument("--hardware", help="scene whose board recorded the readings")
     parser.add_argument("--to", type=Path, help="the scene's file; by default named as the CSV")
     arguments = parser.parse_args()
@@ -36,7 +39,13 @@ def main() -> None:
     if path.exists():
         raise InputError(f"{path}: is there already; choose another name with TO=")
     recording = read_csv_file(Path(arguments.csv))
-    found = survey(recording, names_of(arguments.outputs))
+    outputs = names_of(arguments.outputs or "")
+    if outputs and arguments.classes:
+        raise InputError(
+            f"CLASSES={arguments.classes}: got OUTPUTS={arguments.outputs} too, expected one of "
+            "both: columns of numbers, or a column of labels"
+        )
+    found = survey(recording, outputs, arguments.classes or "")
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))
     for finding in found.findings:
@@ -48,6 +57,8 @@ def main() -> None:
         check_sensors(found, hardware)
     would(f"write {path}")
     scene = write_scene(found, path, hardware)
+    for finding in class_counts.findings(scene):
+        print(finding)
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")

@@ -20,10 +20,11 @@ from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.layer_training import LayerStages
+from golden.layer_training import LayerStages, bit_true_error, percent_errors
 from golden.layer_training import search as search_layers
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
+from golden.rig import class_counts
 from golden.rig.check import before_training
 from golden.scene import Scene, load_scene
 from golden.scene.schema import FEWEST
@@ -32,7 +33,7 @@ from golden.scene.vectors import warn_outside
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
-from golden.training.search import Result, candidates, search, signed_errors
+from golden.training.search import Result, candidates, search
 from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task
@@ -45,7 +46,7 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     best: Result | None = None
     refused = 0
     member = task.scene.members[task.number]
-    name = ", ".join(member.outputs)
+    name = task.scene.classes or ", ".join(member.outputs)
     total = task.scene.training.restarts if member.layers else len(candidates(task))
     results = search_layers(task, workers) if member.layers else search(task, record, workers)
     with Progress(name, total, "candidates") as progress:
@@ -88,13 +89,18 @@ def main() -> None:
 
 
 def check_layers(scene: Scene) -> None:
-    """Refuse activations of layers whose nodes nobody names: training does not search for them.
+    """Refuse classes and layers whose nodes nobody names: training does not search for them.
 
     Raises
     ------
     InputError
     """
     for member in scene.members:
+        if scene.labels and not member.layers:
+            raise InputError(
+                f"{scene.path}: network.hidden: got 0 with data.classes, expected the nodes of "
+                "each hidden layer, such as 8 or [32, 16]: training does not search for them"
+            )
         if member.activations not in ((), ("tanh",)) and not member.layers:
             raise InputError(
                 f"{scene.path}: network.hidden: got 0 with activations, expected the nodes of each "
@@ -108,6 +114,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
+    for finding in class_counts.findings(scene):
+        print(finding)
     unused = unused_text(scene)
     if unused:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
@@ -142,6 +150,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 **split_story(scene),
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
+                **({"classes": scene.classes, "labels": scene.labels} if scene.labels else {}),
                 "precision": scene.precision.name,
                 "design": scene.design,
                 "activation": scene.activation_text,
@@ -212,10 +221,10 @@ def errors_of(task: Task, network: Trained, part: str) -> dict[str, Any]:
         kinds["_disturbed"] = getattr(task, part)
     errors: dict[str, Any] = {}
     for kind, frames in kinds.items():
-        miss = signed_errors(task, network, frames)
-        means = np.abs(miss).mean(axis=0)
+        means = np.abs(percent_errors(task, network, frames)).mean(axis=0)
         names = task.scene.members[task.number].outputs
-        errors[f"{part}{kind}_rms_percent"] = round(float(np.sqrt((miss**2).mean())), 4)
+        figure = "wrong" if task.scene.labels else "rms"
+        errors[f"{part}{kind}_{figure}_percent"] = round(bit_true_error(task, network, frames), 4)
         errors[f"{part}{kind}_mean_percent"] = {
             name: round(float(mean), 4) for name, mean in zip(names, means, strict=True)
         }

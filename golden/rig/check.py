@@ -22,7 +22,7 @@ from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fa
 from golden.folders import is_installed
 from golden.network_files.network_file import check_targets, write_network
 from golden.precision import SIGNAL
-from golden.rig import readings, sensors_tell
+from golden.rig import class_counts, readings, sensors_tell
 from golden.scene import Scene, scene_names
 from golden.scene.saturation import range_lines, saturating
 from golden.scene.scale import on_readings, signals
@@ -88,6 +88,7 @@ def data(scene: Scene) -> list[Finding]:
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
             scene = scaled(scene)
+            findings += class_counts.findings(scene)
             findings += _converter(scene)
             border = len(rows.inputs) - split_of(scene).count
             if border:
@@ -104,7 +105,7 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
     sensors = signals(rows.sensors, scene.scales(scene.sensors))
     as_signals = np.concatenate([sensors, vectors.targets], axis=1)
     own = np.concatenate([rows.sensors, rows.targets], axis=1)
-    for c, name in enumerate([*scene.sensors, *scene.outputs]):
+    for c, name in enumerate([*scene.sensors, *([] if scene.labels else scene.outputs)]):
         ends = SIGNAL.quantise([as_signals[:, c].min(), as_signals[:, c].max()], name)[0]
         text = f"{own[:, c].min():g} to {own[:, c].max():g}, codes {ends[0]} to {ends[1]}"
         findings.append(Finding(OK, name, text))

@@ -26,12 +26,11 @@ TEMPLATE = """\
 [data]
 file = {quoted_file}
 {left_out}sensors = {sensors}
-outputs = {outputs}
+{targets}
 {group_by}{full_scale}{scale}{units}
 [network]
 {arrangement}
-# Training finds the best number of hidden nodes.
-hidden = 0
+{hidden}
 weights = {weights}
 
 [hardware]
@@ -41,19 +40,47 @@ design = "engine"
 precision = "exact"
 
 [training]
-# Every number of hidden nodes from 4 to 12 is trained from 8 random starts, in about a minute for
-# some hundred rows on two cores. More of either lower the errors a little and take longer.
-hidden = [4, 12]
-restarts = 8
-# A small value, because readings have little noise; use 1e-4 where they have much.
-weight_decay = 1e-6
+{search}
 # State the standard deviation of the noise that you expect on every reading, in its unit, and
 # networks are trained and chosen for this noise, which takes longer:
 # noise = {noise}
 {split}"""
 
+SEARCHED = """\
+# Every number of hidden nodes from 4 to 12 is trained from 8 random starts, in about a minute for
+# some hundred rows on two cores. More of either lower the errors a little and take longer.
+hidden = [4, 12]
+restarts = 8
+# A small value, because readings have little noise; use 1e-4 where they have much.
+weight_decay = 1e-6\
+"""
+NODES = """\
+# Training finds the best number of hidden nodes.
+hidden = 0\
+"""
+CLASSES = """\
+# The network has an output for each label in this column; the largest output is its decision.
+classes = {name}\
+"""
+CLASS_NODES = """\
+# The nodes of each hidden layer. Try more, or a second layer, [16, 8], if the decisions on held-out
+# rows are not right often enough.
+hidden = [16]
+activations = ["relu"]\
+"""
+CLASS_SEARCH = """\
+# An optimiser whose steps are cheap in networks of many weights, which takes more of them.
+optimiser = "scg"
+steps = 500
+# The best of so many random starts is kept.
+restarts = 8
+# A larger value keeps the network from learning single rows by heart; a smaller one fits closer.
+weight_decay = 0.03\
+"""
+ONE_OUTPUT = "# One output, one network."
+ONE_FOR_ALL = "# One network with an output for each class."
 SINGLE = """\
-# One output, one network.
+{why}
 arrangement = "single"\
 """
 CASCADE = """\
@@ -100,7 +127,8 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
-    group = _positions(found)
+    group, targets = _positions(found), f"outputs = {_list(outputs)}"
+    one = SINGLE.format(why=ONE_FOR_ALL if found.classes else ONE_OUTPUT)
     named = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
     units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in named.items() if u)
     return TEMPLATE.format(
@@ -113,12 +141,14 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
             for n, why in found.left_out.items()
         ),
         sensors=_list(list(found.sensors)),
-        outputs=_list(outputs),
+        targets=CLASSES.format(name=_quoted(found.classes)) if found.classes else targets,
+        hidden=CLASS_NODES if found.classes else NODES,
+        search=CLASS_SEARCH if found.classes else SEARCHED,
         group_by=GROUP_BY.format(name=_quoted(group)) if group else "",
-        full_scale=FULL_SCALE.format(pairs=pairs),
+        full_scale=FULL_SCALE.format(pairs=pairs) if outputs else "",
         scale=_read_by(found, hardware) if hardware else SCALE if found.beyond else "",
         units=UNITS.format(pairs=units) if units else "",
-        arrangement=CASCADE if len(outputs) > 1 else SINGLE,
+        arrangement=CASCADE if len(outputs) > 1 else one,
         weights=_list(weights(outputs, path)),
         noise=_noise(found, hardware),
         split=BLOCKS if found.interpolated else "",
@@ -161,7 +191,7 @@ def _noise(found: Survey, hardware: Scene | None) -> str:
 
 def weights(outputs: list[str], path: Path) -> list[str]:
     """Names of the network files, which contain the scene's, so scenes can share a folder."""
-    if len(outputs) == 1:
+    if len(outputs) <= 1:
         return [f"{path.stem}.npz"]
     plain = [re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower() for name in outputs]
     if "" in plain or len(set(plain)) < len(plain):

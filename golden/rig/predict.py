@@ -11,15 +11,17 @@ import numpy as np
 
 from golden.files import check_writable, replace_file, same_file
 from golden.finding import fault, refuse
+from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.rig.trained_on import TrainedOn, hardware_outputs
+from golden.rig.trained_on import TrainedOn, outputs_of
 from golden.scene import Scene
+from golden.scene.labels import decided, margins
 from golden.scene.saturation import hidden_saturations, range_lines
 from golden.table import CsvFile, suggest
 
-DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
+MARGIN, DISTANCE, OUTSIDE, REASON = "margin", "distance", "outside", "reason"
 NO_PAST = "no whole past"
 
 
@@ -30,7 +32,10 @@ class Prediction:
     Attributes
     ----------
     outputs : float array, shape (rows, outputs)
-        The same, bit by bit, as those of the hardware, in the units of the outputs.
+        The same, bit by bit, as those of the hardware, in the units of the outputs. Of classes,
+        1 for that which is decided and 0 for the others.
+    codes : int64 array, shape (rows, outputs)
+        The outputs as codes.
     distances : float array, shape (rows,)
     reasons : list of str
         See ``TrainedOn``; also each hidden layer that saturates.
@@ -39,6 +44,7 @@ class Prediction:
     """
 
     outputs: Real
+    codes: Codes
     distances: Real
     reasons: list[str]
     ranges: list[str]
@@ -72,13 +78,39 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     Where its networks read past samples, the rows of ``readings`` must follow each other in time.
     """
     seen = scene.window.frames(readings)
-    outputs = hardware_outputs(scene, seen)
+    samples = scene.codes_of(seen)
+    codes = scene.twin().core.process(samples)
+    outputs = outputs_of(scene, codes)
     distances = known.distances(seen, outputs)
-    reasons, codes = known.reasons(outputs, distances), scene.codes_of(seen)
-    for layer, counts in hidden_saturations(scene, codes):
+    reasons = known.reasons(outputs, distances)
+    for layer, counts in hidden_saturations(scene, samples):
         for row in np.flatnonzero(counts):
             reasons[row] = "; ".join(filter(None, [reasons[row], f"{layer} saturates"]))
-    return Prediction(outputs, distances, reasons, range_lines(scene, codes, "rows"))
+    ranges = range_lines(scene, samples, "rows")
+    return Prediction(outputs, codes, distances, reasons, ranges)
+
+
+def result_columns(scene: Scene) -> list[str]:
+    """The names of the columns of results: an output each, or the class and its margin."""
+    if scene.labels:
+        return [f"{scene.classes}_predicted", MARGIN]
+    return [f"{name}_predicted" for name in scene.outputs]
+
+
+def result_texts(scene: Scene, found: Prediction) -> list[list[str]]:
+    """What stands in the columns of results, row by row.
+
+    The margin says by how many codes the output of the class exceeds that of any other class.
+    """
+    if scene.labels:
+        numbers, by = decided(found.codes), margins(found.codes)
+        return [[scene.labels[n], str(m)] for n, m in zip(numbers, by, strict=True)]
+    places = [decimals(scale.factor) for scale in scene.scales(scene.outputs)]
+    # Adding 0 turns -0 into 0.
+    return [
+        [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, places, strict=True)]
+        for outputs in found.outputs
+    ]
 
 
 def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:
@@ -91,22 +123,21 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
     InputError
         When the recording already has a column with the name of a result.
     """
-    added = [*(f"{name}_predicted" for name in scene.outputs), DISTANCE, OUTSIDE, REASON]
+    columns = result_columns(scene)
+    added = [*columns, DISTANCE, OUTSIDE, REASON]
     for name in added:
         if name in recording.names:
             raise InputError(f"{recording.path}: column {name!r} is there already; rename it")
-    places = [decimals(scale.factor) for scale in scene.scales(scene.outputs)]
+    results = result_texts(scene, found)
     with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*recording.names, *added])
         past = scene.window.past
         for row in recording.rows[:past]:
-            writer.writerow([*row, *[""] * (len(scene.outputs) + 1), 1, NO_PAST])
-        for row, outputs, distance, reason in zip(
-            recording.rows[past:], found.outputs, found.distances, found.reasons, strict=True
+            writer.writerow([*row, *[""] * (len(columns) + 1), 1, NO_PAST])
+        for row, texts, distance, reason in zip(
+            recording.rows[past:], results, found.distances, found.reasons, strict=True
         ):
-            # Adding 0 turns -0 into 0.
-            texts = [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, places, strict=True)]
             writer.writerow([*row, *texts, f"{distance:.3f}", int(bool(reason)), reason])
 
 

@@ -29,6 +29,9 @@ RIDGES = (1e-6, 1e-4, 1e-2)
 MOST_ROWS, MOST_OTHERS = 150, 75
 # With fewer rows an error would mean nothing.
 LEAST_OTHERS = 4
+# With more sensors, such as the pixels of an image, the fits without each of them take minutes, and
+# a single one tells little.
+MOST_SENSORS = 32
 # The sensors explain an output if its error is below this part of the error of a constant.
 TOLD = 0.8
 # A sensor counts as useless if a smaller part of it follows from everything else, and if without it
@@ -131,7 +134,9 @@ def _residuals(inputs: Real, values: Real, train: Rows, others: list[Rows]) -> R
 
 
 def telling_of(scene: Scene) -> Telling | None:
-    """Measure how much the sensors of a scene tell; None if there are too few rows.
+    """Measure how much the sensors of a scene tell.
+
+    It is None if there are too few rows or too many sensors.
 
     Raises
     ------
@@ -139,13 +144,14 @@ def telling_of(scene: Scene) -> Telling | None:
         See ``split_of`` and ``Scene.vectors``.
     """
     split = split_of(scene)
-    if min(len(split.validation), len(split.test)) < LEAST_OTHERS:
+    few = min(len(split.validation), len(split.test)) < LEAST_OTHERS
+    if few or len(scene.sensors) > MOST_SENSORS:
         return None
     return measured(recording_of(scene), split)
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """How much each sensor of a scene tells, in words; none if there are too few rows."""
+    """How much each sensor of a scene tells, in words; see ``telling_of``."""
     telling = telling_of(scene)
     if telling is None:
         return []

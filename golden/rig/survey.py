@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.finding import FAULT, NOTE, Finding, fault
+from golden.finding import FAULT, NOTE, Finding, fault, faults
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.rig import readings
+from golden.rig import class_counts, readings
 from golden.table import Column, CsvFile, suggest
 
 
@@ -23,6 +23,8 @@ class Survey:
     recording : CsvFile
     sensors, outputs : dict
         Columns by name: the sensors in the order of the file, the outputs in that of the user.
+    classes : str
+        The column of labels, instead of outputs; empty if there is none.
     left_out : dict
         Names of the other columns, with the reasons why they are no sensors.
     findings : list of Finding
@@ -31,6 +33,7 @@ class Survey:
     recording: CsvFile
     sensors: dict[str, Real]
     outputs: dict[str, Real]
+    classes: str
     left_out: dict[str, str]
     findings: list[Finding]
 
@@ -56,22 +59,36 @@ class Survey:
                     f"  {name:{wide}}  {kind:8}  {values.min():g} to {values.max():g}, "
                     f"{different} different values"
                 )
+        if self.classes in self.recording.names:
+            labels = set(labels_in(self.recording, self.classes))
+            shown.append(f"  {self.classes:{wide}}  classes   {len(labels)} different labels")
         shown += [f"  {name:{wide}}  left out  {why}" for name, why in self.left_out.items()]
         return shown
 
 
-def survey(recording: CsvFile, outputs: Sequence[str]) -> Survey:
-    """Examine a recording with these outputs; its other columns of numbers are sensors."""
-    found = Survey(recording, {}, {}, {}, _wrong_outputs(recording, outputs))
+def labels_in(recording: CsvFile, name: str) -> list[str]:
+    """The labels in a column of a recording."""
+    at = recording.names.index(name)
+    return [row[at].strip() for row in recording.rows]
+
+
+def survey(recording: CsvFile, outputs: Sequence[str], classes: str = "") -> Survey:
+    """Examine a recording; the columns of numbers that are not asked for are sensors.
+
+    ``outputs`` are columns to be computed. Instead of them ``classes`` may name a column of labels.
+    """
+    named = [classes] if classes else outputs
+    key = "CLASSES" if classes else "OUTPUTS"
+    found = Survey(recording, {}, {}, classes, {}, _wrong_outputs(recording, named, key))
     for name in dict.fromkeys(name for name in outputs if name in recording.names):
         _take_output(found, recording.column(name))
     for number, name in enumerate(recording.names, start=1):
         if not name:
             found.left_out[f"column {number}"] = "has no name"
-        elif name not in outputs:
+        elif name not in named:
             _take_other(found, recording.column(name))
     path = str(recording.path)
-    if not found.sensors and not found.findings:
+    if not found.sensors and not faults(found.findings):
         found.findings.append(Finding(FAULT, path, "no column is a sensor, expected at least one"))
     found.findings.extend(readings.few_rows(path, len(recording.rows)))
     if found.sensors:
@@ -79,7 +96,7 @@ def survey(recording: CsvFile, outputs: Sequence[str]) -> Survey:
     return found
 
 
-def _wrong_outputs(recording: CsvFile, outputs: Sequence[str]) -> list[Finding]:
+def _wrong_outputs(recording: CsvFile, outputs: Sequence[str], key: str) -> list[Finding]:
     """Find outputs that are no columns, or that are named more than once."""
     path, names = str(recording.path), recording.names
     findings = [
@@ -91,13 +108,15 @@ def _wrong_outputs(recording: CsvFile, outputs: Sequence[str]) -> list[Finding]:
         got = ",".join(outputs) or "none"
         known = ", ".join(name for name in names if name)
         text = f"got {got}, expected each once some of the columns {known}"
-        findings.append(Finding(FAULT, "OUTPUTS=", text))
+        findings.append(Finding(FAULT, f"{key}=", text))
     return findings
 
 
 def _take_output(found: Survey, column: Column) -> None:
     path = found.recording.path
     wrong = column.fault(path)
+    if wrong and not column.numeric:
+        wrong += f"; if these are labels, CLASSES={column.name} tells them apart"
     if not wrong and readings.constant(column.values):
         got = f"{column.values[0]:g} in every row"
         wrong = f"{path}: output {column.name!r}: got {got}, expected values that differ"
@@ -105,6 +124,7 @@ def _take_output(found: Survey, column: Column) -> None:
         found.findings.append(fault(wrong))
     else:
         found.outputs[column.name] = column.values
+        found.findings.extend(class_counts.perhaps_labels(column.name, column.values))
 
 
 def _take_other(found: Survey, column: Column) -> None:

@@ -18,6 +18,7 @@ from golden.precision import SIGNAL
 from golden.real import Real
 from golden.rig.smooth_map import SmoothMap, fitted, thinned
 from golden.scene import Scene
+from golden.scene.labels import decided
 from golden.scene.vectors import read_recorded
 from golden.scene_errors import held_out_rows, told
 from golden.training.split import split_of
@@ -145,9 +146,20 @@ def _lengths(residual: Real, whitening: Real) -> Real:
 
 
 def hardware_outputs(scene: Scene, readings: Real) -> Real:
-    """The outputs of a scene's hardware for its inputs, both in their own units."""
+    """The outputs of a scene's hardware for its inputs, both in their own units.
+
+    Of classes, that which is decided has 1 and the others 0, as in the targets.
+    """
     codes: Codes = scene.codes_of(readings)
-    return scene.outputs_in_units(scene.twin().core.process(codes))
+    return outputs_of(scene, scene.twin().core.process(codes))
+
+
+def outputs_of(scene: Scene, codes: Codes) -> Real:
+    """The outputs for codes of the hardware; see ``hardware_outputs``."""
+    if scene.labels:
+        found: Real = np.eye(len(scene.labels))[decided(codes)]
+        return found
+    return scene.outputs_in_units(codes)
 
 
 def code_steps(scene: Scene) -> Real:

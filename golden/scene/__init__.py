@@ -7,6 +7,7 @@ relative to the folder of this file.
 from golden.scene.reading import (
     DEFAULT_SCENES,
     FOLDER,
+    class_names,
     comparison_names,
     load_scene,
     scene_names,
@@ -24,6 +25,7 @@ __all__ = [
     "Scene",
     "Training",
     "Vectors",
+    "class_names",
     "comparison_names",
     "load_scene",
     "scene_names",

@@ -38,8 +38,16 @@ DATA = Table(
         ),
         "outputs": Key(
             _COLUMNS,
-            meaning="The columns of the targets, in the order in which the outputs leave the "
-            "hardware. There must be at least one, and each column is named once.",
+            [],
+            "The columns of the targets, in the order in which the outputs leave the "
+            "hardware. There must be at least one, and each column is named once. A scene has either "
+            "this key or `classes`.",
+        ),
+        "classes": Key(
+            Text(some=True),
+            "",
+            "A column of labels, texts or whole numbers, which the network tells apart: it has an "
+            "output for each label. See [classes](#classes).",
         ),
         "group_by": Key(
             Text(),

@@ -10,6 +10,7 @@ from golden.finding import Finding, collect_faults, refuse
 from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
 from golden.scene.front_end import front_end
+from golden.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
 from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
@@ -50,6 +51,11 @@ def comparison_names() -> list[str]:
     return sorted(f"comparison/{folder.name}" for folder in (FOLDER / "comparison").iterdir())
 
 
+def class_names() -> list[str]:
+    """The shipped scenes whose networks tell classes apart."""
+    return sorted(f"classes/{folder.name}" for folder in (FOLDER / "classes").iterdir())
+
+
 def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by a path that ends in ``.toml``.
 
@@ -60,7 +66,7 @@ def load_scene(name: str) -> Scene:
         cannot be read; and for faults in the file. For each fault the message names file, key, what
         was got and what was expected.
     """
-    known = scene_names()
+    known = [*scene_names(), *class_names()]
     shipped = name in known or name in comparison_names()
     path = scene_path(name) if shipped else _expanded(name)
     try:
@@ -82,6 +88,8 @@ def load_scene(name: str) -> Scene:
     if not (found and {"file", "recordings"} & set(data)):
         with collect_faults(found):
             files = recordings(data, path)
+    with collect_faults(found):
+        outputs_or_classes(data, path)
     refuse(found)
     return _scene(values, files, path)
 
@@ -96,17 +104,29 @@ def _expanded(name: str) -> Path:
 
 def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> Scene:
     data, network, hardware = values["data"], values["network"], values["hardware"]
-    check_data(data, path)
     key = "recordings" if data["recordings"] else "file"
+    data_paths = tuple(beside(path, f"data.{key}", file) for file in files)
+    where = {name: float(value) for name, value in data["where"].items()}
+    labels: tuple[str, ...] = ()
+    if data["classes"]:
+        check_classes(values, path)
+        labels = read_labels(data_paths, where, data["classes"])
+        outputs = output_names(data["classes"], labels)
+        # A one-hot target of 1 is full scale.
+        full_scale = dict.fromkeys(outputs, 1.0)
+        data = values["data"] = data | {"outputs": outputs, "full_scale": full_scale}
+    check_data(data, path)
     parts = _parts(values, path)
     return Scene(
         name=path.stem,
         path=path,
-        data_paths=tuple(beside(path, f"data.{key}", file) for file in files),
+        data_paths=data_paths,
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
+        classes=data["classes"],
+        labels=labels,
         group_by=data["group_by"],
-        where={name: float(value) for name, value in data["where"].items()},
+        where=where,
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
         units=data["units"],

@@ -121,6 +121,11 @@ def range_scale(column: Real) -> Scale:
     return Scale(round(low + half, 2 - int(text.split("e")[1])), float(text))
 
 
+def with_units(data: dict[str, Any]) -> list[str]:
+    """The columns that may have a scale and a unit. The outputs of classes have neither."""
+    return [*data["sensors"], *([] if data.get("classes") else data["outputs"])]
+
+
 def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
     """Read ``data.scale``, which maps a column to its scale or to "auto".
 
@@ -129,7 +134,7 @@ def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
     InputError
         For a column that is neither a sensor nor an output.
     """
-    written, columns = data["scale"], [*data["sensors"], *data["outputs"]]
+    written, columns = data["scale"], with_units(data)
     if written == AUTO:
         return dict.fromkeys(columns, AUTO)
     found: dict[str, Scale | str] = {}

@@ -29,12 +29,13 @@ from golden.real import Real
 from golden.scene.building import build_twin
 from golden.scene.converter_scale import converter_scales
 from golden.scene.front_end import FrontEnd
+from golden.scene.labels import check_labels, class_scale
 from golden.scene.past import tap_names, window_text
 from golden.scene.scale import AUTO, Scale, on_signals, readings, signals
 from golden.scene.sections import Member, Training
 from golden.scene.trained_scale import trained_scales
 from golden.scene.uart import Uart
-from golden.scene.vectors import Vectors, read_vectors
+from golden.scene.vectors import Vectors, read_recorded, read_vectors
 from golden.scene.visualisation import Visualisation
 from golden.window import Window
 
@@ -51,7 +52,11 @@ class Scene:
     data_paths : tuple of Path
         The recordings. No recording is the continuation of another.
     sensors, outputs : tuple of str
-        Columns of the recorded vectors.
+        Columns of the recorded vectors. If there are classes, each of them is an output.
+    classes : str
+        Column of the labels that the network tells apart; empty if outputs are numbers.
+    labels : tuple of str
+        The labels, in the order of the outputs; empty if outputs are numbers.
     window : Window
         The samples that the networks read, of the newest frame and of past frames.
     group_by : str
@@ -98,6 +103,8 @@ class Scene:
     data_paths: tuple[Path, ...]
     sensors: tuple[str, ...]
     outputs: tuple[str, ...]
+    classes: str
+    labels: tuple[str, ...]
     window: Window
     group_by: str
     where: dict[str, float]
@@ -202,8 +209,11 @@ class Scene:
     @cached_property
     def _networks(self) -> list[Trained]:
         found: list[Trained] = []
+        if self.labels:
+            check_labels(self)
         for number, member in enumerate(self.members):
-            held, scales = member.load(), self.scales_of(number)
+            held = member.load()
+            scales = self.scales_as_read(held, number)
             with naming(f"{member.weights_path}, with data.scale of {self.path}"):
                 found.append(on_signals(held, *scales))
         return found
@@ -226,6 +236,16 @@ class Scene:
         """The scales of a network's inputs, and those of its outputs."""
         scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
         return scales[:inputs], scales[inputs:]
+
+    def scales_as_read(self, network: Trained, number: int) -> tuple[list[Scale], list[Scale]]:
+        """The scales with which a network is read from its file.
+
+        The logits of a network that tells classes apart have a scale of their own.
+        """
+        inputs, outputs = self.scales_of(number)
+        if self.labels:
+            outputs = [class_scale(network, read_recorded(self).inputs)] * len(outputs)
+        return inputs, outputs
 
     def scales(self, columns: Sequence[str]) -> list[Scale]:
         """The scale of each of these columns or samples; see ``trained_scales``."""

@@ -16,7 +16,7 @@ from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
-from golden.scene.scale import refuse_other_column
+from golden.scene.scale import refuse_other_column, with_units
 from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
 from golden.table import suggest
 
@@ -136,7 +136,7 @@ def check_data(data: dict[str, Any], path: Path) -> None:
                     f"{', '.join(known)}{suggest(name, known)}"
                 )
     for name, unit in data["units"].items():
-        refuse_other_column("units", name, [*data["sensors"], *data["outputs"]], path)
+        refuse_other_column("units", name, with_units(data), path)
         if not unit.isprintable():
             raise InputError(f"{path}: data.units.{name}: got {unit!r}, expected text, such as 'g'")
     if data["reference"]:
@@ -374,6 +374,9 @@ def members(
     hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
     activations = tuple(network["activations"])
     layers = _layers(hidden, activations, network["arrangement"], path)
+    if data["classes"] and not layers and hidden != [0]:
+        # Training for classes is that of networks whose layers the scene names.
+        layers = tuple(hidden)
     if layers:
         hidden = [0]
     if len(hidden) == 1:

@@ -16,8 +16,9 @@ from golden.input_error import InputError
 from golden.metrics import error_scale
 from golden.precision import SIGNAL
 from golden.real import Real
+from golden.scene.labels import one_hot, wrong_percent
 from golden.scene.scale import Scale, readings, signals
-from golden.table import read_table, rows_where
+from golden.table import read_table, read_texts, rows_where
 from golden.window import Window
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ class Recording:
     sensors : float array, shape (rows, sensors)
         If there is a window, the rows follow each other in time.
     targets : float array, shape (rows, outputs)
+        If the scene has classes, 1 for the class of the row and 0 for the others.
     groups : float array, shape (rows,)
         Positions; zeros where the scene has none.
     numbers : int array, shape (rows,)
@@ -130,12 +132,16 @@ def read_recorded(scene: Scene) -> Recorded:
 
 
 def _recording(scene: Scene, path: Path) -> Recording:
-    columns = [*scene.sensors, *scene.outputs] + ([scene.group_by] if scene.group_by else [])
     kept = rows_where(path, scene.where)
-    table = read_table(path, columns)[kept]
-    sensors, last = len(scene.sensors), len(scene.sensors) + len(scene.outputs)
-    groups = table[:, -1] if scene.group_by else np.zeros(len(table))
-    return Recording(path, table[:, :sensors], table[:, sensors:last], groups, kept)
+    sensors = read_table(path, scene.sensors)[kept]
+    if scene.labels:
+        targets = one_hot(read_texts(path, scene.classes), scene.labels)[kept]
+    else:
+        targets = read_table(path, scene.outputs)[kept]
+    groups = np.zeros(len(kept))
+    if scene.group_by:
+        groups = read_table(path, [scene.group_by])[kept, 0]
+    return Recording(path, sensors, targets, groups, kept)
 
 
 @dataclass(frozen=True)
@@ -159,6 +165,8 @@ class Vectors:
         Readings outside [-1, 1) that were replaced by the nearest code.
     outside : tuple of str
         A sentence for each sensor with readings outside the range of the codes.
+    classes : bool
+        Whether the outputs stand for classes, with one-hot targets.
     """
 
     inputs: Real
@@ -169,6 +177,7 @@ class Vectors:
     recordings: tuple[Codes, ...]
     saturated: int
     outside: tuple[str, ...]
+    classes: bool = False
 
     @property
     def samples(self) -> int:
@@ -176,7 +185,13 @@ class Vectors:
         return sum(codes.size for codes in self.recordings)
 
     def percent_errors(self, results: Real) -> Real:
-        """Errors in percent by equation 3.16, for results as signals, shape (rows, outputs)."""
+        """Errors in percent for results as signals, shape (..., rows, outputs).
+
+        They are those of equation 3.16 or, of a class, 100 if the decision is wrong about it; see
+        ``wrong_percent``.
+        """
+        if self.classes:
+            return wrong_percent(results, self.targets)
         return 100 * np.abs(self.targets - results) / self.scale
 
     def with_inputs(self, inputs: Real) -> Vectors:
@@ -234,6 +249,7 @@ def read_vectors(scene: Scene) -> Vectors:
         tuple(codes for codes, _ in coded),
         sum(saturated for _, saturated in coded),
         outside,
+        bool(scene.labels),
     )
 
 

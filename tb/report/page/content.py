@@ -14,10 +14,12 @@ from golden.networks.network import Network
 from golden.scene import Scene
 from tb.common.results import left_texts, stored_results
 from tb.common.tools import SIMULATORS, version
+from tb.report.draw.confusion import confusion_plot
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.past import past_plots
 from tb.report.draw.pictures import draw
 from tb.report.measure import motions
+from tb.report.measure.classes import accuracy, per_class, wrong_rows
 from tb.report.measure.costs import Costs, blocks, costs
 from tb.report.measure.disturbance import noise_and_drift
 from tb.report.measure.outcome import (
@@ -90,7 +92,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     )
     places = along(found) if scene.group_by else None
     told = telling(scene)
-    plots: list[Drawable] = [*predicted_plots(found)]
+    plots: list[Drawable] = [confusion_plot(scene)] if scene.labels else [*predicted_plots(found)]
     if places:
         plots.append(along_plot(found, places))
     moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None
@@ -142,11 +144,14 @@ def _limits(scene: Scene, moved: Table | None, drawn: Draw, tell: Progress) -> S
 
 
 def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Section:
+    tables = [worst_rows(found)]
+    if found.scene.labels:
+        tables = [accuracy(found), per_class(found), wrong_rows(found)]
     return Section(
         "outputs",
-        "Errors row by row",
+        "Decisions" if found.scene.labels else "Errors row by row",
         pictures=pictures,
-        tables=[worst_rows(found), confidence(found)],
+        tables=[*tables, confidence(found)],
         folded=[places] if places else [],
     )
 

@@ -19,6 +19,8 @@ from tb.report.measure.costs import Costs
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Cell, Table
 
+ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
+
 
 def built(scene: Scene, design: Network) -> list[str]:
     """Sentences that say what the scene is."""
@@ -53,6 +55,7 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
     note = (
         "Bit-true errors, which are those of the hardware, on the recorded rows. "
+        + (ERRORS_OF_CLASSES if scene.labels else "")
         + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
         + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
         "with noise of this size on every reading, in its unit."

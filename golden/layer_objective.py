@@ -1,0 +1,155 @@
+"""The functions that training minimises for networks of any depth, and for classes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from golden.dense import Trained, layers_of, network_of
+from golden.mlp import Activation, tanh
+from golden.real import Real
+from golden.training.objective import Objective, Rows
+
+# A row whose cross-entropy is smaller than the square of this no longer moves the weights.
+LEAST_RESIDUAL = 1e-8
+
+
+def packed(network: Trained) -> Real:
+    """All weights and biases in one vector, layer by layer."""
+    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
+    return np.concatenate(parts)
+
+
+def unpacked(vector: Real, like: Trained) -> Trained:
+    """The inverse of ``packed`` for a network with the layers of ``like``."""
+    layers, at = [], 0
+    for layer in layers_of(like):
+        end = at + layer.weights.size
+        weights = vector[at:end].reshape(layer.weights.shape)
+        at = end + layer.nodes
+        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
+    return network_of(layers)
+
+
+class LayeredObjective(Objective):
+    """The function that a descent minimises; see ``Objective``.
+
+    Parameters
+    ----------
+    like : Mlp or DenseNetwork
+        A network with the layers that are trained.
+    **settings
+        The parameters of ``Objective``, except the shape and the activation.
+    """
+
+    def __init__(self, like: Trained, **settings: Any):
+        inputs, *hidden, outputs = like.shape
+        super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
+        self.like = like
+
+    def network(self, vector: Real) -> Trained:
+        return unpacked(vector, self.like)
+
+    def jacobian(self, vector: Real) -> Real:
+        scale = self.training.scale
+        rows, outputs = scale.shape
+        back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
+        result = self._derivatives(self.network(vector), back) / scale[:, :, np.newaxis]
+        return self._with_decay(result, vector)
+
+    def evaluate(self, vector: Real) -> tuple[float, Real]:
+        residuals = self.residuals(vector)
+        scale = self.training.scale
+        back = residuals[: scale.size].reshape(scale.shape) / scale
+        gradient = self._gradient(self.network(vector), back)
+        return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
+
+    def _with_decay(self, derivatives: Real, vector: Real) -> Real:
+        """The Jacobian: derivatives of the errors, then those of the weights' own residuals."""
+        decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
+        return np.concatenate([derivatives.reshape(-1, len(vector)), decay])
+
+    def _derivatives(self, network: Trained, back: Real) -> Real:
+        """Derivatives of every residual of a row by the weights, shape (rows, residuals, weights).
+
+        ``back`` has those by the outputs, shape (rows, residuals, outputs).
+        """
+        values, slopes = self._forward(network)
+        found: list[Real] = []
+        for n, layer in reversed(list(enumerate(layers_of(network)))):
+            back = back * slopes[n][:, np.newaxis, :]
+            weights = back[..., np.newaxis] * values[n][:, np.newaxis, np.newaxis, :]
+            found = [weights.reshape(*back.shape[:2], -1), back, *found]
+            back = back @ layer.weights
+        return np.concatenate(found, axis=2)
+
+    def _gradient(self, network: Trained, back: Real) -> Real:
+        """The sum over the rows of the derivatives by the weights.
+
+        ``back`` has those by the outputs, shape (rows, outputs).
+        """
+        values, slopes = self._forward(network)
+        found: list[Real] = []
+        for n, layer in reversed(list(enumerate(layers_of(network)))):
+            back = back * slopes[n]
+            found = [(back.T @ values[n]).ravel(), back.sum(axis=0), *found]
+            back = back @ layer.weights
+        return np.concatenate(found)
+
+    def _forward(self, network: Trained) -> tuple[list[Real], list[Real]]:
+        """The inputs of each layer, and the slopes of its activation."""
+        values, slopes = [self.training.inputs], []
+        for layer in layers_of(network):
+            sums = values[-1] @ layer.weights.T + layer.biases
+            value, slope = layer.activate(sums, self.activation)
+            values.append(value)
+            slopes.append(slope)
+        return values, slopes
+
+
+@dataclass(frozen=True)
+class LabelledRows(Rows):
+    """Rows with one-hot targets.
+
+    The outputs are logits: the probability of a class is its part of the sum of exp(output) over
+    all classes (softmax). The residual of a row is the root of its cross-entropy, the negative
+    logarithm of the probability of its own class. So the sum of squares is the cross-entropy.
+    """
+
+    def residuals(self, network: Trained, activation: Activation) -> Real:
+        """The residual of each row."""
+        logits = network.process(self.inputs, activation)
+        own = (logits * self.targets).sum(axis=1, keepdims=True)
+        # One term of the sum is exp(0), so that no result is below 0.
+        entropy = np.logaddexp.reduce(logits - own, axis=1)
+        result: Real = np.sqrt(entropy)
+        return result
+
+
+class ClassObjective(LayeredObjective):
+    """The cross-entropy of labelled rows, plus ``weight_decay`` times the sum of squared weights.
+
+    See ``LayeredObjective``; ``training`` and ``validation`` are ``LabelledRows``.
+    """
+
+    def jacobian(self, vector: Real) -> Real:
+        network = self.network(vector)
+        residuals = self.training.residuals(network, self.activation)
+        divisor = 2 * np.maximum(residuals, LEAST_RESIDUAL)
+        back = self._too_probable(network) / divisor[:, np.newaxis]
+        return self._with_decay(self._derivatives(network, back[:, np.newaxis, :]), vector)
+
+    def evaluate(self, vector: Real) -> tuple[float, Real]:
+        residuals = self.residuals(vector)
+        network = self.network(vector)
+        gradient = self._gradient(network, self._too_probable(network))
+        return float(residuals @ residuals), gradient + 2 * self.weight_decay * vector
+
+    def _too_probable(self, network: Trained) -> Real:
+        """The derivative of the cross-entropy by the logits: probability minus target."""
+        logits = network.process(self.training.inputs, self.activation)
+        parts = np.exp(logits - logits.max(axis=1, keepdims=True))
+        result: Real = parts / parts.sum(axis=1, keepdims=True) - self.training.targets
+        return result

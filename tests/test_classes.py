@@ -1,0 +1,445 @@
+"""Scenes whose network tells classes apart."""
+
+from __future__ import annotations
+
+import csv
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.commands import predict, scene, train
+from golden.decisions import decisions_of, lines_of, shown
+from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.input_error import InputError
+from golden.layer_objective import ClassObjective, LabelledRows, packed, unpacked
+from golden.network_files.network_file import read_provenance, write_network
+from golden.precision import SIGNAL
+from golden.real import Real
+from golden.rig import check, class_counts
+from golden.scene import class_names, load_scene
+from golden.scene.labels import class_scale, decided, margins, ordered, wrong_percent
+from golden.scene_errors import held_out_rows, scene_errors
+from tb.common.cases import random_network
+from tb.report.draw.confusion import confusion_plot
+from tb.report.measure.classes import accuracy, per_class, wrong_rows
+from tb.report.measure.clocks import clocks_per_frame
+from tb.report.measure.outcome import outcome
+
+LABELS = ("fist", "flat", "wave")
+CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
+SCENE = """
+[data]
+file = "hand.csv"
+sensors = ["x", "y"]
+classes = "gesture"
+[network]
+arrangement = "single"
+hidden = 4
+activations = ["relu"]
+weights = "hand.npz"
+[hardware]
+design = "engine"
+precision = "exact"
+[training]
+restarts = 2
+weight_decay = 0.01
+"""
+
+
+def write_hand(folder: Path, rows: int = 90, labels=LABELS, more: str = "") -> Path:
+    """A scene with gestures around three centres, row by row in turn."""
+    rng = np.random.default_rng(2)
+    lines = ["x,y,gesture,day"]
+    for row in range(rows):
+        x, y = CENTRES[row % 3] + rng.normal(0, 0.12, 2)
+        lines.append(f"{x:.4f},{y:.4f},{labels[row % 3]},{row // 9}")
+    (folder / "hand.csv").write_text("\n".join(lines) + "\n")
+    path = folder / "hand.toml"
+    path.write_text(SCENE + more)
+    return path
+
+
+def call(monkeypatch, module, *words: object) -> None:
+    monkeypatch.setattr(sys, "argv", [module.__name__, *map(str, words)])
+    module.main()
+
+
+@pytest.fixture(scope="module")
+def hand(tmp_path_factory) -> Path:
+    """A scene with a trained network."""
+    path = write_hand(tmp_path_factory.mktemp("hand"))
+    with pytest.MonkeyPatch.context() as patch:
+        call(patch, train, path, "--workers", 1, "--build", path.parent / "build")
+    return path
+
+
+def test_training_keeps_the_labels_and_tells_the_wrong_decisions(hand: Path) -> None:
+    found = load_scene(str(hand))
+    story = read_provenance(found.weights_paths[0])
+    assert found.labels == LABELS
+    assert found.outputs == ("gesture fist", "gesture flat", "gesture wave")
+    assert (story["classes"], tuple(story["labels"])) == ("gesture", LABELS)
+    split = {"validation": "validation", "test": "test"}
+    every = decisions_of(found)
+    rows = held_out_rows(found)
+    wrong = every.bit_true != every.actual
+    assert story["test_wrong_percent"] == round(100 * wrong[rows].mean(), 4)
+    assert story["every_wrong_percent"] == round(100 * wrong.mean(), 4)
+    assert all(story[f"{part}_wrong_percent"] <= 10 for part in split)
+    assert not any(key.endswith("rms_percent") for key in story)
+
+
+def test_the_hardware_decides_as_the_network_in_floating_point(hand: Path) -> None:
+    every = decisions_of(load_scene(str(hand)))
+    assert every.differ == 0
+    assert every.confusion.sum() == 90
+    assert every.confusion.trace() == every.right
+    assert every.right >= 85
+
+
+def test_errors_of_classes_are_those_of_the_decisions(hand: Path) -> None:
+    found = load_scene(str(hand))
+    every, errors = decisions_of(found), scene_errors(found)
+    for n, error in enumerate(errors["bit-true"]):
+        wrong = (every.bit_true == n) != (every.actual == n)
+        assert error.mean == pytest.approx(100 * wrong.mean())
+
+
+def test_wrong_percent_of_rows_and_draws() -> None:
+    targets = np.eye(3)[[0, 1, 2, 2]]
+    outputs = np.array([[0.2, 0.1, 0], [0.3, 0.1, 0], [0, 0, 0.1], [0.5, 0.5, 0.5]])
+    expected = np.array([[0, 0, 0], [100, 100, 0], [0, 0, 0], [100, 0, 100]])
+    assert np.array_equal(wrong_percent(outputs, targets), expected)
+    draws = np.stack([outputs, targets])
+    assert np.array_equal(wrong_percent(draws, targets), [expected, np.zeros((4, 3))])
+
+
+def test_of_equal_outputs_the_first_counts() -> None:
+    codes = np.array([[3, 7, 7], [5, 5, 5], [-9, -8, -7]])
+    assert decided(codes).tolist() == [1, 0, 2]
+    assert margins(codes).tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize("factor", [1e-6, 0.01, 1.0, 30.0, 1e4])
+def test_logits_of_any_size_keep_their_decisions(hand: Path, tmp_path: Path, factor: float) -> None:
+    """A network file holds logits, and one from elsewhere may have logits of any size."""
+    path = write_hand(tmp_path)
+    *first, last = layers_of(load_scene(str(hand)).members[0].load())
+    scaled = Dense(last.weights * factor, last.biases * factor)
+    write_network(tmp_path / "hand.npz", network_of([*first, scaled]))
+    found = load_scene(str(path))
+    codes = found.twin().core.process(found.vectors().codes)
+    assert 0.3 * SIGNAL.high < np.abs(codes).max() < SIGNAL.high
+    assert np.array_equal(decided(codes), decisions_of(load_scene(str(hand))).bit_true)
+
+
+def test_the_scale_of_logits_is_a_power_of_two_that_holds_them(hand: Path) -> None:
+    found = load_scene(str(hand))
+    network, readings = found.members[0].load(), found.vectors().inputs
+    scale = class_scale(network, readings)
+    largest = np.abs(network.process(readings)).max()
+    assert np.log2(scale.factor).is_integer()
+    assert largest < scale.factor <= 4 * largest
+    flat = DenseNetwork((Dense(np.zeros((2, 2)), np.zeros(2)), Dense(np.eye(2), np.zeros(2))))
+    assert class_scale(flat, readings).factor == 1
+
+
+def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+    to = tmp_path / "out.csv"
+    call(monkeypatch, predict, hand, hand.with_suffix(".csv"), to)
+    with to.open() as file:
+        rows = list(csv.DictReader(file))
+    every = decisions_of(load_scene(str(hand)))
+    assert [row["gesture_predicted"] for row in rows] == [LABELS[n] for n in every.bit_true]
+    assert [int(row["margin"]) for row in rows] == every.margins.tolist()
+    assert sum(int(row["outside"]) for row in rows) <= 6
+    counts = np.bincount(every.bit_true)
+    assert (
+        f"gesture: {counts[0]} fist, {counts[1]} flat, {counts[2]} wave" in capsys.readouterr()[0]
+    )
+
+
+def test_a_reading_like_no_class_is_outside(hand: Path, tmp_path: Path, monkeypatch) -> None:
+    new, to = tmp_path / "new.csv", tmp_path / "out.csv"
+    new.write_text("x,y\n0.4,-0.3\n0.95,0.95\n")
+    call(monkeypatch, predict, hand, new, to)
+    with to.open() as file:
+        assert [row["outside"] for row in csv.DictReader(file)] == ["0", "1"]
+
+
+def test_a_network_for_other_labels_is_refused(hand: Path, tmp_path: Path) -> None:
+    path = write_hand(tmp_path, labels=("fist", "flat", "point"))
+    for file in ("hand.npz", "hand.provenance.toml"):
+        (tmp_path / file).write_bytes(hand.with_name(file).read_bytes())
+    with pytest.raises(
+        InputError, match=r"for the labels fist, flat, wave, expected fist, flat, p"
+    ):
+        load_scene(str(path)).networks()
+
+
+def test_a_network_with_another_number_of_outputs_is_refused(hand: Path, tmp_path: Path) -> None:
+    path = write_hand(tmp_path)
+    write_network(tmp_path / "hand.npz", random_network((2, 4, 2), ("relu",), 1.0, 1))
+    with pytest.raises(InputError, match="expected"):
+        load_scene(str(path)).networks()
+
+
+def test_what_demo_and_report_say_is_one(hand: Path) -> None:
+    found = load_scene(str(hand))
+    some, which = shown(found)
+    rows = outcome(found)
+    assert which == f"{len(held_out_rows(found))} held-out rows"
+    lines = lines_of(found)
+    assert some.text in lines[1]
+    assert lines[-3].split()[0] == "fist"
+    plot = confusion_plot(found)
+    assert np.array_equal(plot.counts, some.confusion)
+    assert plot.draw().count("<text") + plot.draw().count("<use") > 0
+    table = accuracy(rows).rows
+    assert [row[1] for row in table] == [90, len(some.actual)]
+    assert table[1][2] == pytest.approx(100 * some.right / len(some.actual))
+    assert [row[2] for row in per_class(rows).rows] == some.confusion.diagonal().tolist()
+    every = decisions_of(found)
+    assert len(wrong_rows(rows).rows) == min(20, 90 - every.right)
+
+
+def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch) -> None:
+    path = write_hand(tmp_path, more="refit = true\n")
+    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    found = load_scene(str(path))
+    assert held_out_rows(found) is None
+    right = 100 - read_provenance(found.weights_paths[0])["test_wrong_percent"]
+    assert f"before, {right:.1f} % were right" in lines_of(found)[1]
+    assert shown(found)[1] == "all 90 rows"
+
+
+@pytest.mark.parametrize(
+    ("labels", "expected"),
+    [
+        ({"b", "a", "C"}, ("C", "a", "b")),
+        ({"10", "9", "-1"}, ("-1", "9", "10")),
+        ({"10", "9", "x"}, ("10", "9", "x")),
+    ],
+)
+def test_texts_are_sorted_by_alphabet_and_numbers_by_value(labels, expected) -> None:
+    assert ordered(labels, "place") == expected
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        ({"a"}, "got 1 labels, 'a', expected 2 to 256"),
+        ({"1", "01", "2"}, "which are one number, expected one way to write it"),
+        ({"1", "0.5"}, "got the label '0.5', expected text or whole numbers"),
+        ({str(n) for n in range(300)}, "got 300 labels, '0', '1', '10', ..., expected 2 to 256"),
+    ],
+)
+def test_labels_that_are_none(labels, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        ordered(labels, "place")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('classes = "gesture"', "", "data.outputs: missing, expected a list of column names"),
+        (
+            '"gesture"',
+            '"gesture"\noutputs = ["day"]',
+            "data.classes: got 'gesture' beside data.out",
+        ),
+        ('"gesture"', '"x"', "data.classes: got 'x', a sensor, expected a column"),
+        (
+            '"gesture"',
+            '"gestur"',
+            "no column 'gestur', got x, y, gesture, day; did you mean 'gestu",
+        ),
+        ('"gesture"', '""', "data.classes: got '', expected"),
+        (
+            "[network]",
+            "full_scale = { day = 1 }\n[network]",
+            "data.full_scale: got {'day': 1} with",
+        ),
+        ('"single"', '"cascade"', "network.arrangement: got 'cascade' with data.classes, expected"),
+        ("[training]", "[training]\ndigits = 9", "training.digits: got 9 with data.classes"),
+        ('"gesture"', '"gesture"\nunits = { gesture = "g" }', "'gesture' is no sensor and no out"),
+    ],
+)
+def test_a_key_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = write_hand(tmp_path)
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(InputError, match=re.escape(message)):
+        load_scene(str(path))
+
+
+def test_an_empty_label_is_refused(tmp_path: Path) -> None:
+    path = write_hand(tmp_path, labels=("fist", " ", "wave"))
+    with pytest.raises(InputError, match=r"hand\.csv:3: column 'gesture': got an empty cell"):
+        load_scene(str(path))
+
+
+def test_nodes_must_be_named(tmp_path: Path, monkeypatch) -> None:
+    path = write_hand(tmp_path)
+    path.write_text(path.read_text().replace("hidden = 4", "hidden = 0"))
+    with pytest.raises(InputError, match=r"network\.hidden: got 0 with data\.classes, expected"):
+        call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+
+
+def test_a_layer_of_tanh_is_trained_too(tmp_path: Path, monkeypatch) -> None:
+    path = write_hand(tmp_path)
+    path.write_text(path.read_text().replace('activations = ["relu"]\n', ""))
+    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    assert decisions_of(load_scene(str(path))).right >= 85
+
+
+def counted(tmp_path: Path, rows: list[str], more: str = "") -> str:
+    """What is found in a scene with a row for each of these labels."""
+    path = write_hand(tmp_path, more=more)
+    lines = [f"{n / 100},{n % 7 / 10},{label},{n}" for n, label in enumerate(rows)]
+    path.with_suffix(".csv").write_text("\n".join(["x,y,gesture,day", *lines]) + "\n")
+    return "\n".join(map(str, class_counts.findings(load_scene(str(path)))))
+
+
+def test_what_classes_lack_is_said(tmp_path: Path) -> None:
+    assert "warning" not in counted(tmp_path, [*"ab"] * 20)
+    text = counted(tmp_path, [*"ab"] * 20 + ["c"])
+    assert "'c' stands in a single row, which cannot both train and test" in text
+    assert "no row of 'c' is held out" in text or "no row of 'c' trains" in text
+    text = counted(tmp_path, ["a"] * 40 + ["b"] * 9)
+    assert "who always said 'a' would be right in 82 % of the rows" in text
+
+
+def test_a_class_without_a_row_that_trains_is_a_fault(tmp_path: Path) -> None:
+    """With blocks of ten rows, the rows of the last class are in one of four parts."""
+    texts = [
+        counted(tmp_path, ["a", "b"] * 30 + ["c"] * 4, f"split = 'blocks'\nseed = {seed}\n")
+        for seed in range(8)
+    ]
+    wrong = [text for text in texts if "fault" in text]
+    assert wrong
+    assert "no row of 'c' trains, expected one or more of each class" in wrong[0]
+    assert any("no row of 'c' is held out: the errors say nothing" in text for text in texts)
+
+
+def test_check_and_train_refuse_a_class_that_cannot_be_learnt(tmp_path: Path) -> None:
+    for seed in range(8):
+        text = counted(tmp_path, ["a", "b"] * 30 + ["c"] * 4, f"split = 'blocks'\nseed = {seed}\n")
+        found = check.before_training(load_scene(str(tmp_path / "hand.toml")), tmp_path / "build")
+        assert ("fault" in text) == any("no row of 'c' trains" in f.text for f in found)
+
+
+def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsys) -> None:
+    csv_file, to = write_hand(tmp_path).with_suffix(".csv"), tmp_path / "mine.toml"
+    call(monkeypatch, scene, csv_file, "--classes", "gesture", "--to", to)
+    text = capsys.readouterr()[0]
+    assert re.search(r"gesture +classes +3 different labels", text)
+    assert "rows: 30 fist, 30 flat, 30 wave" in text
+    found = load_scene(str(to))
+    assert (found.classes, found.labels, found.sensors[:2]) == ("gesture", LABELS, ("x", "y"))
+    assert found.members[0].layers == (16,)
+
+
+def test_make_scene_refuses_outputs_beside_classes(tmp_path: Path, monkeypatch) -> None:
+    csv_file = write_hand(tmp_path).with_suffix(".csv")
+    with pytest.raises(InputError, match=r"CLASSES=gesture: got OUTPUTS=day too, expected one"):
+        call(
+            monkeypatch, scene, csv_file, "day", "--classes", "gesture", "--to", tmp_path / "a.toml"
+        )
+    with pytest.raises(InputError, match=r"no column 'gestur'; did you mean 'gesture'"):
+        call(monkeypatch, scene, csv_file, "--classes", "gestur", "--to", tmp_path / "a.toml")
+
+
+def test_make_scene_hints_at_classes(tmp_path: Path, monkeypatch, capsys) -> None:
+    csv_file = write_hand(tmp_path, labels=(0, 1, 2)).with_suffix(".csv")
+    call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "a.toml")
+    assert (
+        "holds only the whole numbers 0 to 2; if they are names of classes and no quantity, CL"
+        in (capsys.readouterr()[0])
+    )
+    csv_file = write_hand(tmp_path).with_suffix(".csv")
+    with pytest.raises(InputError, match=r"got 'fist', expected a number.*CLASSES=gesture tells"):
+        call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "b.toml")
+
+
+def test_quantities_get_no_hint() -> None:
+    assert not class_counts.perhaps_labels("load", np.arange(60.0))
+    assert not class_counts.perhaps_labels("load", np.tile([0.5, 1.0, 2.0], 20))
+    assert not class_counts.perhaps_labels("load", np.tile([0.0, 1.0], 30))
+    assert class_counts.perhaps_labels("load", np.tile([0.0, 1.0, 2.0], 20))
+
+
+def objective(network: Trained) -> ClassObjective:
+    rng = np.random.default_rng(3)
+
+    def rows(count: int) -> LabelledRows:
+        targets = np.eye(network.shape[-1])[rng.integers(0, network.shape[-1], count)]
+        return LabelledRows(rng.normal(0, 1, (count, network.shape[0])), targets, targets)
+
+    return ClassObjective(
+        network, training=rows(9), validation=rows(5), weight_decay=1e-3, patience=9
+    )
+
+
+NETWORKS = [
+    random_network((3, 4, 2), ("tanh",), 1.0, 1),
+    random_network((2, 4, 3, 5), ("relu", "sigmoid"), 1.0, 9),
+]
+
+
+@pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
+def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
+    aim, point = objective(network), packed(network)
+    value, gradient = aim.evaluate(point)
+    jacobian = aim.jacobian(point)
+    for k, step in enumerate(1e-6 * np.eye(len(point))):
+        ahead, behind = aim.residuals(point + step), aim.residuals(point - step)
+        assert np.allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=1e-6)
+        assert abs((ahead @ ahead - behind @ behind) / 2e-6 - gradient[k]) < 1e-5
+    assert value == pytest.approx(float(aim.residuals(point) @ aim.residuals(point)))
+
+
+def test_the_value_is_the_cross_entropy() -> None:
+    network = NETWORKS[1]
+    aim, point = objective(network), packed(network)
+    logits: Real = unpacked(point, network).process(aim.training.inputs)
+    parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
+    entropy = -np.log((parts * aim.training.targets).sum(axis=1)).sum()
+    assert aim.evaluate(point)[0] == pytest.approx(entropy + 1e-3 * float(point @ point))
+
+
+def test_large_logits_stay_finite() -> None:
+    network = NETWORKS[0]
+    aim = objective(network)
+    for factor in (1e4, 1e8):
+        point = factor * packed(network)
+        value, gradient = aim.evaluate(point)
+        assert np.isfinite([value, *gradient]).all()
+        assert np.isfinite(aim.jacobian(point)).all()
+
+
+@pytest.mark.parametrize("name", class_names())
+def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
+    found = load_scene(name)
+    rows, every = held_out_rows(found), decisions_of(found)
+    story = read_provenance(found.weights_paths[0])
+    wrong = every.bit_true != every.actual
+    assert story["test_wrong_percent"] == round(100 * wrong[rows].mean(), 4)
+    assert every.differ <= 2
+    assert every.take(rows).right >= 0.95 * len(rows)
+    assert not class_counts.findings(found)[1:]
+
+
+def test_digits_costs_what_it_may() -> None:
+    found = load_scene("classes/digits")
+    with found.path.with_name("digits.budget.csv").open() as file:
+        (engine,) = (
+            row
+            for row in csv.DictReader(file)
+            if (row["family"], row["entity"]) == ("xc2v", "engine")
+        )
+    assert clocks_per_frame(found.twin()) <= 2500
+    assert int(engine["LUT"]) <= 190
+    assert int(engine["multiplier"]) == 1
