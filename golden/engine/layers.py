@@ -36,6 +36,8 @@ from golden.precision import SIGNAL
 
 _MOST = (1 << (WIDTH - 1)) - 1
 _HALF = 1 << (DROPPED - 1)
+# A weight that does not fit in a word is as many terms as it takes, up to this number.
+_MOST_TERMS = 1024
 # The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high
 
@@ -291,6 +293,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
     for network in networks:
         outputs = sum(len(plan[-1].biases) for plan in plans) if arrangement == "cascade" else 0
         plans.append(planned(network, first_values(samples, outputs)))
+        _check_terms(plans[-1])
     _check_grids([x.grid for plan in plans for x in plan if "relu" in x.activation or x.grid])
     built = [_used(plan, lean) for plan in plans]
     pairs = [
@@ -331,6 +334,25 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                 else:
                     sources[j] = last + len(made) - 1
     return Graph(samples, tuple(neurons), useless, zeros)
+
+
+def _check_terms(plan: list[Sums]) -> None:
+    """Refuse a weight or a bias that would become more terms than any memory holds.
+
+    Raises
+    ------
+    InputError
+    """
+    for number, layer in enumerate(plan, start=1):
+        rows = zip(layer.biases, layer.weights, strict=True)
+        for node, (bias, weights) in enumerate(rows, start=1):
+            terms = -(-max(map(abs, (bias, *weights))) // _MOST)
+            if terms > _MOST_TERMS:
+                raise InputError(
+                    f"layer {number}: node {node}: got a weight or a bias that takes {terms} "
+                    f"products of {WIDTH} bits, expected {_MOST_TERMS} at most; scale samples and "
+                    "outputs so that weights are smaller"
+                )
 
 
 def _check_grids(grids: list[Grid | None]) -> None:

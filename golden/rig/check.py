@@ -20,7 +20,7 @@ from golden.dense import Dense, network_of
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
-from golden.network_files.network_file import check_targets, write_network
+from golden.network_files.network_file import check_targets, ending_of, write_network
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
 from golden.scene import Scene, scene_names
@@ -170,10 +170,19 @@ def networks_there(scene: Scene) -> list[Finding]:
         with collect_faults(findings):
             try:
                 shape = ":".join(map(str, member.load().shape))
-                findings.append(Finding(OK, str(path), f"a {shape} network"))
+                findings.append(Finding(OK, str(path), f"a {shape} network{_ending(path)}"))
             except FileNotFoundError:
                 findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
     return findings
+
+
+def _ending(path: Path) -> str:
+    """What a classifier's file has behind the network, in words."""
+    ending = ending_of(path)
+    if ending is None:
+        return ""
+    labels = f"; its classes are {', '.join(map(str, ending.labels))}" if ending.labels else ""
+    return f" that ends in front of {ending.operator}{labels}"
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:
