@@ -27,6 +27,7 @@ from golden.metrics import millimetres
 from golden.networks.left_out import left_out
 from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
+from golden.scene.quantised import quantised_lines
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
 from golden.scene_errors import (
@@ -141,6 +142,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.samples}",
         *ranges(scene),
+        *quantised_lines(scene),
         *(f"left out                  {text}" for text in left_out(scene.twin())),
         "",
         "frames a second, simulated: "

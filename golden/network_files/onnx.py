@@ -111,8 +111,8 @@ class _Chain:
         self.activated = False
         # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
-        # Of the samples, whose number a layer tells.
-        self.first: Quantiser | None = None
+        # Of the samples, whose number a layer tells, with the factor and the shift in front.
+        self.first: tuple[Quantiser, Real, Real] | None = None
         # Whether what comes next are codes, until a DequantizeLinear.
         self.coded: Quantiser | None = None
 
@@ -136,9 +136,12 @@ class _Chain:
                 node, f"got weights of {width} values, expected {given}, as many as come{hint}"
             )
         if self.first:
-            quantiser, self.first = self.first, None
+            quantiser, factor, shift = self.first
+            self.first = None
+            behind, (self.factor, self.shift) = (self.factor, self.shift), (factor, shift)
             self.linear(node, np.eye(width), np.zeros(width))
             self.quantise(node, quantiser)
+            self.factor, self.shift = behind
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
         self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
@@ -159,15 +162,14 @@ class _Chain:
         if self.first or (self.layers and self.layers[-1].quantiser):
             raise self.refuse(node, "stands behind another quantiser, expected a layer between")
         if not self.layers:
-            self.first = quantiser
+            self.first = quantiser, self.factor, self.shift
+            self.factor, self.shift = np.ones(1), np.zeros(1)
             return
         self.layers[-1].quantiser = quantiser
         self.activated = True
 
     def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
         """Multiply each value by its factor, and add its shift."""
-        if self.first:
-            raise self.refuse(node, "stands behind the quantiser of the samples, expected a layer")
         if self.layers and not self.activated:
             layer = self.layers[-1]
             factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
@@ -268,7 +270,8 @@ def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[
     """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
     taken = {name: constants[name] for name in node.input}
     try:
-        return ReferenceEvaluator(node, opsets=versions).run(None, taken)[0]
+        results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
+        return results[0]
     except Exception as error:
         raise chain.refuse(node, f"cannot be applied to its constants: {error}") from None
 
@@ -359,6 +362,11 @@ def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any])
     """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
     if node.input[0] != current:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    if node.op_type == quantisers.BIPOLAR:
+        two, half = quantisers.bipolar(node, constants, chain.refuse)
+        chain.quantise(node, two)
+        chain.elementwise(node, np.ones(1), np.array([half]))
+        return
     if node.op_type != quantisers.DEQUANTIZE:
         quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
         chain.quantise(node, quantiser)

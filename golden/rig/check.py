@@ -24,6 +24,7 @@ from golden.network_files.network_file import check_targets, ending_of, write_ne
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
 from golden.scene import Scene, scene_names
+from golden.scene.quantised import quantised_lines
 from golden.scene.saturation import saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
@@ -202,7 +203,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 def design(scene: Scene, trained: bool) -> list[Finding]:
     """Check the hardware with the trained networks or, without them, with the least and largest."""
     if trained:
-        return [*_built(scene, ""), *_saturating(scene)]
+        return [*_built(scene, ""), *_quantised(scene), *_saturating(scene)]
     unknown: list[Finding] = []
     with collect_faults(unknown):
         scene = scaled(scene)
@@ -229,6 +230,15 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
+    return findings
+
+
+def _quantised(scene: Scene) -> list[Finding]:
+    """Tell how many codes of quantised networks differ from those of the file."""
+    findings: list[Finding] = []
+    with collect_faults(findings):
+        lines = quantised_lines(scene)
+        findings += [Finding(OK, f"hardware.design {scene.design}", line) for line in lines]
     return findings
 
 
