@@ -61,6 +61,8 @@ class Quantiser:
         down.
     before_zero : bool
         Whether a value is rounded before the zero is added, as in ONNX, or after, as in QONNX.
+    nearest : bool
+        Whether hardware that cannot hold the weights of its layer exactly may round them.
 
     Raises
     ------
@@ -74,6 +76,7 @@ class Quantiser:
     high: int
     rounding: str = "even"
     before_zero: bool = False
+    nearest: bool = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.scale) and self.scale > 0):

@@ -28,6 +28,7 @@ from golden.metrics import millimetres
 from golden.networks.left_out import left_out
 from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
+from golden.scene.quantised import quantised_lines
 from golden.scene.ranges import ranges
 from golden.scene.saturation import range_lines
 from golden.scene.vectors import warn_outside
@@ -151,6 +152,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"samples saturated         {vectors.saturated} of {vectors.samples}",
         *ranges(scene),
         *range_lines(scene, vectors.codes),
+        *quantised_lines(scene),
         *(f"left out                  {text}" for text in left_out(scene.twin())),
         "",
         "frames a second, simulated: "

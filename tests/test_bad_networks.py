@@ -186,6 +186,10 @@ ONNX = {
     "values of a type that is not known": (onnx(w1=tensor(data_type=77)), "tensor 'w1' holds"),
     "values of no type": (onnx(w1=tensor(data_type=None)), "tensor 'w1' holds numbers: "),
     "too few values": (onnx(w1=tensor(raw_data=b"abc")), "tensor 'w1' holds numbers: "),
+    "a constant that cannot be": (
+        onnx({0: node("Transpose", "w1", "a", perm=[0, 0])}),
+        "operator Transpose ('my'): cannot be applied to its constants: ",
+    ),
     "more values than any memory": (onnx(w1=tensor(dims=[1 << 40, 5])), "tensor 'w1' holds number"),
     "text": (
         onnx(w1=helper.make_tensor("w1", TensorProto.STRING, [3, 5], [b"a"] * 15)),
@@ -233,7 +237,7 @@ ONNX = {
     "too many biases": (onnx(b1=MLP.w1), "operator Add ('my'): got a constant of shape (5, 3)"),
     "transposed": (
         onnx({4: node("Identity", "d", "y")}, w2=MLP.w2),
-        "w2: got shape (5, 2), expected (2, 5) of .*; it is transposed",
+        "behind layer 1: operator MatMul ('my'): got weights of 2 values, expected 5, as many as",
     ),
     "NaN": (onnx(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
 }

@@ -245,9 +245,17 @@ REFUSED = {
         r"operator Conv .*: not supported: tactus is for dense networks and has no convolution",
     ),
     "a state": ([node("LSTM", "x w1", "a")], r"operator LSTM .*: not supported: .* keep a state"),
-    "classes": (
-        [*chain([("Relu", "", {})], [])[:-1], node("Softmax", "a3", "y")],
-        r"behind layer 3: operator Softmax .*: not supported: tactus gives the values in front",
+    "classes between layers": (
+        chain([("Softmax", "", {})], []),
+        r"behind layer 1: operator MatMul .*: not supported in the end of a classifier, expected",
+    ),
+    "whole numbers": (
+        chain([("Relu", "", {}), ("Cast", "", {"to": TensorProto.INT64})], []),
+        r"behind layer 1: operator Cast .*: to INT64, expected one of FLOAT, DOUBLE, ",
+    ),
+    "weights of another layer": (
+        [*chain([], [])[:1], node("Gemm", "a1 w3 b3", "y")],
+        r"behind layer 1: operator Gemm .*: got weights of 5 values, expected 4, as many as come",
     ),
     "a quantiser of no scale": (
         [node("Quant", "x", "a")],
@@ -362,6 +370,19 @@ def test_sums_that_no_format_holds_are_refused() -> None:
         InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"
     ):
         Engine.of([wide])
+
+
+@pytest.mark.parametrize(
+    ("place", "layer", "size"), [("weights", 0, 1e9), ("biases", 0, 1e9), ("weights", 1, 1e5)]
+)
+@pytest.mark.parametrize("activation", ["tanh", "hard_tanh"])
+def test_weights_that_no_format_holds_are_refused(activation, place, layer, size) -> None:
+    layers = list(layers_of(random((3, 4, 2), (activation,))))
+    getattr(layers[layer], place)[1] = size
+    with pytest.raises(
+        InputError, match=rf"layer {layer + 1}: node 2: got a weight or a bias that takes \d+ prod"
+    ):
+        Engine.of([network_of(layers)])
 
 
 def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:

@@ -6,9 +6,10 @@ of QONNX, which ONNX does not know, what stands here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import onnx
@@ -19,6 +20,7 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.dense import DenseNetwork
+from golden.engine.codes import engine_codes, file_codes
 from golden.engine.graph import Graph
 from golden.engine.layers import graph_of
 from golden.input_error import InputError
@@ -27,7 +29,9 @@ from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
-from golden.scene import load_scene
+from golden.scene import Scene, load_scene
+from golden.scene.quantised import quantised_lines
+from golden.scene.scale import Scale, on_signals
 from tb.common.cases import random_network, write_scene
 
 QONNX = "qonnx.custom_op.general"
@@ -72,6 +76,8 @@ def node_by_node(path: Path, x: np.ndarray) -> np.ndarray:
                 b"HALF_UP": lambda v: np.sign(v) * np.floor(np.abs(v) + 0.5),
             }[attributes["rounding_mode"]](scaled)
             given = (np.clip(rounded, low, high) - zero) * scale
+        elif node.op_type == "BipolarQuant":
+            given = np.where(taken[0] >= 0, taken[1], -taken[1])
         elif node.op_type == "MatMul":
             given = taken[0] @ taken[1]
         elif node.op_type == "Add":
@@ -97,6 +103,16 @@ class Plan:
     rounding: str
     of_samples: bool
     seed: int
+    # The unit of the samples, and by what the scale of each layer's weights is no power of two.
+    unit: float = 1.0
+    odds: tuple[int, ...] = ()
+    bipolar: bool = False
+
+    @property
+    def units(self) -> list[float]:
+        """The units of the samples and of each layer's sums, but for powers of two."""
+        odds = self.odds or (1,) * (len(self.shape) - 1)
+        return [self.unit * float(np.prod(odds[:n])) for n in range(len(odds) + 1)]
 
     def save(self, path: Path) -> Path:
         rng = np.random.default_rng(self.seed)
@@ -108,16 +124,17 @@ class Plan:
             )
 
         if self.of_samples:
-            parameters("s", 2.0 ** (1 - self.bits), 0, self.bits)
+            parameters("s", self.unit * 2.0 ** (1 - self.bits), 0, self.bits)
             nodes.append(quant("x", "s", "xq", rounding_mode=self.rounding))
             value = "xq"
         for n, (inputs, outputs) in enumerate(pairwise(self.shape), start=1):
-            constants[f"w{n}"] = rng.normal(0, 0.7, (inputs, outputs))
-            constants[f"b{n}"] = rng.normal(0, 0.5, outputs)
+            odd, unit = self.units[n] / self.units[n - 1], self.units[n]
+            constants[f"w{n}"] = rng.normal(0, 0.7, (inputs, outputs)) * odd
+            constants[f"b{n}"] = rng.normal(0, 0.5, outputs) * unit
             # A scale for each node.
             scale = 2.0 ** -rng.integers(self.weight_bits - 2, self.weight_bits, (1, outputs))
-            parameters(f"w{n}", scale, 0, self.weight_bits)
-            parameters(f"b{n}", 2.0**-9, 0, 12)
+            parameters(f"w{n}", scale * round(odd), 0, self.weight_bits)
+            parameters(f"b{n}", 2.0**-9 * unit, 0, 12)
             nodes += [
                 quant(f"w{n}", f"w{n}", f"wq{n}", narrow=1),
                 quant(f"b{n}", f"b{n}", f"bq{n}"),
@@ -128,13 +145,20 @@ class Plan:
             if n == len(self.shape) - 1:
                 nodes[-1].output[0] = "y"
                 break
+            if self.bipolar:
+                constants[f"q{n}_scale"] = unit * 2.0 ** -self.scales[n - 1]
+                nodes.append(helper.make_node("BipolarQuant", [value, f"q{n}_scale"], [f"q{n}"]))
+                nodes[-1].domain = QONNX
+                value = f"q{n}"
+                continue
             signed, relu = self.signed[n - 1], self.relu[n - 1]
             if relu:
                 nodes.append(helper.make_node("Relu", [value], [f"r{n}"]))
                 value = f"r{n}"
             # Of a ReLU half of the signed codes are met.
             bits = self.bits + (relu and signed)
-            parameters(f"q{n}", 2.0 ** -self.scales[n - 1], self.zeros[n - 1] * (not relu), bits)
+            scale = unit * 2.0 ** -self.scales[n - 1]
+            parameters(f"q{n}", scale, self.zeros[n - 1] * (not relu), bits)
             nodes.append(
                 quant(value, f"q{n}", f"q{n}", signed=int(signed), rounding_mode=self.rounding)
             )
@@ -164,6 +188,8 @@ def plans(draw: st.DrawFn) -> Plan:
         rounding,
         draw(st.booleans()) and rounding != "HALF_UP",
         draw(st.integers(0, 999)),
+        draw(st.sampled_from([1.0, 3.0, float(np.float32(0.1)), float(np.float32(0.7))])),
+        tuple(draw(st.lists(st.sampled_from([1, 3, 5]), min_size=hidden + 1, max_size=hidden + 1))),
     )
 
 
@@ -187,14 +213,48 @@ def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan)
     path = plan.save(tmp_path_factory.mktemp("qonnx") / "net.onnx")
     codes = codes_for(plan.shape[0])
     samples = SIGNAL.to_real(codes)
-    expected = node_by_node(path, samples)
-    network = load_network(path, (plan.shape[0], 0, plan.shape[-1]))
-    assert np.array_equal(network.process(samples), expected)
+    expected = node_by_node(path, samples * plan.unit)
+    held = load_network(path, (plan.shape[0], 0, plan.shape[-1]))
+    assert np.array_equal(held.process(samples * plan.unit), expected)
+    # In units of the samples and of the outputs, all ratios of scales are powers of two.
+    units = [Scale(factor=plan.unit)] * plan.shape[0], [Scale(factor=plan.units[-1])]
+    network, expected = on_signals(held, *units), expected / plan.units[-1]
+    for ours, theirs in zip(
+        engine_codes(network, codes), file_codes(held, samples * plan.unit), strict=True
+    ):
+        assert np.array_equal(ours, theirs)
     for option in ({}, {"multiplier": "serial"}):
         engine = Engine.of([network], Settings(options=option))
         found = engine.process(codes)
         assert np.array_equal(found, as_output(expected))
         assert np.array_equal(found, exact(engine, codes))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_network_of_two_codes_is_exact_on_the_engine(tmp_path: Path, seed: int) -> None:
+    """BipolarQuant behind each hidden layer, and for the samples where they have a quantiser."""
+    hidden = 1 + seed % 2
+    shape = (4, *(5,) * hidden, 2)
+    none = (False,) * hidden
+    path = Plan(
+        shape, 4, none, none, (0,) * hidden, (1, 3), 4, "ROUND", False, seed, 3.0, (1, 3, 1), True
+    ).save(tmp_path / "net.onnx")
+    if seed > 1:
+        model = onnx.load(str(path))
+        model.graph.initializer.append(numpy_helper.from_array(np.asarray(1.5), "sign"))
+        first = helper.make_node("BipolarQuant", ["x", "sign"], ["s"], domain=QONNX)
+        next(n for n in model.graph.node if n.input[0] == "x").input[0] = "s"
+        model.graph.node.insert(0, first)
+        onnx.save(model, str(path))
+    codes = codes_for(4)
+    samples = 3.0 * SIGNAL.to_real(codes)
+    expected = node_by_node(path, samples)
+    held = load_network(path, (4, 0, 2))
+    assert np.array_equal(held.process(samples), expected)
+    network = on_signals(held, [Scale(factor=3.0)] * 4, [Scale(factor=9.0)])
+    found = Engine.of([network]).process(codes)
+    assert np.array_equal(found, as_output(expected / 9.0))
+    assert len(np.unique(found, axis=0)) > 3
 
 
 def linear(name: str, value: str, codes: np.ndarray, scale: float, constants) -> list:
@@ -286,15 +346,15 @@ def changed(path: Path, name: str, value) -> Path:
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("q1_scale", 0.3, "layer 1: got the scale 0.3, expected a power of two"),
+        ("q1_scale", 0.3, "layer 1: 6 of 6 weights would be rounded, such as .* of the smallest"),
         ("q2_zero", 1.0, r"layer 2: got 15 codes, 1 to 15, expected a power of two, 2 to 65536"),
         ("q2_bits", 5.0, "quantisers: got layers of 4 bits, halves to even and of 5 bits, halves"),
         (
             "w2_scale",
             0.3,
-            "layer 2: got a weight of .* fraction bits do not hold exactly; expected",
+            r"layer 2: \d of 9 weights would be rounded, such as .* step; expected scales of",
         ),
-        ("b2_scale", 2.0**-40, "layer 2: got a bias of .* fraction bits do not hold exactly"),
+        ("b2_scale", 2.0**-40, "layer 2: 3 of 3 biases would be rounded, such as .* step; exp"),
         ("q1_scale", 2.0**20, r"layer 1: got the scale 1.04858e\+06, expected 8192 at most"),
     ],
 )
@@ -375,16 +435,22 @@ def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:
             load_network(tmp_path / "other.npz", (2, 0, 2))
 
 
-def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
-    """Readings of -4 to 4 and outputs of -8 to 8, so that every scale is a power of two."""
+def scene_of(tmp_path: Path) -> Path:
+    """A scene with the network in net.onnx, readings of -4 to 4 and outputs of -8 to 8."""
     network = random_network((2, 3, 3, 2), ("relu", "relu"), 1.0, 1)
     path = write_scene(tmp_path, "exact", "exact", [network], activation="precise", design="engine")
-    example(tmp_path)
     text = path.read_text().replace('"exact.npz"', '"net.onnx"')
     scale = ", ".join(
         f"{n} = {{ factor = {4 if n < 'y' else 8} }}" for n in ("x0", "x1", "y0", "y1")
     )
     path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
+    return path
+
+
+def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
+    """Every scale is a power of two."""
+    path = scene_of(tmp_path)
+    example(tmp_path)
     scene = load_scene(str(path))
     (held,) = scene.networks()
     assert isinstance(held, DenseNetwork)
@@ -392,6 +458,58 @@ def test_a_quantised_network_in_a_scene(tmp_path: Path) -> None:
     codes = codes_for(2)
     expected = node_by_node(tmp_path / "net.onnx", 4 * SIGNAL.to_real(codes)) / 8
     assert np.array_equal(scene.twin().process(codes), as_output(expected))
+    (line,) = quantised_lines(scene)
+    frames = len(scene.vectors().codes)
+    assert line == (
+        f"net.onnx: 0 of {6 * frames} codes of {frames} recorded frames differ from those of the "
+        "file"
+    )
     path.write_text(path.read_text().replace("factor = 4", "factor = 4.1"))
-    with pytest.raises(InputError, match=r"exact.toml: layer 1: got a weight of .* powers of two"):
+    with pytest.raises(InputError, match=r"exact.toml: layer 1: 6 of 6 weights .* powers of two"):
         load_scene(str(path)).twin()
+
+
+def test_the_nearest_network_and_how_many_codes_differ(tmp_path: Path, monkeypatch) -> None:
+    """What is refused is accepted if the scene says so, and what it costs is counted."""
+    path = scene_of(tmp_path)
+    example(tmp_path, bits=8)
+    changed(changed(tmp_path / "net.onnx", "q1_scale", 0.0123), "q2_scale", 0.0456)
+    with pytest.raises(InputError, match=r'layer 1: .* would be rounded.*quantised = "nearest"$'):
+        load_scene(str(path)).twin()
+    path.write_text(path.read_text().replace("[network]", '[network]\nquantised = "nearest"'))
+    scene = load_scene(str(path))
+    codes = codes_for(2, 2000)
+    monkeypatch.setattr(Scene, "vectors", lambda self: SimpleNamespace(codes=codes))
+    (network,), (held,) = scene.networks(), [member.load() for member in scene.members]
+    found = np.concatenate(list(engine_codes(network, codes)), axis=1)
+    expected = np.concatenate(list(file_codes(held, 4 * SIGNAL.to_real(codes))), axis=1)
+    differ = (found != expected).sum()
+    assert 0 < differ < 0.02 * found.size
+    assert np.abs(found - expected).max() == 1
+    (line,) = quantised_lines(scene)
+    assert line.startswith(f"net.onnx: {differ} of {found.size} codes of {len(codes)} recorded")
+    assert "by 1 at most: " in line
+    # The outputs of the engine are what the last layer makes of these very codes.
+    last = network.layers[-1]
+    values = found[:, 3:] * 0.0456 @ last.weights.T + last.biases
+    engine = Engine.of([network])
+    assert np.abs(engine.process(codes) - as_output(values)).max() <= 1
+    assert np.array_equal(engine.process(codes[::50]), exact(engine, codes[::50]))
+
+
+@pytest.mark.parametrize(
+    "change", [{"scale": 0.3}, {"zero": 3, "before_zero": True}, {"rounding": "away"}]
+)
+def test_what_only_the_nearest_network_can_hold(tmp_path: Path, change: dict) -> None:
+    """Other roundings of halves, too."""
+    plan = Plan((2, 3, 2), 4, (True,), (False,), (2,), (3,), 4, "ROUND", False, 1)
+    first, last = load_network(plan.save(tmp_path / "net.onnx"), (2, 0, 2)).layers
+    first = replace(first, quantiser=replace(first.quantiser, **change))
+    network = DenseNetwork((first, last))
+    nearest = replace(first, quantiser=replace(first.quantiser, nearest=True))
+    found = list(engine_codes(DenseNetwork((nearest, last)), codes_for(2)))
+    expected = list(file_codes(network, SIGNAL.to_real(codes_for(2))))
+    assert np.abs(found[0] - expected[0]).max() <= 1
+    assert len(np.unique(found[0])) > 5
+    with pytest.raises(InputError, match=r'layer 1: .* or network.quantised = "nearest"$'):
+        Engine.of([network])

@@ -3,6 +3,11 @@
 A word is the difference between a code and the lowest code, shifted left until the highest code
 fills the word. So the word saturates where the codes do, and its lowest bits are 0. All layers of a
 network have the same number of such bits.
+
+A step from code to code is a power of two here, whatever the scale of the quantiser is. ReLU and
+linear layers allow that: if the weights and biases of a layer are multiplied by a factor, its
+values are too, and the weights of the next layer are divided by it. Then the codes are the same. So
+only the ratio of the scales of a sum and of the quantiser behind it matters.
 """
 
 from __future__ import annotations
@@ -17,6 +22,8 @@ from golden.input_error import InputError
 
 # At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2
+# What a scene may say where an exact network is not possible.
+OR_NEAREST = ', or network.quantised = "nearest"'
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,10 @@ class Grid:
         Whether a sum becomes the code below it, and not the nearest one.
     lowest : Fraction
         The value of the lowest code.
+    factor : Fraction
+        How many times the value in the file a value is here.
+    nearest : bool
+        Whether weights and biases that words do not hold exactly may be rounded.
     """
 
     result: Fix
@@ -42,6 +53,8 @@ class Grid:
     even: bool
     down: bool
     lowest: Fraction
+    factor: Fraction = Fraction(1)
+    nearest: bool = False
 
     @property
     def high(self) -> int:
@@ -72,10 +85,9 @@ def grid_of(layer: Dense) -> Grid | None:
             "are exact"
         )
     scale = Fraction(quantiser.scale)
-    if scale.numerator & (scale.numerator - 1) or scale.denominator & (scale.denominator - 1):
-        raise InputError(
-            f"got the scale {quantiser.scale:g}, expected a power of two: others would be rounded"
-        )
+    # The exponent of a power of two is exact.
+    exponent = scale.numerator.bit_length() - scale.denominator.bit_length()
+    step = Fraction(2) ** exponent
     low = max(quantiser.low, quantiser.zero) if layer.activation == "relu" else quantiser.low
     codes = quantiser.high - low + 1
     if codes < 2 or codes & (codes - 1) or codes > 1 << MOST_BITS:
@@ -84,14 +96,17 @@ def grid_of(layer: Dense) -> Grid | None:
             f"{1 << MOST_BITS}: others would need a comparison"
         )
     rounded = low - (quantiser.zero if quantiser.before_zero else 0)
-    if quantiser.rounding == "away" and rounded < 0:
-        raise InputError("got halves rounded away from 0 on both sides of it, expected to even")
-    if quantiser.rounding == "even" and rounded % 2:
+    if quantiser.rounding == "away" and rounded < 0 and not quantiser.nearest:
         raise InputError(
-            f"got the zero point {quantiser.zero} with halves rounded to even, expected an even one"
+            f"got halves rounded away from 0 on both sides of it, expected to even{OR_NEAREST}"
+        )
+    if quantiser.rounding == "even" and rounded % 2 and not quantiser.nearest:
+        raise InputError(
+            f"got the zero point {quantiser.zero} with halves rounded to even, expected an even "
+            f"one{OR_NEAREST}"
         )
     cut = WIDTH - 1 - (codes.bit_length() - 1)
-    frac = cut + scale.denominator.bit_length() - scale.numerator.bit_length()
+    frac = cut - exponent
     if frac < 0:
         raise InputError(f"got the scale {quantiser.scale:g}, expected {2**cut} at most")
     return Grid(
@@ -99,5 +114,7 @@ def grid_of(layer: Dense) -> Grid | None:
         cut,
         quantiser.rounding == "even",
         quantiser.rounding == "floor",
-        (low - quantiser.zero) * scale,
+        (low - quantiser.zero) * step,
+        step / scale,
+        quantiser.nearest,
     )

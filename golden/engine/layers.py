@@ -31,7 +31,7 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.graph import Graph, Kind, Neuron, Term
-from golden.engine.grid import Grid, grid_of
+from golden.engine.grid import OR_NEAREST, Grid, grid_of
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.fixed import Fix
 from golden.input_error import InputError
@@ -39,6 +39,8 @@ from golden.precision import SIGNAL
 
 _MOST = (1 << (WIDTH - 1)) - 1
 _HALF = 1 << (DROPPED - 1)
+# A weight that does not fit in a word is as many terms as it takes, up to this number.
+_MOST_TERMS = 1024
 # The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high
 
@@ -137,10 +139,14 @@ def exact_layers(network: Trained) -> list[Exact]:
             biases = [b / 2 for b in biases]
         before = found[-1].grid if found else None
         if before:
+            weights = [[w / before.factor for w in row] for row in weights]
             lowest = before.lowest
             biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
         with naming(f"layer {number}"):
             grid = grid_of(layer)
+        if grid:
+            weights = [[w * grid.factor for w in row] for row in weights]
+            biases = [b * grid.factor for b in biases]
         kind = "tanh" if halved else layer.activation
         found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid))
     return found
@@ -215,37 +221,56 @@ def _ranged(layer: Exact, values: Sequence[Value], met: float) -> Sums:
 
 
 def _on_grid(layer: Exact, grid: Grid, values: Sequence[Value]) -> Sums:
-    """The codes of a layer with which each sum is exact.
+    """The codes of a layer with which each sum is exact, or of the nearest weights and biases.
 
     Raises
     ------
     InputError
-        When a weight or a bias is no whole number of code units.
+        When a weight or a bias is no whole number of code units, and must not be rounded.
     """
+    fracs = [coeff_frac(grid.result, v.fmt) for v in values]
     weights = [
-        [_whole(row[v.node] * v.factor, coeff_frac(grid.result, v.fmt), "weight") for v in values]
+        [
+            row[v.node] * v.factor * Fraction(2) ** frac
+            for v, frac in zip(values, fracs, strict=True)
+        ]
         for row in layer.weights
     ]
     starts = [
-        _whole(bias - grid.lowest, grid.result.frac + DROPPED, "bias") + grid.start
-        for bias in layer.biases
+        (bias - grid.lowest) * Fraction(2) ** (grid.result.frac + DROPPED) for bias in layer.biases
     ]
+    if not grid.nearest:
+        _check_whole("weights", [weight for row in weights for weight in row])
+        _check_whole("biases", starts)
     biases, rests = (
-        list(part) for part in zip(*(divmod(s, 1 << DROPPED) for s in starts), strict=True)
+        list(part)
+        for part in zip(*(divmod(_near(s) + grid.start, 1 << DROPPED) for s in starts), strict=True)
     )
-    return Sums(layer.activation, grid.result, biases, weights, [], grid, rests)
+    codes = [[_near(weight) for weight in row] for row in weights]
+    return Sums(layer.activation, grid.result, biases, codes, [], grid, rests)
 
 
-def _whole(value: Fraction, frac: int, what: str) -> int:
-    """The code of a value with ``frac`` fraction bits, which must hold it exactly."""
-    scaled = value * Fraction(2) ** frac
-    if scaled.denominator != 1:
+def _check_whole(what: str, codes: list[Fraction]) -> None:
+    """Refuse codes that are no whole numbers.
+
+    Raises
+    ------
+    InputError
+    """
+    broken = [code for code in codes if code.denominator != 1]
+    if broken:
+        worst = max(broken, key=lambda code: abs(code - _near(code)))
         raise InputError(
-            f"got a {what} of {float(value):g}, which {frac} fraction bits do not hold exactly; "
-            "expected scales of weights, samples and quantisers that are powers of two, those of "
-            f"the sums no less than 1/{1 << DROPPED} of that of the quantiser behind them"
+            f"{len(broken)} of {len(codes)} {what} would be rounded, such as {float(worst):.7g} to "
+            f"{_near(worst)} of the smallest step; expected scales of weights, samples and "
+            "quantisers whose ratios are powers of two, those of the sums no less than "
+            f"1/{1 << DROPPED} of that of the quantiser behind them{OR_NEAREST}"
         )
-    return int(scaled)
+
+
+def _near(value: Fraction) -> int:
+    """The nearest whole number, with halves rounded up."""
+    return int((2 * value + 1) // 2)
 
 
 def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
@@ -328,6 +353,7 @@ def graph_of(
     for network, reached in zip(networks, met or [()] * len(networks), strict=True):
         outputs = sum(len(plan[-1].biases) for plan in plans) if arrangement == "cascade" else 0
         plans.append(planned(network, first_values(samples, outputs), reached))
+        _check_terms(plans[-1])
     _check_grids([x.grid for plan in plans for x in plan if "relu" in x.activation or x.grid])
     built = [_used(plan, lean) for plan in plans]
     pairs = [
@@ -373,6 +399,25 @@ def graph_of(
                 text = f"{place}layer {depth}"
                 ranges.append(replace(layer.range, layer=text, places=tuple(firsts)))
     return Graph(samples, tuple(neurons), useless, zeros, tuple(ranges))
+
+
+def _check_terms(plan: list[Sums]) -> None:
+    """Refuse a weight or a bias that would become more terms than any memory holds.
+
+    Raises
+    ------
+    InputError
+    """
+    for number, layer in enumerate(plan, start=1):
+        rows = zip(layer.biases, layer.weights, strict=True)
+        for node, (bias, weights) in enumerate(rows, start=1):
+            terms = -(-max(map(abs, (bias, *weights))) // _MOST)
+            if terms > _MOST_TERMS:
+                raise InputError(
+                    f"layer {number}: node {node}: got a weight or a bias that takes {terms} "
+                    f"products of {WIDTH} bits, expected {_MOST_TERMS} at most; scale samples and "
+                    "outputs so that weights are smaller"
+                )
 
 
 def _check_grids(grids: list[Grid | None]) -> None:
@@ -433,8 +478,7 @@ def _used(layers: Sequence[Sums], lean: bool) -> list[list[int]]:
 def _code(value: Fraction, result: Fix, operand: Fix) -> int:
     """The nearest code of a weight, with halves rounded up. It may have any width."""
     frac = coeff_frac(result, operand)
-    scaled = value * (1 << frac) if frac >= 0 else value / (1 << -frac)
-    return int((2 * scaled + 1) // 2)
+    return _near(value * (1 << frac) if frac >= 0 else value / (1 << -frac))
 
 
 def _terms(bias: int, weights: Sequence[tuple[int, int]], lean: bool) -> tuple[Term, ...]:

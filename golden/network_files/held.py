@@ -7,6 +7,26 @@ from dataclasses import dataclass
 from golden.dense import LEAK, Quantiser
 from golden.real import Real
 
+# The name or the number of a class.
+Label = str | int
+
+
+@dataclass(frozen=True)
+class Ending:
+    """What stands in a file behind the network, and tells the class from its outputs.
+
+    Parameters
+    ----------
+    operator : str
+        The first operator behind the network, such as "Softmax".
+    labels : tuple of str or int
+        The label of each class in the order of the outputs; empty if the file has none. Of two
+        classes with one output, the second holds where the output is above 0.
+    """
+
+    operator: str
+    labels: tuple[Label, ...] = ()
+
 
 @dataclass(frozen=True)
 class Held:
@@ -22,12 +42,15 @@ class Held:
         The slopes of "leaky_relu" below 0 in the same layers; empty if there are none.
     quantisers : tuple of Quantiser or None
         The quantisers of the same layers; empty if there are none.
+    ending : Ending or None
+        What makes a class of the outputs, in the file of a classifier.
     """
 
     arrays: dict[str, Real]
     activations: tuple[str, ...] = ("tanh",)
     leaks: tuple[float, ...] = ()
     quantisers: tuple[Quantiser | None, ...] = ()
+    ending: Ending | None = None
 
     @property
     def names(self) -> list[str]:

@@ -28,6 +28,7 @@ from golden.files import (
     same_file,
 )
 from golden.input_error import InputError
+from golden.network_files.held import Ending, Held
 from golden.real import Real
 from golden.table import suggest
 
@@ -111,6 +112,22 @@ def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
             arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
             layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1)))
     return network_of(layers)
+
+
+def ending_of(path: Path) -> Ending | None:
+    """What makes a class of the outputs of the network at ``path``; None if nothing does.
+
+    The labels of a classifier are in it.
+
+    Raises
+    ------
+    InputError
+        See ``load_network``.
+    """
+    form = _form(path)
+    check_file(path)
+    held: Held = form.read(path)
+    return held.ending
 
 
 def _check_array(

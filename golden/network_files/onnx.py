@@ -1,7 +1,8 @@
 """Networks as ONNX graphs: a chain of dense layers, with an activation behind each but the last.
 
 Operators that scale each value by itself (samples, hidden nodes or outputs), BatchNormalization
-too, are folded into the layer that follows, or into the one before.
+too, are folded into the layer that follows, or into the one before. Behind the last layer, the end
+of a classifier may stand.
 """
 
 from __future__ import annotations
@@ -13,12 +14,13 @@ from typing import Any
 import numpy as np
 import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
+from onnx.reference import ReferenceEvaluator
 
 from golden.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
 from golden.files import reading
 from golden.input_error import InputError
 from golden.mlp import shifted
-from golden.network_files import quantisers
+from golden.network_files import classifier, quantisers
 from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
@@ -57,17 +59,14 @@ OPERATORS = {
     "Flatten": (1,),
     "Reshape": (2,),
 }
+# Operators that are applied to constants when a file is read.
+FOLDED = ("Transpose", "Identity", "Pow", "Sqrt", "Mul", "Div", "Unsqueeze", "Squeeze", "Reshape")
 # The reasons why some other operators are not supported.
 CONVOLUTION = "tactus is for dense networks and has no convolution"
 RECURRENT = "tactus is for dense networks and has none that keep a state"
-CLASSES = (
-    "tactus gives the values in front of it, of which the largest is that of the class; take the "
-    "operator out of the graph"
-)
 REASONS = {
     **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
     **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
-    **dict.fromkeys(("Softmax", "LogSoftmax", "ArgMax", "Normalizer", "ZipMap"), CLASSES),
 }
 # For each attribute, the field that holds its value, and the type that it must have.
 ATTRIBUTES = {
@@ -78,11 +77,14 @@ ATTRIBUTES = {
     "epsilon": ("f", AttributeProto.FLOAT),
     "training_mode": ("i", AttributeProto.INT),
     "axis": ("i", AttributeProto.INT),
+    "to": ("i", AttributeProto.INT),
     "min": ("f", AttributeProto.FLOAT),
     "max": ("f", AttributeProto.FLOAT),
     "offset": ("floats", AttributeProto.FLOATS),
     "scale": ("floats", AttributeProto.FLOATS),
 }
+# What a Cast may make of numbers.
+FLOATS = ("FLOAT", "DOUBLE", "FLOAT16", "BFLOAT16")
 # These are old enough for every runtime in use, and new enough for every operator used here.
 OPSET, IR_VERSION = 13, 7
 
@@ -109,8 +111,8 @@ class _Chain:
         self.activated = False
         # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
-        # Of the samples, whose number a layer tells.
-        self.first: Quantiser | None = None
+        # Of the samples, whose number a layer tells, with the factor and the shift in front.
+        self.first: tuple[Quantiser, Real, Real] | None = None
         # Whether what comes next are codes, until a DequantizeLinear.
         self.coded: Quantiser | None = None
 
@@ -118,13 +120,28 @@ class _Chain:
         place = f"behind layer {len(self.layers)}: " if self.layers else ""
         return InputError(f"{self.path}: {place}operator {node.op_type} ({node.name!r}): {reason}")
 
+    def width(self, node: Any) -> int:
+        """How many values the last layer gives."""
+        if not self.layers:
+            raise self.refuse(node, "stands in front of every layer, expected it behind the last")
+        return len(self.layers[-1].biases)
+
     def linear(self, node: Any, weights: Real, bias: Real) -> None:
         """Add a layer, into which the scaling before it is folded."""
         width = weights.shape[1]
+        if self.layers and width != self.width(node):
+            given = self.width(node)
+            hint = "; they are transposed" if len(weights) == given else ""
+            raise self.refuse(
+                node, f"got weights of {width} values, expected {given}, as many as come{hint}"
+            )
         if self.first:
-            quantiser, self.first = self.first, None
+            quantiser, factor, shift = self.first
+            self.first = None
+            behind, (self.factor, self.shift) = (self.factor, self.shift), (factor, shift)
             self.linear(node, np.eye(width), np.zeros(width))
             self.quantise(node, quantiser)
+            self.factor, self.shift = behind
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
         self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
@@ -145,15 +162,14 @@ class _Chain:
         if self.first or (self.layers and self.layers[-1].quantiser):
             raise self.refuse(node, "stands behind another quantiser, expected a layer between")
         if not self.layers:
-            self.first = quantiser
+            self.first = quantiser, self.factor, self.shift
+            self.factor, self.shift = np.ones(1), np.zeros(1)
             return
         self.layers[-1].quantiser = quantiser
         self.activated = True
 
     def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
         """Multiply each value by its factor, and add its shift."""
-        if self.first:
-            raise self.refuse(node, "stands behind the quantiser of the samples, expected a layer")
         if self.layers and not self.activated:
             layer = self.layers[-1]
             factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
@@ -184,7 +200,8 @@ def read(path: Path) -> Held:
 
     The graph must be layers of Gemm or MatMul, each but the last followed by one of ``ACTIVATIONS``
     or by none. Before and after each of these there may be Add, Sub, Mul, Div and Scaler with
-    constants, BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing.
+    constants, BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At
+    the end there may be what makes a class of the values; see ``golden.network_files.classifier``.
 
     Raises
     ------
@@ -197,14 +214,13 @@ def read(path: Path) -> Held:
     graph = model.graph
     constants = {c.name: _array(path, c) for c in graph.initializer}
     inputs = [i.name for i in graph.input if i.name not in constants]
-    if len(inputs) != 1 or len(graph.output) != 1:
-        raise InputError(
-            f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
-            "with one of each"
-        )
+    counted = f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
+    if len(inputs) != 1 or not graph.output:
+        raise InputError(f"{counted}with one of each")
     chain = _Chain(path, graph.output[0].name)
-    current, node = inputs[0], None
-    for node in graph.node:
+    current, node, ending = inputs[0], None, None
+    versions = {opset.domain: opset.version for opset in model.opset_import}
+    for place, node in enumerate(graph.node):
         if node.op_type == "Constant":
             value = next((a for a in node.attribute if a.name == "value"), None)
             if value is None:
@@ -215,9 +231,21 @@ def read(path: Path) -> Held:
             made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
             constants.update(dict.fromkeys(node.output, made))
             continue
+        if node.op_type in FOLDED and node.input and all(n in constants for n in node.input):
+            constants[node.output[0]] = _folded(chain, node, constants, versions)
+            continue
+        if classifier.begins(node, graph.node[place + 1 :]) and not chain.coded:
+            behind = graph.node[place:]
+            outputs = [output.name for output in graph.output]
+            ending = classifier.followed(
+                behind, current, outputs, constants, chain.width(node), chain.refuse
+            )
+            break
         _step(chain, node, current, constants)
         current = node.output[0]
-    if current != chain.output:
+    if ending is None and len(graph.output) != 1:
+        raise InputError(f"{counted}with one of each, or of a classifier")
+    if ending is None and current != chain.output:
         raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
     chain.finish(node)
     layers = chain.layers
@@ -234,7 +262,18 @@ def read(path: Path) -> Held:
         tuple(layer.activation for layer in layers[:-1]),
         tuple(layer.leak for layer in layers[:-1]),
         tuple(layer.quantiser for layer in layers[:-1]),
+        ending,
     )
+
+
+def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]) -> Any:
+    """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
+    taken = {name: constants[name] for name in node.input}
+    try:
+        results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
+        return results[0]
+    except Exception as error:
+        raise chain.refuse(node, f"cannot be applied to its constants: {error}") from None
 
 
 def _array(path: Path, tensor: Any) -> Any:
@@ -301,6 +340,11 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
                 raise chain.refuse(node, f"got {slopes.size} slopes, expected one for all nodes")
             leak = float(slopes[0])
         chain.activate(node, ACTIVATIONS[node.op_type], leak)
+    elif node.op_type == "Cast":
+        kinds = {number: name for name, number in TensorProto.DataType.items()}
+        kind = kinds.get(attributes.get("to"), "nothing")
+        if kind not in FLOATS:
+            raise chain.refuse(node, f"to {kind}, expected one of {', '.join(FLOATS)}")
     elif node.op_type == "Flatten":
         if attributes.get("axis", 1) not in (1, -1):
             raise chain.refuse(node, f"got axis {attributes['axis']}, expected 1")
@@ -318,6 +362,11 @@ def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any])
     """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
     if node.input[0] != current:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    if node.op_type == quantisers.BIPOLAR:
+        two, half = quantisers.bipolar(node, constants, chain.refuse)
+        chain.quantise(node, two)
+        chain.elementwise(node, np.ones(1), np.array([half]))
+        return
     if node.op_type != quantisers.DEQUANTIZE:
         quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
         chain.quantise(node, quantiser)

@@ -1,4 +1,4 @@
-"""Operators of quantised ONNX graphs: Quant of QONNX, QuantizeLinear and DequantizeLinear.
+"""Operators of quantised ONNX graphs: Quant and BipolarQuant of QONNX, and those of ONNX itself.
 
 If the input of such an operator is a constant, its output is a constant too. Otherwise it stands in
 the chain of layers and is the quantiser behind an activation.
@@ -17,7 +17,10 @@ from golden.input_error import InputError
 from golden.real import Real
 
 QUANT, QUANTIZE, DEQUANTIZE = "Quant", "QuantizeLinear", "DequantizeLinear"
-OPERATORS = (QUANT, QUANTIZE, DEQUANTIZE)
+BIPOLAR = "BipolarQuant"
+OPERATORS = (QUANT, BIPOLAR, QUANTIZE, DEQUANTIZE)
+# The least and the largest number of inputs behind the data.
+INPUTS = {QUANT: (3, 3), BIPOLAR: (1, 1), QUANTIZE: (1, 2), DEQUANTIZE: (1, 2)}
 DOMAINS = ("", "ai.onnx", "qonnx.custom_op.general", "onnx.brevitas", "finn.custom_op.general")
 ROUNDINGS = {"ROUND": "even", "HALF_EVEN": "even", "HALF_UP": "away", "FLOOR": "floor"}
 
@@ -39,7 +42,7 @@ def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any
     """
     names = list(node.input[1:])
     missing = [name for name in names if name and name not in constants]
-    if missing or len(names) < (3 if node.op_type == QUANT else 1):
+    if missing or not INPUTS[node.op_type][0] <= len(names) <= INPUTS[node.op_type][1]:
         raise refuse(node, f"got {len(names)} inputs behind the data, expected constants")
     return [np.asarray(constants[name]) if name else None for name in names]
 
@@ -72,6 +75,27 @@ def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quanti
         raise refuse(node, str(error)) from None
 
 
+def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quantiser, float]:
+    """The quantiser of a BipolarQuant, and what is added behind it.
+
+    Its values are the scale and its negative. They are half a step above the codes 0 and -1 of a
+    step of twice the scale.
+
+    Raises
+    ------
+    InputError
+        When values have different scales.
+    """
+    (scale,) = parameters(node, constants, refuse)
+    if np.size(scale) != 1:
+        raise refuse(node, "got a scale for each value, expected one for all")
+    half = float(scale.item())
+    try:
+        return Quantiser(2 * half, 0, -1, 0, "floor"), half
+    except InputError as error:
+        raise refuse(node, str(error)) from None
+
+
 def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, int]:
     """The lowest and the highest code."""
     if node.op_type == QUANTIZE:
@@ -97,14 +121,15 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
     ------
     InputError
     """
-    scale, zero, *more = parameters(node, constants, refuse)
+    scale, zero, *more = [*parameters(node, constants, refuse), None]
     values = np.asarray(data)
-    if node.op_type == DEQUANTIZE:
-        factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))
-        return (values.astype(np.float64) - place) * factor
     factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))
+    if node.op_type == DEQUANTIZE:
+        return (values.astype(np.float64) - place) * factor
     if not (np.isfinite(factor).all() and (factor > 0).all()):
         raise refuse(node, "got a scale that is not above 0")
+    if node.op_type == BIPOLAR:
+        return np.where(values >= 0, factor, -factor)
     low, high = _ends(node, zero, more, refuse)
     if node.op_type == QUANTIZE:
         codes = np.clip(np.rint(values / factor) + place, low, high)
@@ -121,7 +146,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
 def _along(node: Any, value: Any, values: Any) -> Any:
     """Scales or zero points, shaped so that they apply along their axis."""
     array = np.asarray(value, dtype=np.float64)
-    if node.op_type == QUANT or array.ndim != 1 or array.size == 1 or values.ndim < 2:
+    if node.op_type in (QUANT, BIPOLAR) or array.ndim != 1 or array.size == 1 or values.ndim < 2:
         return array if array.size != 1 else array.reshape(())
     axis = attributes_of(node).get("axis", 1)
     return array.reshape([-1 if n == axis % values.ndim else 1 for n in range(values.ndim)])

@@ -20,10 +20,11 @@ from golden.dense import Dense, network_of
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
-from golden.network_files.network_file import check_targets, write_network
+from golden.network_files.network_file import check_targets, ending_of, write_network
 from golden.precision import SIGNAL
 from golden.rig import class_counts, readings, sensors_tell
 from golden.scene import Scene, scene_names
+from golden.scene.quantised import quantised_lines
 from golden.scene.saturation import range_lines, saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
@@ -171,10 +172,19 @@ def networks_there(scene: Scene) -> list[Finding]:
         with collect_faults(findings):
             try:
                 shape = ":".join(map(str, member.load().shape))
-                findings.append(Finding(OK, str(path), f"a {shape} network"))
+                findings.append(Finding(OK, str(path), f"a {shape} network{_ending(path)}"))
             except FileNotFoundError:
                 findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
     return findings
+
+
+def _ending(path: Path) -> str:
+    """What a classifier's file has behind the network, in words."""
+    ending = ending_of(path)
+    if ending is None:
+        return ""
+    labels = f"; its classes are {', '.join(map(str, ending.labels))}" if ending.labels else ""
+    return f" that ends in front of {ending.operator}{labels}"
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:
@@ -194,7 +204,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 def design(scene: Scene, trained: bool) -> list[Finding]:
     """Check the hardware with the trained networks or, without them, with the least and largest."""
     if trained:
-        return [*_built(scene, ""), *_saturating(scene)]
+        return [*_built(scene, ""), *_quantised(scene), *_saturating(scene)]
     unknown: list[Finding] = []
     with collect_faults(unknown):
         scene = scaled(scene)
@@ -221,6 +231,15 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
+    return findings
+
+
+def _quantised(scene: Scene) -> list[Finding]:
+    """Tell how many codes of quantised networks differ from those of the file."""
+    findings: list[Finding] = []
+    with collect_faults(findings):
+        lines = quantised_lines(scene)
+        findings += [Finding(OK, f"hardware.design {scene.design}", line) for line in lines]
     return findings
 
 

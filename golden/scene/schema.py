@@ -50,6 +50,12 @@ NETWORK = Table(
             'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
             "it, the activations are those of the network file, and training takes tanh.",
         ),
+        "quantised": Key(
+            Text(("exact", "nearest")),
+            "exact",
+            "Of a [quantised network](#quantised-networks): whether its codes must be those of its "
+            "file, or may come from the nearest weights that the engine holds.",
+        ),
         "weights": Key(
             Each(Text()),
             meaning="The files of the trained networks, `.npz`, `.mat` or `.onnx`, in the order of "

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
-from golden.dense import Trained, layers_of
+from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.disturbance import Disturbance
 from golden.files import same_file
 from golden.input_error import InputError
@@ -67,6 +67,8 @@ class Member:
         Hidden nodes of each of several layers; empty where there is one, or the file tells.
     activations : tuple of str
         Of each hidden layer; empty takes those of the network file.
+    nearest : bool
+        Whether a quantised network may be rounded to what the hardware holds.
     """
 
     inputs: int
@@ -75,6 +77,7 @@ class Member:
     weights_path: Path
     layers: tuple[int, ...] = ()
     activations: tuple[str, ...] = ()
+    nearest: bool = False
 
     @property
     def text(self) -> str:
@@ -98,7 +101,16 @@ class Member:
                 f"{self.weights_path}: got hidden layers of {', '.join(found)}, expected "
                 f"{', '.join(self.activations)}, as network.activations of the scene says"
             )
+        if self.nearest and isinstance(network, DenseNetwork):
+            return network_of([_rounded(layer) for layer in network.layers])
         return network
+
+
+def _rounded(layer: Dense) -> Dense:
+    """A layer that may be rounded to what hardware holds."""
+    if layer.quantiser is None:
+        return layer
+    return replace(layer, quantiser=replace(layer.quantiser, nearest=True))
 
 
 def beside(path: Path, key: str, name: str) -> Path:
@@ -398,7 +410,15 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations)
+        Member(
+            inputs + i * cascade,
+            hidden[i],
+            tuple(groups[i]),
+            files[i],
+            layers,
+            activations,
+            network["quantised"] == "nearest",
+        )
         for i in range(count)
     )
 

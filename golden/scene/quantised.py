@@ -1,0 +1,52 @@
+"""Counts where the hardware of a quantised network differs from its file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from golden.dense import DenseNetwork
+from golden.engine.codes import engine_codes, file_codes
+from golden.precision import SIGNAL
+from golden.scene.scale import readings
+
+if TYPE_CHECKING:
+    from golden.scene.scene import Scene
+
+
+def quantised_lines(scene: Scene) -> list[str]:
+    """A line for each quantised network: how many codes differ on the recorded frames, and where.
+
+    The file is evaluated node by node in double precision. A network that reads outputs of an
+    earlier one is left out.
+
+    Raises
+    ------
+    InputError
+        See ``networks`` and ``vectors`` of ``Scene``.
+    """
+    codes = scene.vectors().codes
+    lines = []
+    for member, network in zip(scene.members, scene.networks(), strict=True):
+        quantised = isinstance(network, DenseNetwork) and network.quantised
+        if not quantised or member.inputs != len(scene.inputs):
+            continue
+        held, seen = member.load(), readings(SIGNAL.to_real(codes), scene.scales(scene.inputs))
+        counts = [
+            np.abs(ours - theirs)
+            for ours, theirs in zip(
+                engine_codes(network, codes), file_codes(held, seen), strict=True
+            )
+        ]
+        differ, every = sum((c > 0).sum() for c in counts), sum(c.size for c in counts)
+        furthest = max(int(c.max(initial=0)) for c in counts)
+        where = ", ".join(
+            f"{(c > 0).sum()} in layer {n}" for n, c in enumerate(counts, start=1) if c.any()
+        )
+        lines.append(
+            f"{member.weights_path.name}: {differ} of {every} codes of {len(codes)} recorded "
+            f"frames differ from those of the file"
+            + (f", by {furthest} at most: {where}" if differ else "")
+        )
+    return lines

@@ -1,0 +1,228 @@
+"""Tests networks of classifiers: what is read of their end, and what is refused in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from onnx import TensorProto, helper, numpy_helper
+
+from golden.finding import OK
+from golden.input_error import InputError
+from golden.network_files.held import Ending
+from golden.network_files.network_file import ending_of, load_network, write_network
+from golden.rig.check import networks_there
+from golden.scene import load_scene
+from tb.common.cases import random_mlp, write_scene
+
+DATA = Path(__file__).parent / "data"
+THREE = ("rest", "swipe", "tap")
+FILES = {
+    "sklearn-classes": ((3, 6, 4, 3), Ending("Softmax", THREE)),
+    "sklearn-classes-plain": ((3, 5, 3), Ending("Softmax", (0, 10, 20))),
+    "sklearn-classes-columns": ((3, 5, 3), Ending("Softmax", THREE)),
+    "sklearn-two-classes": ((3, 5, 1), Ending("Sigmoid", ("none", "touch"))),
+    "sklearn-two-classes-plain": ((3, 5, 1), Ending("Sigmoid", (0, 1))),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_classifier_from_scikit_learn(name: str) -> None:
+    """A pipeline of a StandardScaler and an MLPClassifier, with and without ZipMap."""
+    shape, ending = FILES[name]
+    path = DATA / f"{name}.onnx"
+    assert ending_of(path) == ending
+    network = load_network(path, (3, 0, shape[-1]))
+    assert network.shape == shape
+    with np.load(path.with_suffix(".npz")) as recorded:
+        values, expected = network.process(recorded["x"]), recorded["labels"].tolist()
+    places = values.argmax(axis=1) if shape[-1] > 1 else (values[:, 0] > 0).astype(int)
+    assert [ending.labels[place] for place in places] == expected
+    assert len(set(expected)) == max(shape[-1], 2)
+
+
+def test_make_check_tells_where_a_classifier_ends(tmp_path: Path) -> None:
+    network = random_mlp((3, 5, 1), 1.0, 1)
+    for name, said in (
+        ("sklearn-two-classes-plain", "a 3:5:1 network that ends in front of Sigmoid; its classes"),
+        ("sklearn-3-5-1", "a 3:5:1 network"),
+    ):
+        path = write_scene(tmp_path, "classes", "exact", [network])
+        text = path.read_text().replace('"classes.npz"', f'"{DATA / name}.onnx"')
+        path.write_text(text)
+        (found,) = networks_there(load_scene(str(path)))
+        assert (found.verdict, found.text[: len(said)]) == (OK, said)
+        assert found.text.endswith("are 0, 1") == ("classes" in name)
+
+
+NETWORKS = {width: random_mlp((3, 5, width), 1.0, 1) for width in (1, 2)}
+CONSTANTS = {
+    "one": 1.0,
+    "two": 2.0,
+    "names": np.array(["up", "down"]),
+    "more": np.array([1, 2, 3]),
+    "row": np.array([-1]),
+}
+
+
+def node(kind: str, taken: str, given: str, **attributes):
+    return helper.make_node(kind, taken.split(), given.split(), f"my_{kind}", **attributes)
+
+
+def classifier(tmp_path: Path, tail: list, outputs: str, width: int = 2) -> Path:
+    """A network of Gemm, Tanh and Gemm, whose values are ``v``, with ``tail`` behind it."""
+    path = tmp_path / "net.onnx"
+    write_network(path, NETWORKS[width])
+    graph = onnx.load(str(path)).graph
+    graph.node[-1].output[0] = "v"
+    graph.node.extend(tail)
+    tensors = [numpy_helper.from_array(np.asarray(v), k) for k, v in CONSTANTS.items()]
+    ends = [helper.make_tensor_value_info(o, TensorProto.DOUBLE, None) for o in outputs.split()]
+    made = helper.make_graph(
+        graph.node, "test", list(graph.input), ends, [*graph.initializer, *tensors]
+    )
+    onnx.save(helper.make_model(made), str(path))
+    return path
+
+
+SOFTMAX = node("Softmax", "v", "p")
+ARGMAX = node("ArgMax", "p", "k", axis=1)
+TWO = [
+    node("Sigmoid", "v", "b"),
+    node("Sub", "one b", "a"),
+    node("Concat", "a b", "p", axis=1),
+]
+ENDS = {
+    "softmax": ([SOFTMAX], "p", 2, Ending("Softmax")),
+    "the logarithm": ([node("LogSoftmax", "v", "p", axis=-1)], "p", 2, Ending("LogSoftmax")),
+    "the number of the class": (
+        [node("ArgMax", "v", "k", axis=1, keepdims=0)],
+        "k",
+        2,
+        Ending("ArgMax"),
+    ),
+    "both": ([SOFTMAX, ARGMAX, node("Squeeze", "k", "y")], "p y", 2, Ending("Softmax")),
+    "labels": (
+        [SOFTMAX, ARGMAX, node("Gather", "names k", "y")],
+        "y",
+        2,
+        Ending("Softmax", ("up", "down")),
+    ),
+    "labels of two": (
+        [*TWO, ARGMAX, node("ArrayFeatureExtractor", "names k", "y", domain="ai.onnx.ml")],
+        "y p",
+        1,
+        Ending("Sigmoid", ("up", "down")),
+    ),
+    "labels as an output": ([SOFTMAX], "p names", 2, Ending("Softmax")),
+}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_the_network_ends_in_front_of_what_tells_the_class(tmp_path: Path, name: str) -> None:
+    tail, outputs, width, ending = ENDS[name]
+    path = classifier(tmp_path, tail, outputs, width)
+    found, expected = load_network(path, (3, 5, width)), NETWORKS[width]
+    assert all(np.array_equal(getattr(found, n), getattr(expected, n)) for n in ("w2", "b2"))
+    assert ending_of(path) == ending
+
+
+def test_a_sigmoid_alone_is_the_probability_that_it_was(tmp_path: Path) -> None:
+    path = classifier(tmp_path, [node("Sigmoid", "v", "p")], "p", 1)
+    assert load_network(path, (3, 0, 1)).activations == ("tanh", "sigmoid")
+    assert ending_of(path) is None
+
+
+@pytest.mark.parametrize("form", ["npz", "mat"])
+def test_other_files_have_no_classes(tmp_path: Path, form: str) -> None:
+    path = tmp_path / f"net.{form}"
+    write_network(path, NETWORKS[1])
+    assert ending_of(path) is None
+
+
+REFUSED = {
+    "another operator": (
+        [SOFTMAX, node("Elu", "p", "y")],
+        r"Elu \('my_Elu'\): not supported in the end of a classifier, expected one of Softmax,",
+    ),
+    "another domain": (
+        [SOFTMAX, node("ArgMax", "p", "y", axis=1, domain="mine")],
+        r"ArgMax \('my_ArgMax'\): not supported in the end",
+    ),
+    "the class of something else": (
+        [SOFTMAX, node("ArgMax", "c", "y", axis=1)],
+        r"ArgMax \('my_ArgMax'\): stands at a wrong place in the end of a classifier",
+    ),
+    "a layer behind": ([SOFTMAX, node("MatMul", "p w2", "y")], r"MatMul .* not supported in the"),
+    "along frames": ([SOFTMAX, node("ArgMax", "p", "y")], "ArgMax .*: got axis 0, expected 1"),
+    "softmax along frames": (
+        [node("Softmax", "v", "y", axis=0)],
+        r"Softmax \('my_Softmax'\): got axis 0, expected 1, along the values of a frame",
+    ),
+    "the last of equal values": (
+        [node("ArgMax", "v", "y", axis=1, select_last_index=1)],
+        "ArgMax .*: select_last_index=1, expected 0",
+    ),
+    "two from another number": (
+        [TWO[0], node("Sub", "two b", "a"), TWO[2]],
+        r"Sub \('my_Sub'\): expected 1 minus the probability",
+    ),
+    "the second class first": (
+        [*TWO[:2], node("Concat", "b a", "p", axis=1)],
+        r"Concat \('my_Concat'\): expected the probabilities of both classes, in",
+    ),
+    "labels too many": (
+        [SOFTMAX, ARGMAX, node("Gather", "more k", "y")],
+        r"Gather \('my_Gather'\): got 3 labels, expected 2",
+    ),
+    "labels that are not known": (
+        [SOFTMAX, ARGMAX, node("Gather", "p k", "y")],
+        "Gather .*: stands at a wrong place in the end of a classifier",
+    ),
+    "labels that are no constants": (
+        [SOFTMAX, ARGMAX, node("Gather", "c k", "y")],
+        "Gather .*: reads 'c', expected constant labels",
+    ),
+    "two kinds of labels": (
+        [
+            SOFTMAX,
+            ARGMAX,
+            node("Gather", "names k", "y"),
+            node("ZipMap", "p", "z", domain="ai.onnx.ml", classlabels_int64s=[1, 2]),
+        ],
+        r"ZipMap \('my_ZipMap'\): got the labels \(1, 2\), expected \('up', 'down'\) as before",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_an_end_is_refused_by_layer_and_node(tmp_path: Path, name: str) -> None:
+    tail, message = REFUSED[name]
+    width = 1 if tail[0] is TWO[0] else 2
+    path = classifier(tmp_path, tail, tail[-1].output[0], width)
+    with pytest.raises(InputError, match=f"net.onnx: behind layer 2: operator {message}"):
+        load_network(path, (3, 0, width))
+
+
+def test_what_cannot_be_classes(tmp_path: Path) -> None:
+    for tail, width, message in (
+        (TWO, 2, "Sigmoid .*: makes probabilities of 2 classes that may hold at once, expected"),
+        ([SOFTMAX], 1, "Softmax .*: takes 1 value, expected one for each class"),
+    ):
+        path = classifier(tmp_path, tail, "p", width)
+        with pytest.raises(InputError, match=f"behind layer 2: operator {message}"):
+            load_network(path, (3, 0, width))
+    path = classifier(tmp_path, [SOFTMAX], "p q")
+    with pytest.raises(InputError, match=r"operator Softmax .*: gives no output 'q' of the graph"):
+        load_network(path, (3, 0, 2))
+    model = onnx.load(str(path))
+    for n in (2, 1, 0):
+        del model.graph.node[n]
+    model.graph.node[0].input[0] = "x"
+    onnx.save(model, str(path))
+    with pytest.raises(
+        InputError, match=r"net.onnx: operator Softmax .*: stands in front of every"
+    ):
+        load_network(path, (3, 0, 2))
