@@ -1,9 +1,10 @@
 """Makes the neurons of an engine from trained networks: codes of weights, and a format per layer.
 
 A sum before tanh saturates at -8 and 8, where tanh is flat, so its format is the same for every
-network. Behind a ReLU or a linear layer saturation would be an error. So the words of such a layer
-have the most fraction bits with which none of its sums can overflow, whatever the samples are. The
-bounds of each sum follow from the bounds of its operands, in whole numbers.
+network. Sums before other functions that are tables have this format too. Behind a ReLU or a linear
+layer saturation would be an error. So the words of such a layer have the most fraction bits with
+which none of its sums can overflow, whatever the samples are. The bounds of each sum follow from
+the bounds of its operands, in whole numbers.
 
 Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2`` needs half of
 the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)`` needs
@@ -28,9 +29,11 @@ from golden.engine.formats import (
     WIDTH,
     coeff_frac,
 )
+from golden.engine.function_table import format_of
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.grid import Grid, grid_of
 from golden.fixed import Fix
+from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 
@@ -72,7 +75,7 @@ class Sums:
     Parameters
     ----------
     activation : str
-        "tanh", "relu", "leaky_relu", "hard_tanh" or "linear".
+        "table", "relu", "leaky_relu", "hard_tanh" or "linear".
     result : Fix
         Format of the words that its sums become.
     biases : list of int
@@ -84,6 +87,8 @@ class Sums:
         The grid of a layer with a quantiser.
     rests : list of int
         For such a layer, the part of each sum's start value that is below the unit of a bias.
+    functions : tuple of Function
+        Of a "table", the function of each node.
     """
 
     activation: str
@@ -93,6 +98,7 @@ class Sums:
     values: list[Value]
     grid: Grid | None = None
     rests: list[int] = field(default_factory=list)
+    functions: tuple[Function, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -104,6 +110,7 @@ class Exact:
     weights: list[list[Fraction]]
     biases: list[Fraction]
     grid: Grid | None
+    functions: tuple[Function, ...]
 
 
 def exact_layers(network: Trained) -> list[Exact]:
@@ -135,8 +142,11 @@ def exact_layers(network: Trained) -> list[Exact]:
             biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
         with naming(f"layer {number}"):
             grid = grid_of(layer)
-        kind = "tanh" if halved else layer.activation
-        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid))
+        functions = layer.functions
+        if layer.activation in ("tanh", "sigmoid"):
+            functions = (TANH,) * layer.nodes
+        kind = "table" if functions else layer.activation
+        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid, functions))
     return found
 
 
@@ -169,7 +179,7 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
             found.append(replace(sums, values=values))
             continue
         fixed = RESULT if output or layer.activation == "hard_tanh" else None
-        fixed = HIDDEN if layer.activation == "tanh" else fixed
+        fixed = HIDDEN if layer.functions else fixed
         for frac in [fixed.frac] if fixed else range(WIDTH - 1, -1, -1):
             sums = _coded(layer, Fix(WIDTH, frac), values)
             low, high = _ends(sums, values)
@@ -183,7 +193,7 @@ def planned(network: Trained, values: list[Value]) -> list[Sums]:
                 f"{_HIGH} at most"
             )
         values = _given(layer, sums.result, low, high)
-        found.append(Sums(layer.activation, sums.result, sums.biases, sums.weights, values))
+        found.append(replace(sums, values=values))
     return found
 
 
@@ -233,7 +243,7 @@ def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
         moved = sum(code for code, v in zip(codes, values, strict=True) if v.earlier)
         half = Fraction(1, 1 << (SIGNAL.frac + 1)) / Fraction(2) ** coeff_frac(result, RESULT)
         biases.append(_code(bias - moved * half, result, ONE))
-    return Sums(layer.activation, result, biases, weights, [])
+    return Sums(layer.activation, result, biases, weights, [], functions=layer.functions)
 
 
 def _ends(sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
@@ -253,8 +263,8 @@ def _given(layer: Exact, result: Fix, low: list[int], high: list[int]) -> list[V
     one = Fraction(1)
     for node, (least, most) in enumerate(zip(low, high, strict=True)):
         ends = max(least, _LOW), min(most, _HIGH)
-        if layer.activation == "tanh":
-            found.append(Value(node, one, RESULT, _LOW, _HIGH))
+        if layer.functions:
+            found.append(Value(node, one, format_of(layer.functions[node]), _LOW, _HIGH))
         elif layer.activation == "leaky_relu":
             found.append(Value(node, layer.leak, result, *ends))
             found.append(Value(node, 1 - layer.leak, result, 0, max(0, ends[1])))
@@ -322,7 +332,7 @@ def graph_of(arrangement: str, networks: Sequence[Trained], lean: bool = True) -
                     weights = [(samples, layer.rests[j]), *weights]
                 terms = _terms(layer.biases[j], weights, lean)
                 last = samples + len(neurons)
-                made = [*_node(name, layer, terms, last, output)]
+                made = [*_node(name, layer, terms, last, output, j)]
                 neurons += made
                 if output:
                     earlier.append(last)
@@ -352,15 +362,17 @@ def _check_grids(grids: list[Grid | None]) -> None:
 
 
 def _node(
-    name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool
+    name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool, node: int
 ) -> Iterator[Neuron]:
-    """The neurons of one node. The first of them is the value ``place``."""
+    """The neurons of one node of a layer. The first of them is the value ``place``."""
     if output:
         yield Neuron(name, layer.result, terms, output=True)
-    elif layer.activation == "tanh":
+    elif layer.functions:
+        function = layer.functions[node]
         yield Neuron(f"{name} sum", layer.result, terms)
         looked_up = (Term(Kind.INTERCEPT, place, 0), Term(Kind.DISTANCE, place, 0))
-        yield Neuron(f"{name} tanh", RESULT, looked_up)
+        result = format_of(function)
+        yield Neuron(f"{name} {function.name}", result, looked_up, function=function)
     elif layer.activation == "leaky_relu":
         yield Neuron(f"{name} sum", layer.result, terms)
         itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))

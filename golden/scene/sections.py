@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.cli import naming
 from golden.dense import Trained, layers_of
 from golden.disturbance import Disturbance
 from golden.files import same_file
+from golden.function import Function, by_name, functions_of, read_function, table_names
 from golden.input_error import InputError
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
@@ -67,6 +69,8 @@ class Member:
         Hidden nodes of each of several layers; empty where there is one, or the file tells.
     activations : tuple of str
         Of each hidden layer; empty takes those of the network file.
+    functions : tuple of Function
+        The functions that activations may name.
     """
 
     inputs: int
@@ -75,6 +79,7 @@ class Member:
     weights_path: Path
     layers: tuple[int, ...] = ()
     activations: tuple[str, ...] = ()
+    functions: tuple[Function, ...] = ()
 
     @property
     def text(self) -> str:
@@ -91,7 +96,8 @@ class Member:
             See ``load_network``; and for other activations than the scene asks for.
         """
         hidden = self.layers or (self.hidden,)
-        network = load_network(self.weights_path, (self.inputs, *hidden, len(self.outputs)))
+        shape = (self.inputs, *hidden, len(self.outputs))
+        network = load_network(self.weights_path, shape, by_name(self.functions))
         found = tuple(layer.activation for layer in layers_of(network)[:-1])
         if self.activations and found != self.activations:
             raise InputError(
@@ -373,6 +379,7 @@ def members(
     count = len(groups)
     hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
     activations = tuple(network["activations"])
+    functions = _functions(network, hidden, path)
     layers = _layers(hidden, activations, network["arrangement"], path)
     if layers:
         hidden = [0]
@@ -395,7 +402,15 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i], layers, activations)
+        Member(
+            inputs + i * cascade,
+            hidden[i],
+            tuple(groups[i]),
+            files[i],
+            layers,
+            activations,
+            functions,
+        )
         for i in range(count)
     )
 
@@ -403,6 +418,25 @@ def members(
 def _listed(value: Any) -> list[Any]:
     """A list of it, where it is none."""
     return value if isinstance(value, list) else [value]
+
+
+def _functions(network: dict[str, Any], hidden: list[int], path: Path) -> tuple[Function, ...]:
+    """The functions that a scene defines.
+
+    Raises
+    ------
+    InputError
+        For a function that cannot be read, and for an activation that names none of them.
+    """
+    with naming(path):
+        found = tuple(read_function(*pair) for pair in network["functions"].items())
+    with naming(f"{path}: network.activations"):
+        for n, activation in enumerate(network["activations"]):
+            names = table_names(activation)
+            # Where the network file says how many nodes there are, it is read later.
+            nodes = hidden[n] if n < len(hidden) and hidden[n] else len(names)
+            functions_of(activation, nodes, by_name(found))
+    return found
 
 
 def _layers(
