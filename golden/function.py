@@ -109,9 +109,8 @@ def functions_of(
     for name in names:
         if name not in known:
             expected = f"one of {', '.join(known)}" if known else "it in [network.functions]"
-            raise InputError(
-                f"{activation!r}: no function {name!r}, expected {expected}{suggest(name, known)}"
-            )
+            hint = suggest(name, list(known))
+            raise InputError(f"{activation!r}: no function {name!r}, expected {expected}{hint}")
     if names and len(names) not in (1, nodes):
         raise InputError(
             f"{activation!r}: got {len(names)} functions for {nodes} nodes, expected one for all, "
