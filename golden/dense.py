@@ -9,6 +9,7 @@ from typing import TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.function import TABLE, Function
 from golden.input_error import InputError
 from golden.mlp import Activation, Mlp, tanh
 from golden.real import Real
@@ -109,16 +110,19 @@ class Dense:
     weights : float array, shape (nodes, inputs)
     biases : float array, shape (nodes,)
     activation : str
-        A name of ``ACTIVATIONS``.
+        A name of ``ACTIVATIONS``, or "table:" and the names of ``functions``.
     leak : float
         The slope of "leaky_relu" below 0, from 0 to 1. Other activations ignore it.
     quantiser : Quantiser or None
         The quantiser behind the activation, in a quantised network.
+    functions : tuple of Function
+        The function of each node, where the activation is a table.
 
     Raises
     ------
     InputError
-        When shapes do not fit each other, a value is not finite, or the activation is not known.
+        When shapes do not fit each other, a value is not finite, the activation is not known, or a
+        table has no function for each node.
     """
 
     weights: Real
@@ -126,6 +130,7 @@ class Dense:
     activation: str = "linear"
     leak: float = LEAK
     quantiser: Quantiser | None = None
+    functions: tuple[Function, ...] = ()
 
     def __post_init__(self) -> None:
         shape, nodes = np.shape(self.weights), np.shape(self.biases)
@@ -137,7 +142,13 @@ class Dense:
         for name in ("weights", "biases"):
             if not np.isfinite(getattr(self, name)).all():
                 raise InputError(f"{name}: got NaN or infinity, expected finite numbers")
-        if self.activation not in ACTIVATIONS:
+        if self.activation.startswith(TABLE):
+            if len(self.functions) != self.nodes:
+                raise InputError(
+                    f"activation: got {self.activation!r} with {len(self.functions)} functions, "
+                    f"expected {self.nodes}, one for each node"
+                )
+        elif self.activation not in ACTIVATIONS:
             raise InputError(
                 f"activation: got {self.activation!r}, expected one of {', '.join(ACTIVATIONS)}"
             )
@@ -161,6 +172,14 @@ class Dense:
         """
         if self.activation == "tanh":
             return of_tanh(q)
+        if self.functions:
+            columns = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+            pairs = [
+                (function.value(column), function.slope(column))
+                for function, column in zip(self.functions, columns, strict=True)
+            ]
+            values, slopes = zip(*pairs, strict=True)
+            return np.stack(values, axis=-1), np.stack(slopes, axis=-1)
         value, slope = ACTIVATIONS[self.activation](q)
         if self.activation == "leaky_relu":
             return value + self.leak * np.minimum(q, 0.0), np.where(q > 0, 1.0, self.leak)

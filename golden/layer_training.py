@@ -7,7 +7,7 @@ shifted by the mean bit-true error. The scene names the nodes, so nothing else i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -15,6 +15,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from golden.dense import Dense, Trained, network_of
+from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
 from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective, packed, unpacked
 from golden.real import Real
@@ -27,15 +28,22 @@ from golden.training.task import Frames, Task, task_for
 
 
 def random_layers(
-    shape: Sequence[int], activations: Sequence[str], rng: np.random.Generator
+    shape: Sequence[int],
+    activations: Sequence[str],
+    rng: np.random.Generator,
+    functions: Mapping[str, Function] | None = None,
 ) -> Trained:
-    """A network with random weights, such that values have about the same size in every layer."""
+    """A network with random weights, such that values have about the same size in every layer.
+
+    ``functions`` are those that activations name.
+    """
     layers = []
     for (inputs, nodes), kind in zip(pairwise(shape), (*activations, "linear"), strict=True):
         # A ReLU passes on half of the values.
         gain = 2.0 if "relu" in kind else 1.0
         weights = rng.normal(0, np.sqrt(gain / inputs), (nodes, inputs))
-        layers.append(Dense(weights, rng.normal(0, 0.1, nodes), kind))
+        tables = functions_of(kind, nodes, functions or {})
+        layers.append(Dense(weights, rng.normal(0, 0.1, nodes), kind, functions=tables))
     return network_of(layers)
 
 
@@ -115,7 +123,8 @@ def train(task: Task, restart: int) -> Trained:
     shape = (task.training.inputs.shape[1], *member.layers, task.training.targets.shape[1])
     kinds = member.activations or ("tanh",) * len(member.layers)
     rng = np.random.default_rng([task.scene.training.seed, task.number, *member.layers, restart])
-    start = on_readings(random_layers(shape, kinds, rng), task.normal, [Scale()] * shape[-1])
+    random = random_layers(shape, kinds, rng, by_name(member.functions))
+    start = on_readings(random, task.normal, [Scale()] * shape[-1])
     return descended(task, start, task.training, task.validation)
 
 

@@ -246,7 +246,8 @@ def test_the_page_says_where_each_field_stands(pipeline: Pipeline) -> None:
 
 @given(graph=graphs(), pipeline=st.sampled_from(PIPELINES))
 def test_the_program_holds_what_was_scheduled(graph: Graph, pipeline: Pipeline) -> None:
-    program, steps = assemble(graph, tanh_table(9), 5, pipeline), schedule(graph, pipeline)
+    program = assemble(graph, tanh_table(9).within(4 << 9), pipeline)
+    steps = schedule(graph, pipeline)
     found = program.instructions
     assert len(found) == len(steps)
     address = {k: k for k in range(graph.inputs)}
@@ -283,7 +284,7 @@ def test_registers_behind_the_memories_change_no_result() -> None:
     mlps = [random_mlp((3 + n, 3, 1), 1.0, n) for n in range(3)]
     plain = Engine.of(mlps, arrangement="cascade")
     table = tanh_table(9)
-    program = assemble(plain.graph, table, len(plain.program.table), PIPELINES[1])
+    program = assemble(plain.graph, table.within(plain.graph.reach(table)), PIPELINES[1])
     registered = replace(plain, program=program)
     codes = random_codes(3, 20)
     results, _ = simulate(registered, codes)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from golden.commands.train import main
-from golden.dense import ACTIVATIONS, Dense, Trained, layers_of, network_of
+from golden.dense import ACTIVATIONS, Trained, layers_of, network_of
+from golden.function import Function
 from golden.input_error import InputError
 from golden.layer_objective import LayeredObjective, packed, unpacked
 from golden.layer_training import random_layers
@@ -39,12 +41,16 @@ def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
 
 def leaky(network: Trained) -> Trained:
     """Every leaky ReLU with a slope that shows."""
-    return network_of([Dense(x.weights, x.biases, x.activation, 0.3) for x in layers_of(network)])
+    return network_of([replace(layer, leak=0.3) for layer in layers_of(network)])
 
 
+OWN = Function("wave", "sin(2 * x)"), Function("bell", "exp(-x * x)")
 NETWORKS = [
     leaky(random_network((3, 4, 2), (kind,), 1.0, seed)) for seed, kind in enumerate(ACTIVATIONS)
-] + [leaky(random_network((2, 4, 3, 5, 2), ("relu", "sigmoid", "leaky_relu"), 1.0, 9))]
+] + [
+    leaky(random_network((2, 4, 3, 5, 2), ("relu", "sigmoid", "leaky_relu"), 1.0, 9)),
+    random_network((2, 3, 4, 2), ("table:wave,bell,wave", "table:bell"), 1.0, 4, functions=OWN),
+]
 
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))

@@ -18,12 +18,15 @@ from golden.engine.formats import (
     SAMPLE_SHIFT,
     coeff_frac,
 )
+from golden.engine.function_table import table_of
 from golden.engine.graph import Graph, Kind, Neuron
 from golden.engine.layers import exact_layers, first_values, planned
+from golden.engine.line_table import LineTable
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import TanhTable, tanh_table
+from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.function import Function
 from golden.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.real import Real
@@ -61,18 +64,20 @@ def exact_sums(graph: Graph, segment_width: int, frame: list[int]) -> list[tuple
 
 def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
     if neuron.looks_up:
-        return tanh_sum(segment_width, values[neuron.terms[0].source])
+        return looked_up_sum(neuron.function, segment_width, values[neuron.terms[0].source])
     return sum(
         term.weight * (1 << DROPPED if term.kind is Kind.ONE else values[term.source])
         for term in neuron.terms
     )
 
 
-def tanh_sum(segment_width: int, q: int) -> int:
-    """The exact sum of the neuron that computes tanh of q."""
-    table = tanh_table(segment_width)
-    span = 1 << segment_width
-    segment = min((q if q >= 0 else -q - 1) // span, len(table.slopes) - 1)
+def looked_up_sum(function: Function, segment_width: int, q: int) -> int:
+    """The exact sum of the neuron that computes a function of q."""
+    table = table_of(function, segment_width)
+    span, segments = 1 << segment_width, len(table.slopes) // (1 + table.both)
+    segment = min((q if q >= 0 else -q - 1) // span, segments - 1)
+    if table.both and q < 0:
+        segment += segments
     one = 1 << DROPPED if q >= 0 else -(1 << DROPPED)
     return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
 
@@ -139,7 +144,7 @@ def tanh_error(segment_width: int) -> float:
     return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())
 
 
-def tanh_codes(table: TanhTable, q: Codes) -> Codes:
+def tanh_codes(table: LineTable, q: Codes) -> Codes:
     """The codes of tanh that an engine with this table computes for codes of q, Fix(18,17)."""
     segment = TableAddress(table.width, len(table.slopes)).process(q)
     select = OperandSelect(table.width)

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH
+from golden.engine.line_table import LineTable
 from golden.engine.ranges import Range
-from golden.engine.tanh_table import TanhTable
 from golden.fixed import Fix
+from golden.function import TANH, Function
 from golden.precision import SIGNAL
 
 
@@ -28,6 +29,10 @@ class Kind(IntEnum):
     ONE = 3
 
 
+# The kinds for which the coefficient comes from a table.
+LOOKED_UP = (Kind.INTERCEPT, Kind.DISTANCE)
+
+
 @dataclass(frozen=True)
 class Term:
     """One product of a sum.
@@ -39,7 +44,7 @@ class Term:
         Number of the value that is read: a sample, or ``inputs`` + the number of a neuron; -1 for
         none.
     weight : int
-        Code of 18 bits; 0 where the coefficient comes from the table of tanh.
+        Code of 18 bits; 0 where the coefficient comes from a table.
     """
 
     kind: Kind
@@ -66,6 +71,8 @@ class Neuron:
         The number of the word's lowest bits that are 0; only a ReLU has any.
     even : bool
         Where bits are cut: whether a sum half way between two words becomes the even one.
+    function : Function
+        The function that it looks up, if it looks up one.
     """
 
     name: str
@@ -75,6 +82,7 @@ class Neuron:
     relu: bool = False
     cut: int = 0
     even: bool = False
+    function: Function = TANH
 
     @property
     def constant(self) -> bool:
@@ -83,7 +91,7 @@ class Neuron:
 
     @property
     def looks_up(self) -> bool:
-        """Whether it is the tanh of another neuron."""
+        """Whether it is a function of another neuron, such as its tanh."""
         return any(term.kind is Kind.INTERCEPT for term in self.terms)
 
     @property
@@ -135,6 +143,12 @@ class Graph:
         return any(neuron.even for neuron in self.neurons)
 
     @property
+    def functions(self) -> tuple[Function, ...]:
+        """The functions that neurons look up, each once; tanh where there are none."""
+        found = dict.fromkeys(neuron.function for neuron in self.neurons if neuron.looks_up)
+        return tuple(found) or (TANH,)
+
+    @property
     def first_sums(self) -> list[Neuron]:
         """The hidden sums that see nothing but samples and outputs."""
         return [
@@ -154,24 +168,24 @@ class Graph:
         """The format of a value."""
         return SAMPLE if source < self.inputs else self.neurons[source - self.inputs].result
 
-    def largest(self, term: Term, table: TanhTable) -> int:
+    def largest(self, term: Term, table: LineTable) -> int:
         """The largest magnitude that the product of a term can have."""
         if term.kind is Kind.INTERCEPT:
-            return max(table.intercepts) << DROPPED
+            return max(map(abs, table.intercepts)) << DROPPED
         if term.kind is Kind.DISTANCE:
-            return max(table.slopes) << (table.width - 1)
+            return max(map(abs, table.slopes)) << (table.width - 1)
         if term.kind is Kind.ONE:
             return abs(term.weight) << DROPPED
         low = -SIGNAL.low << (SAMPLE.frac - SIGNAL.frac)
         reach = low if term.source < self.inputs else 1 << (WIDTH - 1)
         return abs(term.weight) * reach
 
-    def bound(self, neuron: Neuron, table: TanhTable) -> int:
+    def bound(self, neuron: Neuron, table: LineTable) -> int:
         """The largest magnitude that a neuron's sum can reach, its start included."""
         return neuron.start + sum(self.largest(term, table) for term in neuron.terms)
 
-    def reach(self, table: TanhTable) -> int:
-        """The largest magnitude that the code of a sum in front of a tanh can have; 0 for none."""
+    def reach(self, table: LineTable) -> int:
+        """The largest magnitude of the codes of sums that a function takes; 0 for none."""
         sums = {n.terms[0].source - self.inputs for n in self.neurons if n.looks_up}
         bounds = [self.bound(self.neurons[place], table) >> DROPPED for place in sums]
         return min(max(bounds, default=0), -HIDDEN.low)

@@ -1,11 +1,11 @@
 """Makes the neurons of an engine from trained networks: codes of weights, and a format per layer.
 
 A sum before tanh saturates at -8 and 8, where tanh is flat, so its format is the same for every
-network. Behind a ReLU or a linear layer saturation would be an error. So the words of such a layer
-have the most fraction bits with which none of its sums can overflow, whatever the samples are. The
-bounds of each sum follow from the bounds of its operands, in whole numbers. Where these bounds
-waste bits, and recorded frames are known, the range is that of the frames with a margin
-(``golden.engine.ranges``).
+network. Sums before other functions that are tables have this format too. Behind a ReLU or a linear
+layer saturation would be an error. So the words of such a layer have the most fraction bits with
+which none of its sums can overflow, whatever the samples are. The bounds of each sum follow from
+the bounds of its operands, in whole numbers. Where these bounds waste bits, and recorded frames are
+known, the range is that of the frames with a margin (``golden.engine.ranges``).
 
 Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2`` needs half of
 the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)`` needs
@@ -30,10 +30,12 @@ from golden.engine.formats import (
     WIDTH,
     coeff_frac,
 )
+from golden.engine.function_table import format_of
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.grid import OR_NEAREST, Grid, grid_of
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.fixed import Fix
+from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 
@@ -77,7 +79,7 @@ class Sums:
     Parameters
     ----------
     activation : str
-        "tanh", "relu", "leaky_relu", "hard_tanh" or "linear".
+        "table", "relu", "leaky_relu", "hard_tanh" or "linear".
     result : Fix
         Format of the words that its sums become.
     biases : list of int
@@ -91,6 +93,8 @@ class Sums:
         For such a layer, the part of each sum's start value that is below the unit of a bias.
     range : Range or None
         The range of a layer in which saturation would be an error.
+    functions : tuple of Function
+        Of a "table", the function of each node.
     """
 
     activation: str
@@ -101,6 +105,7 @@ class Sums:
     grid: Grid | None = None
     rests: list[int] = field(default_factory=list)
     range: Range | None = None
+    functions: tuple[Function, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -112,6 +117,7 @@ class Exact:
     weights: list[list[Fraction]]
     biases: list[Fraction]
     grid: Grid | None
+    functions: tuple[Function, ...]
 
 
 def exact_layers(network: Trained) -> list[Exact]:
@@ -147,8 +153,11 @@ def exact_layers(network: Trained) -> list[Exact]:
         if grid:
             weights = [[w * grid.factor for w in row] for row in weights]
             biases = [b * grid.factor for b in biases]
-        kind = "tanh" if halved else layer.activation
-        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid))
+        functions = layer.functions
+        if layer.activation in ("tanh", "sigmoid"):
+            functions = (TANH,) * layer.nodes
+        kind = "table" if functions else layer.activation
+        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid, functions))
     return found
 
 
@@ -183,7 +192,7 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
             found.append(replace(sums, values=values))
             continue
         fixed = RESULT if output or layer.activation == "hard_tanh" else None
-        fixed = HIDDEN if layer.activation == "tanh" else fixed
+        fixed = HIDDEN if layer.functions else fixed
         if fixed:
             sums = _coded(layer, fixed, values)
         else:
@@ -285,7 +294,7 @@ def _coded(layer: Exact, result: Fix, values: Sequence[Value]) -> Sums:
         moved = sum(code for code, v in zip(codes, values, strict=True) if v.earlier)
         half = Fraction(1, 1 << (SIGNAL.frac + 1)) / Fraction(2) ** coeff_frac(result, RESULT)
         biases.append(_code(bias - moved * half, result, ONE))
-    return Sums(layer.activation, result, biases, weights, [])
+    return Sums(layer.activation, result, biases, weights, [], functions=layer.functions)
 
 
 def _ends(layer: Exact, sums: Sums, values: Sequence[Value]) -> tuple[list[int], list[int]]:
@@ -307,8 +316,8 @@ def _given(layer: Exact, result: Fix, low: list[int], high: list[int]) -> list[V
     one = Fraction(1)
     for node, (least, most) in enumerate(zip(low, high, strict=True)):
         ends = max(least, _LOW), min(most, _HIGH)
-        if layer.activation == "tanh":
-            found.append(Value(node, one, RESULT, _LOW, _HIGH))
+        if layer.functions:
+            found.append(Value(node, one, format_of(layer.functions[node]), _LOW, _HIGH))
         elif layer.activation == "leaky_relu":
             found.append(Value(node, layer.leak, result, *ends))
             found.append(Value(node, 1 - layer.leak, result, 0, max(0, ends[1])))
@@ -387,7 +396,7 @@ def graph_of(
                 terms = _terms(layer.biases[j], weights, lean)
                 last = samples + len(neurons)
                 firsts.append(len(neurons))
-                made = [*_node(name, layer, terms, last, output)]
+                made = [*_node(name, layer, terms, last, output, j)]
                 neurons += made
                 if output:
                     earlier.append(last)
@@ -439,15 +448,17 @@ def _check_grids(grids: list[Grid | None]) -> None:
 
 
 def _node(
-    name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool
+    name: str, layer: Sums, terms: tuple[Term, ...], place: int, output: bool, node: int
 ) -> Iterator[Neuron]:
-    """The neurons of one node. The first of them is the value ``place``."""
+    """The neurons of one node of a layer. The first of them is the value ``place``."""
     if output:
         yield Neuron(name, layer.result, terms, output=True)
-    elif layer.activation == "tanh":
+    elif layer.functions:
+        function = layer.functions[node]
         yield Neuron(f"{name} sum", layer.result, terms)
         looked_up = (Term(Kind.INTERCEPT, place, 0), Term(Kind.DISTANCE, place, 0))
-        yield Neuron(f"{name} tanh", RESULT, looked_up)
+        result = format_of(function)
+        yield Neuron(f"{name} {function.name}", result, looked_up, function=function)
     elif layer.activation == "leaky_relu":
         yield Neuron(f"{name} sum", layer.result, terms)
         itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from golden.engine.formats import HIDDEN, ONE, coeff_frac
+from golden.engine.function_table import codes_of, table_of
 from golden.engine.graph import Graph, Kind
 from golden.engine.schedule import Step
+from golden.function import TANH
 
 if TYPE_CHECKING:
     from golden.engine.program import Program
@@ -86,9 +88,23 @@ def listing(graph: Graph, program: Program) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
+    return [*_tables(graph, program), *lines]
+
+
+def _tables(graph: Graph, program: Program) -> list[str]:
+    """A line for every table of the program."""
     segment = 2.0 ** (program.segment_width - HIDDEN.frac)
-    return [
-        f"words 0 to {len(program.table) - 1}: tanh in segments of {segment:g}; the last holds "
-        "beyond",
-        *lines,
-    ]
+    if graph.functions == (TANH,):
+        last = len(program.table) - 1
+        return [f"words 0 to {last}: tanh in segments of {segment:g}; the last holds beyond"]
+    found = []
+    words = len(program.table) // program.blocks
+    for function, code in codes_of(graph.functions).items():
+        first = (code >> 1) * words
+        last = first + words * (1 + (code & 1)) - 1
+        error = table_of(function, program.segment_width).error
+        found.append(
+            f"words {first} to {last}: {function.name} in segments of {segment:g}; error "
+            f"{error:.2g} at most"
+        )
+    return found

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
-from golden.engine.graph import Graph, Kind
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.function_table import check_words, codes_of
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
+from golden.engine.line_table import LineTable
 from golden.engine.listing import text_of
 from golden.engine.operand_memory import WORD
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
-from golden.engine.tanh_table import TanhTable
 from golden.fixed import Codes
+from golden.function import Function
 from golden.input_error import InputError
 
 WORD_WIDTH = 36
 # The fields of a word: lowest bit, and number of bits. A word of the table holds a slope and an
-# intercept.
+# intercept. Where there are several blocks of the table, the weight of a step that looks up names
+# the block; see golden/engine/function_table.py.
 WEIGHT = (0, WIDTH)
 SOURCE = (18, 10)
 KIND = (28, 2)
@@ -65,9 +68,10 @@ class Program:
     inputs : int
         Samples of a frame.
     segment_width : int
-        Bits of q within a segment of the table of tanh.
+        Bits of q within a segment of the table.
     table : tuple of int
-        Words of the table, one per segment; the last one also serves every segment beyond.
+        Words of the table, one per segment. Of a table of one block, the last one also serves every
+        segment beyond.
     words : tuple of int
         Words of the steps, which follow the table.
     pipeline : Pipeline
@@ -79,6 +83,8 @@ class Program:
     cut : int
     even : bool
         Of results with ReLU; see ``Neuron``.
+    blocks : int
+        Blocks of the table; see ``LineTable``.
     """
 
     inputs: int
@@ -90,18 +96,25 @@ class Program:
     rectifies: bool = False
     cut: int = 0
     even: bool = False
+    blocks: int = 1
+
+    @property
+    def names_blocks(self) -> bool:
+        """Whether steps say in which block of the table they look up."""
+        return self.blocks > 1
 
     @cached_property
     def instructions(self) -> list[Instruction]:
         """The steps, up to the end of the frame."""
         at = self.pipeline
+        weight_at = weight_place(at, self.names_blocks)
         found = []
         for n in range(len(self.words) - at.mark):
             kind = get(self.words[n + at.operand], KIND)
             take_intercept = get(self.words[n + at.weight], TAKE_INTERCEPT)
             found.append(
                 Instruction(
-                    weight=signed_code(get(self.words[n + at.weight], WEIGHT)),
+                    weight=signed_code(get(self.words[n + weight_at], WEIGHT)),
                     source=get(self.words[n], SOURCE),
                     kind=kind,
                     take_intercept=(
@@ -136,8 +149,8 @@ class Program:
 
     @property
     def segments(self) -> int:
-        """The number of segments in the table."""
-        return len(self.slopes)
+        """The number of segments in each block of the table."""
+        return len(self.slopes) // self.blocks
 
     def scheduled(self, graph: Graph) -> list[Step]:
         """The steps of the graph from which the program was assembled."""
@@ -165,7 +178,7 @@ class Program:
         memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
         intercepts, slopes = self.intercepts, self.slopes
         distances = 1 << self.segment_width
-        segments: tuple[int, Codes, Codes] | None = None
+        segments: tuple[tuple[int, int], Codes, Codes] | None = None
         acc = product = np.zeros(len(samples), dtype=np.int64)
         for step in self.instructions:
             if step.kind == Kind.ONE:
@@ -174,11 +187,16 @@ class Program:
                 product = memory[step.source] * step.weight if step.weight else np.asarray(0)
             else:
                 word = memory[step.source]
-                if segments is None or segments[0] != step.source:
+                if segments is None or segments[0] != (step.source, step.weight):
                     negative = word >> (WIDTH - 1)
                     segment = (word ^ negative) >> self.segment_width
-                    np.minimum(segment, len(intercepts) - 1, out=segment)
-                    segments = step.source, negative, segment
+                    np.minimum(segment, self.segments - 1, out=segment)
+                    block = (step.weight >> 1) | (negative & step.weight & 1)
+                    segments = (
+                        (step.source, step.weight),
+                        negative,
+                        segment + block * self.segments,
+                    )
                 coeffs = intercepts if step.take_intercept else slopes
                 if step.kind == Kind.INTERCEPT:
                     # This operand is the number one with the sign of the word.
@@ -202,37 +220,54 @@ class Program:
                 yield step, acc, word
 
 
-def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) -> Program:
+def weight_place(pipeline: Pipeline, names_blocks: bool) -> int:
+    """How many words behind the one of its source the weight of a step is stored.
+
+    A block of the table is looked up sooner than a weight is multiplied. Where steps name blocks,
+    the weight stands with the kind, and the hardware delays it.
+    """
+    return pipeline.operand if names_blocks else pipeline.weight
+
+
+def weight_of(term: Term, neuron: Neuron, codes: Mapping[Function, int]) -> int:
+    """What the field of a step's weight holds: the weight, or the code of the table."""
+    return codes[neuron.function] if term.kind in LOOKED_UP else term.weight
+
+
+def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
     """The program of a graph.
 
     Parameters
     ----------
     graph : Graph
-    table : TanhTable
-    segments : int
-        Number of the table's words that the program holds.
+    table : LineTable
+        The table of the graph's functions, all of which the program holds.
     pipeline : Pipeline
 
     Raises
     ------
     InputError
-        See ``check_values``.
+        See ``check_values`` and ``check_words``.
     """
     check_values(graph)
+    check_words(table)
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
+    codes = codes_of(graph.functions)
+    weight_at = weight_place(pipeline, table.blocks > 1)
     final = len(steps) - 1
     for n, step in enumerate(steps):
         term = step.term
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
-        output = step.neuron >= 0 and graph.neurons[step.neuron].output
+        neuron = graph.neurons[step.neuron]
+        output = step.neuron >= 0 and neuron.output
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
-        put(words, n + pipeline.weight, WEIGHT, term.weight)
+        put(words, n + weight_at, WEIGHT, weight_of(term, neuron, codes))
         if graph.rectifies:
-            put(words, n + pipeline.mark, RELU, step.last and graph.neurons[step.neuron].relu)
+            put(words, n + pipeline.mark, RELU, step.last and neuron.relu)
         else:
             put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
         put(words, n + pipeline.start, FIRST, step.first)
@@ -240,18 +275,18 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n + pipeline.mark, STORE, step.last)
         put(words, n + pipeline.mark, OUTPUT, step.last and output)
         put(words, n + pipeline.mark, END, n == final)
-    kept = table_words(table, segments)
-    notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
+    notes = (*table_notes(table), *_step_notes(graph, steps, len(words)))
     return Program(
         graph.inputs,
         table.width,
-        kept,
+        table_words(table),
         tuple(words),
         pipeline,
         notes,
         graph.rectifies,
         graph.cut,
         graph.even,
+        table.blocks,
     )
 
 
@@ -271,18 +306,23 @@ def check_values(graph: Graph) -> None:
         )
 
 
-def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
-    """The words of the first segments of the table."""
-    pairs = zip(table.intercepts[:segments], table.slopes[:segments], strict=True)
+def table_words(table: LineTable) -> tuple[int, ...]:
+    """The words of a table."""
+    pairs = zip(table.intercepts, table.slopes, strict=True)
     mask = (1 << WIDTH) - 1
-    return tuple((intercept << WIDTH) | (slope & mask) for intercept, slope in pairs)
+    return tuple(((intercept & mask) << WIDTH) | (slope & mask) for intercept, slope in pairs)
 
 
-def table_notes(table: TanhTable, segments: int) -> list[str]:
-    """What the words of the first segments stand for."""
-    intercepts = RESULT.texts(table.intercepts[:segments])
-    slopes = RESULT.texts(table.slopes[:segments])
-    return [f"tanh {i}, slope {s}" for i, s in zip(intercepts, slopes, strict=True)]
+def table_notes(table: LineTable) -> list[str]:
+    """What the words of a table stand for."""
+    found = []
+    for block, (name, result) in enumerate(table.labels):
+        place = slice(block * table.segments, (block + 1) * table.segments)
+        pairs = zip(
+            result.texts(table.intercepts[place]), result.texts(table.slopes[place]), strict=True
+        )
+        found += [f"{name} {intercept}, slope {slope}" for intercept, slope in pairs]
+    return found
 
 
 def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:

@@ -11,7 +11,9 @@ import numpy as np
 
 from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import WIDTH
+from golden.engine.function_table import check_words, codes_of
 from golden.engine.graph import Graph, Kind
+from golden.engine.line_table import LineTable
 from golden.engine.listing import text_of
 from golden.engine.pipeline import SerialPipeline
 from golden.engine.program import (
@@ -22,10 +24,10 @@ from golden.engine.program import (
     Program,
     check_values,
     table_notes,
+    weight_of,
 )
 from golden.engine.replay import Replay, replay_of, replayed
 from golden.engine.schedule import Step, schedule
-from golden.engine.tanh_table import TanhTable
 from golden.fixed import Codes
 
 # Marks the last word of a pass: of those that read only deep words, of those that read wide words
@@ -102,11 +104,11 @@ class SerialProgram(Program):
             place += words
 
 
-def assemble_serial(
-    graph: Graph, table: TanhTable, segments: int, pipeline: SerialPipeline
-) -> SerialProgram:
+def assemble_serial(graph: Graph, table: LineTable, pipeline: SerialPipeline) -> SerialProgram:
     """Assemble the program of a graph; the parameters are those of ``assemble``."""
     check_values(graph)
+    check_words(table)
+    codes = codes_of(graph.functions)
     steps = schedule(graph, pipeline, replayed)
     words = [0] * (len(steps) + 1)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -116,7 +118,7 @@ def assemble_serial(
         replay = replay_of(graph, terms)
         output = graph.neurons[number].output
         for k, term in enumerate(terms, start=place):
-            put(words, k, WEIGHT, term.weight)
+            put(words, k, WEIGHT, weight_of(term, graph.neurons[number], codes))
             put(words, k, SOURCE, addresses[term.source])
             put(words, k, KIND, int(term.kind))
             put(words, k, OF_OUTPUT, output)
@@ -129,10 +131,10 @@ def assemble_serial(
         addresses[graph.inputs + number] = len(addresses) - 1
     put(words, place, BEFORE, ENDS)
     put(words, place, END, ALL)
-    pairs = zip(table.slopes[:segments], table.intercepts[:segments], strict=True)
+    pairs = zip(table.slopes, table.intercepts, strict=True)
     mask = (1 << WIDTH) - 1
     kept = tuple(code & mask for pair in pairs for code in pair)
-    table_texts = [note for pair in table_notes(table, segments) for note in pair.split(", ")[::-1]]
+    table_texts = [note for pair in table_notes(table) for note in pair.split(", ")[::-1]]
     texts = [text_of(graph, step) for step in steps]
     return SerialProgram(
         graph.inputs,
@@ -144,4 +146,5 @@ def assemble_serial(
         graph.rectifies,
         graph.cut,
         graph.even,
+        table.blocks,
     )

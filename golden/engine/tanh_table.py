@@ -12,12 +12,12 @@ magnitude nor a negated result is needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 
 from golden.engine.formats import HIDDEN, RESULT, WIDTH
+from golden.engine.line_table import LineTable
 from golden.input_error import InputError
 from golden.transcendental import tanh_floors
 
@@ -27,27 +27,8 @@ ENDS = {7: Fraction(6), 8: Fraction(11, 2), 9: Fraction(5)}
 _FRAC = 40
 
 
-@dataclass(frozen=True)
-class TanhTable:
-    """The words of each segment, from q = 0 upwards.
-
-    Parameters
-    ----------
-    width : int
-        w, the number of bits of the distance within a segment.
-    intercepts : tuple of int
-        tanh in the middle of each segment, as codes of Fix(18,17).
-    slopes : tuple of int
-        Codes of Fix(18,17).
-    """
-
-    width: int
-    intercepts: tuple[int, ...]
-    slopes: tuple[int, ...]
-
-
 @lru_cache
-def tanh_table(width: int) -> TanhTable:
+def tanh_table(width: int) -> LineTable:
     """The words of every segment.
 
     Parameters
@@ -65,13 +46,13 @@ def tanh_table(width: int) -> TanhTable:
     return fitted(width, ENDS[width])
 
 
-def fitted(width: int, end: Fraction) -> TanhTable:
+def fitted(width: int, end: Fraction) -> LineTable:
     """The words of the segments from 0 up to an end.
 
     Parameters
     ----------
     width : int
-        See ``TanhTable``.
+        See ``LineTable``.
     end : Fraction
         A multiple of a segment's width, 6 at most. With 6.5 or more, a line would reach 1 before
         the last segment, which is more than the last word, so the table would not be monotone.
@@ -102,7 +83,7 @@ def fitted(width: int, end: Fraction) -> TanhTable:
     borders += [level, level]
     pairs = list(pairwise(borders))
     rise = HIDDEN.frac - width
-    return TanhTable(
+    return LineTable(
         width,
         tuple((low + high) // 2 for low, high in pairs),
         tuple(((high - low) << rise) - 1 for low, high in pairs),

@@ -27,6 +27,7 @@ from golden.files import (
     replace_files,
     same_file,
 )
+from golden.function import Function, functions_of
 from golden.input_error import InputError
 from golden.network_files.held import Ending, Held
 from golden.real import Real
@@ -59,7 +60,9 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
+def load_network(
+    path: Path, shape: tuple[int, ...], functions: Mapping[str, Function] | None = None
+) -> Trained:
     """Load the network at ``path``.
 
     Parameters
@@ -68,6 +71,8 @@ def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
     shape : tuple of int
         Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0 as
         the only number of hidden nodes, any number of layers and nodes is accepted.
+    functions : mapping of str to Function
+        The functions that an activation of the file may name.
 
     Raises
     ------
@@ -110,7 +115,8 @@ def load_network(path: Path, shape: tuple[int, ...]) -> Trained:
         leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
         with naming(f"{path}: layer {n}"):
             arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
-            layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1)))
+            tables = functions_of(activation, widths[n], functions or {})
+            layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1), tables))
     return network_of(layers)
 
 

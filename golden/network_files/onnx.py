@@ -442,8 +442,14 @@ def write(path: Path, network: Trained) -> None:
     Raises
     ------
     InputError
-        For a quantised network.
+        For a quantised network, and for a function that a scene defines.
     """
+    tables = [layer.activation for layer in layers_of(network) if layer.functions]
+    if tables:
+        raise InputError(
+            f"got an activation {tables[0]!r}, expected one that ONNX has an operator for; .npz "
+            "names any"
+        )
     if isinstance(network, DenseNetwork) and network.quantised:
         raise InputError(
             "got a quantised network, expected one in floating point: quantisers are only read of "

@@ -11,9 +11,10 @@ import numpy as np
 
 from golden.block import Block
 from golden.dense import Trained
-from golden.engine.formats import DROPPED
+from golden.engine.formats import DROPPED, HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
+from golden.engine.function_table import joined, table_of
 from golden.engine.graph import Graph
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
@@ -31,8 +32,8 @@ from golden.engine.round_saturate import RoundSaturate
 from golden.engine.serial_accumulate import SerialAccumulate
 from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
+from golden.function import TANH
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.network import CHUNK
@@ -118,22 +119,27 @@ class Engine(Design):
             raise InputError(
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
-        table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, networks, lean, settings.met)
+        table = joined(graph.functions, chosen["segment_width"])
         if graph.rectifies and reload:
             raise InputError(
                 "hardware.reload: got True for a network with ReLU, expected False: what an image "
                 "is loaded into has no ReLU"
             )
-        segments = len(table.slopes)
+        if graph.functions != (TANH,) and reload:
+            names = ", ".join(function.name for function in graph.functions)
+            raise InputError(
+                f"hardware.reload: got True for a network with {names}, expected False: what an "
+                "image is loaded into has the table of tanh alone"
+            )
         if lean and not reload:
-            segments = min(segments, (graph.reach(table) >> table.width) + 1)
+            table = table.within(graph.reach(table))
         program: Program
         if serial:
-            program = assemble_serial(graph, table, segments, SerialPipeline())
+            program = assemble_serial(graph, table, SerialPipeline())
         else:
             pipeline = Pipeline(int(depth == "deep"))
-            program = assemble(graph, table, segments, pipeline)
+            program = assemble(graph, table, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
         least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
         loaded = None
@@ -221,6 +227,11 @@ class Engine(Design):
         return self.program.rectifies
 
     @property
+    def names_blocks(self) -> bool:
+        """Whether steps say in which block of the table they look up."""
+        return self.program.names_blocks
+
+    @property
     def ports(self) -> tuple[Port, ...]:
         return super().ports + self.load_ports
 
@@ -296,7 +307,9 @@ class Engine(Design):
     @property
     def table_address(self) -> TableAddress:
         width, kept = self.program.segment_width, self.program.segments
-        return TableAddress(width, kept, beyond=kept == len(tanh_table(width).slopes))
+        whole = joined(self.graph.functions, width).segments
+        every = 1 << (HIDDEN.width - 1 - width)
+        return TableAddress(width, kept, kept == whole < every, self.program.blocks)
 
     @property
     def operand_select(self) -> OperandSelect:
@@ -356,7 +369,13 @@ class Engine(Design):
         multiplier = "no multiplier" if self.serial else "one multiplier"
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
-        return multiplier, spent
+        if self.graph.functions == (TANH,):
+            return multiplier, spent
+        errors = (
+            f"{function.name} {table_of(function, self.program.segment_width).error:.2g}"
+            for function in self.graph.functions
+        )
+        return multiplier, spent, f"largest errors of functions: {', '.join(errors)}"
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

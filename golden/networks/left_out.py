@@ -9,7 +9,8 @@ from functools import singledispatch
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.left_out import left_out as left_out_of
 from golden.block import Block
-from golden.engine.tanh_table import tanh_table
+from golden.engine.function_table import joined
+from golden.function import TANH
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.cascade import Cascade
@@ -103,9 +104,10 @@ def _(network: Engine) -> list[str]:
     texts += of_useless_nodes(network)
     if graph.useless_terms:
         texts.append(f"{graph.useless_terms} steps of weight 0")
-    words = len(tanh_table(program.segment_width).slopes) - program.segments
+    words = len(joined(graph.functions, program.segment_width).slopes) - len(program.slopes)
     if words:
-        texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
+        named = "tanh" if graph.functions == (TANH,) else "the tables"
+        texts.append(f"{words} words of {named} that no hidden sum reaches, and their comparison")
     bits = WHOLE_ACC_WIDTH - network.acc_width
     if bits:
         texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")

@@ -20,6 +20,7 @@ from golden.dense import Dense, network_of
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
+from golden.function import by_name, functions_of
 from golden.network_files.network_file import check_targets, ending_of, write_network
 from golden.precision import SIGNAL
 from golden.rig import class_counts, readings, sensors_tell
@@ -263,8 +264,14 @@ def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
             hiddens = member.layers or (member.hidden or hidden,)
             widths = (member.inputs, *hiddens, len(member.outputs))
             kinds = (*(member.activations or ["tanh"] * len(hiddens)), "linear")
+            known = by_name(member.functions)
             layers = [
-                Dense(rng.uniform(-0.5, 0.5, (nodes, taken)), rng.uniform(-0.5, 0.5, nodes), kind)
+                Dense(
+                    rng.uniform(-0.5, 0.5, (nodes, taken)),
+                    rng.uniform(-0.5, 0.5, nodes),
+                    kind,
+                    functions=functions_of(kind, nodes, known),
+                )
                 for taken, nodes, kind in zip(widths, widths[1:], kinds, strict=False)
             ]
             path = Path(folder) / f"{number}.npz"

@@ -6,13 +6,27 @@ from pathlib import Path
 
 from golden.dense import ACTIVATIONS
 from golden.disturbance import MOST
+from golden.expression import ALLOWED
+from golden.function import TABLE
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.scene.data_keys import DATA
 from golden.scene.front_end import FRONT_END
 from golden.scene.hardware_keys import HARDWARE
 from golden.scene.uart import UART
 from golden.scene.visualisation import VISUALISATION
-from golden.schema import Alternatives, Each, Flag, Key, List, Number, Span, Table, Text, Whole
+from golden.schema import (
+    Alternatives,
+    Each,
+    Flag,
+    Key,
+    List,
+    Map,
+    Number,
+    Span,
+    Table,
+    Text,
+    Whole,
+)
 
 # The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
 # written. ``make pages`` writes it.
@@ -23,6 +37,12 @@ DIGITS_TOLERANCE = 0.02
 # An engine's operand memory has so many words.
 MOST_HIDDEN = 1024
 
+_FUNCTION = "an expression of x, or points { x = [...], y = [...] }"
+_PLACES = List(Number(finite=True), "two or more numbers", "a list of numbers", least=2)
+_POINTS = {
+    "x": Key(_PLACES, meaning="Where the points lie, from left to right."),
+    "y": Key(_PLACES, meaning="The value at each point."),
+}
 NETWORK = Table(
     {
         "arrangement": Key(
@@ -41,14 +61,22 @@ NETWORK = Table(
         ),
         "activations": Key(
             List(
-                Text(tuple(ACTIVATIONS)),
+                Text(tuple(ACTIVATIONS), begins=TABLE),
                 "a list with an activation for each hidden layer",
                 "a list of texts",
                 least=0,
             ),
             [],
             'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
-            "it, the activations are those of the network file, and training takes tanh.",
+            "it, the activations are those of the network file, and training takes tanh. "
+            f'`"{TABLE}"` and a name of `functions` is [a function of your own]'
+            "(#functions-of-your-own).",
+        ),
+        "functions": Key(
+            Map(Alternatives((Text(some=True), Table(_POINTS, said=_FUNCTION)), _FUNCTION)),
+            {},
+            "Functions of x that `activations`, or those of the network file, can name. Each is an "
+            f"expression, or points `{{ x = , y = }}`. An expression holds {ALLOWED}.",
         ),
         "quantised": Key(
             Text(("exact", "nearest")),

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.cli import naming
 from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.disturbance import Disturbance
 from golden.files import same_file
+from golden.function import Function, by_name, functions_of, read_function, table_names
 from golden.input_error import InputError
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
@@ -69,6 +71,8 @@ class Member:
         Of each hidden layer; empty takes those of the network file.
     nearest : bool
         Whether a quantised network may be rounded to what the hardware holds.
+    functions : tuple of Function
+        The functions that activations may name.
     """
 
     inputs: int
@@ -78,6 +82,7 @@ class Member:
     layers: tuple[int, ...] = ()
     activations: tuple[str, ...] = ()
     nearest: bool = False
+    functions: tuple[Function, ...] = ()
 
     @property
     def text(self) -> str:
@@ -94,7 +99,8 @@ class Member:
             See ``load_network``; and for other activations than the scene asks for.
         """
         hidden = self.layers or (self.hidden,)
-        network = load_network(self.weights_path, (self.inputs, *hidden, len(self.outputs)))
+        shape = (self.inputs, *hidden, len(self.outputs))
+        network = load_network(self.weights_path, shape, by_name(self.functions))
         found = tuple(layer.activation for layer in layers_of(network)[:-1])
         if self.activations and found != self.activations:
             raise InputError(
@@ -385,6 +391,7 @@ def members(
     count = len(groups)
     hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
     activations = tuple(network["activations"])
+    functions = _functions(network, hidden, path)
     layers = _layers(hidden, activations, network["arrangement"], path)
     if data["classes"] and not layers and hidden != [0]:
         # Training for classes is that of networks whose layers the scene names.
@@ -418,6 +425,7 @@ def members(
             layers,
             activations,
             network["quantised"] == "nearest",
+            functions,
         )
         for i in range(count)
     )
@@ -426,6 +434,25 @@ def members(
 def _listed(value: Any) -> list[Any]:
     """A list of it, where it is none."""
     return value if isinstance(value, list) else [value]
+
+
+def _functions(network: dict[str, Any], hidden: list[int], path: Path) -> tuple[Function, ...]:
+    """The functions that a scene defines.
+
+    Raises
+    ------
+    InputError
+        For a function that cannot be read, and for an activation that names none of them.
+    """
+    with naming(path):
+        found = tuple(read_function(*pair) for pair in network["functions"].items())
+    with naming(f"{path}: network.activations"):
+        for n, activation in enumerate(network["activations"]):
+            names = table_names(activation)
+            # Where the network file says how many nodes there are, it is read later.
+            nodes = hidden[n] if n < len(hidden) and hidden[n] else len(names)
+            functions_of(activation, nodes, by_name(found))
+    return found
 
 
 def _layers(

@@ -116,11 +116,14 @@ class Text(Kind):
         Whether the text must not be empty.
     said : str
         What a message expects, instead of ``text`` or the choices.
+    begins : str
+        A text that begins with it is allowed beside the choices; empty for none.
     """
 
     choices: tuple[str, ...] = ()
     some: bool = False
     said: str = ""
+    begins: str = ""
     name: str = field(default="text", init=False)
 
     def accepts(self, value: object) -> bool:
@@ -128,11 +131,15 @@ class Text(Kind):
 
     def faults(self, value: Any, place: str) -> Iterator[str]:
         yield from super().faults(value, place)
+        if self.begins and self.accepts(value) and value.startswith(self.begins):
+            return
         if self.choices and self.accepts(value) and value not in self.choices:
             expected = self.said or f"one of {', '.join(self.choices)}"
             yield got(place, value, expected) + suggest(value, self.choices)
 
     def schema(self) -> dict[str, Any]:
+        if self.begins:
+            return {"anyOf": [{"enum": list(self.choices)}, {"pattern": f"^{self.begins}"}]}
         if self.choices:
             return {"enum": list(self.choices)}
         return {"type": "string", **({"minLength": 1} if self.some else {})}

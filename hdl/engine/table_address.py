@@ -1,14 +1,14 @@
-"""table_address: finds the segment of tanh's table in which a hidden sum lies."""
+"""table_address: finds the segment of a table in which a hidden sum lies."""
 
-from myhdl import always, always_comb, block
+from myhdl import always, always_comb, block, concat
 
 from golden.engine.formats import HIDDEN
 from golden.engine.table_address import TableAddress
-from hdl.common.signals import unsigned
+from hdl.common.signals import flag, unsigned
 
 
 @block
-def table_address(clk, q, addr, *, spec: TableAddress):
+def table_address(clk, q, addr, *, base=None, spec: TableAddress):
     """The high bits of ``q``, complemented where it is below 0, up to the last segment.
 
     Parameters
@@ -16,6 +16,9 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     q : signed Fix(18,14)
     addr : unsigned ``spec.addr_width`` bits
         It comes one clock later.
+    base : unsigned ``spec.base_width`` bits
+        Where ``spec.blocks`` is more than one: twice the number of a block, whose words are added
+        to the address, and in the lowest bit whether a negative ``q`` has the next block.
     spec : TableAddress
     """
     sign = HIDDEN.width - 1
@@ -35,6 +38,29 @@ def table_address(clk, q, addr, *, spec: TableAddress):
             high.next = ~part
         else:
             high.next = part
+
+    if spec.blocks > 1:
+        chosen = flag()
+        bits, top = addr_width - spec.block_width, spec.base_width
+
+        # The number of a block that has another one behind it is even.
+        @always_comb
+        def choose():
+            chosen.next = base[1] or (base[0] and q[sign])
+
+        if top > 2:
+
+            @always(clk.posedge)
+            def address():
+                addr.next = concat(base[top:2], chosen, high[bits:])
+
+        else:
+
+            @always(clk.posedge)
+            def address():
+                addr.next = concat(chosen, high[bits:])
+
+        return cut, complement, choose, address
 
     if not spec.beyond:
 

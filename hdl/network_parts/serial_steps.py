@@ -36,6 +36,7 @@ def serial_steps(
     ends,
     acc,
     relu=None,
+    base=None,
     design: Engine,
 ):
     """Reads the program once for each bit plane of the operands, and adds up the coefficients.
@@ -54,6 +55,8 @@ def serial_steps(
     acc : signed ``design.acc_width`` bits
     relu : bool
         Where ``design.rectifies``: the sum becomes 0 where it is below.
+    base : unsigned ``design.table_address.base_width`` bits
+        Where ``design.names_blocks``: the block of the table in which ``read`` is looked up.
     design : Engine
 
     Notes
@@ -114,9 +117,23 @@ def serial_steps(
     else:
         rectify = ()
 
+    if design.names_blocks:
+        base_top = design.table_address.base_width
+        named = unsigned(base_top)
+
+        @always_comb
+        def split_base():
+            named.next = word[base_top:]
+
+        # As late as the operand.
+        blocks = split_base, delay(clk, None, named, base, clocks=1)
+    else:
+        blocks = ()
+
     return (
         split,
         rectify,
+        blocks,
         ask,
         follow,
         mark,

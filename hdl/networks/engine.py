@@ -75,6 +75,8 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
     relu = flag() if spec.rectifies else None
+    base = unsigned(table.base_width) if spec.names_blocks else None
+    weight_late = unsigned(WIDTH) if spec.names_blocks and not spec.serial else None
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -146,7 +148,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
             word=read,
             spec=spec.operand_memory,
         ),
-        table_address(clk, read, segment, spec=table),
+        table_address(clk, read, segment, base=base, spec=table),
         round_saturate(clk, run, acc, in_.data, data, relu=relu, spec=spec.round_saturate),
     )
     if spec.serial:
@@ -163,8 +165,29 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
             ends=ends,
             acc=acc,
             relu=relu,
+            base=base,
             design=spec,
         )
+
+    if spec.names_blocks:
+        kept, base_top = unsigned(WIDTH), table.base_width
+
+        # A block is named sooner than a weight is multiplied, so weights are stored with the names.
+        @always_comb
+        def name():
+            base.next = word[base_top:]
+
+        @always(clk.posedge)
+        def withhold():
+            if kind == 1 or kind == 2:
+                kept.next = 0
+            else:
+                kept.next = weight
+
+        clocks = spec.program.pipeline.table
+        blocks = name, withhold, delay(clk, None, kept, weight_late, clocks=clocks)
+    else:
+        blocks = ()
 
     if spec.rectifies:
         intercept, relu_bit = flag(), RELU[0]
@@ -253,6 +276,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     return (
         common,
         split_all,
+        blocks,
         ask,
         mark,
         program,
@@ -260,7 +284,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
         multiply_accumulate(
             clk,
             operand=operand,
-            weight=weight,
+            weight=weight if weight_late is None else weight_late,
             take_intercept=take_intercept,
             table_word=table_word,
             first=first,

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.dense import Dense, Quantiser, Trained, network_of
+from golden.function import Function, by_name, functions_of
 from golden.mlp import Mlp
 from golden.network_files.network_file import save_network
 from golden.scene import Scene, load_scene
@@ -30,7 +31,7 @@ outputs = {outputs}
 arrangement = "{arrangement}"
 hidden = {hidden}
 weights = {weights}
-
+{functions}
 [hardware]
 design = "{design}"
 activation = "{activation}"
@@ -85,10 +86,12 @@ def random_network(
     spread: float,
     seed: int,
     quantiser: Quantiser | None = None,
+    functions: tuple[Function, ...] = (),
 ) -> Trained:
     """Normal weights, of about the same sums in each layer of any depth; one node is without.
 
-    With a ``quantiser`` behind every hidden layer weights are multiples of 1/16.
+    With a ``quantiser`` behind every hidden layer weights are multiples of 1/16. ``functions`` are
+    those that activations name.
     """
     rng = np.random.default_rng(seed)
     layers = []
@@ -99,7 +102,8 @@ def random_network(
         if quantiser:
             weights, biases = np.rint(weights * 16) / 16, np.rint(biases * 256) / 256
         behind = quantiser if n < len(activations) else None
-        layers.append(Dense(weights, biases, kind, quantiser=behind))
+        tables = functions_of(kind, nodes, by_name(functions))
+        layers.append(Dense(weights, biases, kind, quantiser=behind, functions=tables))
     layers[1].weights[:, -1] = 0
     return network_of(layers)
 
@@ -118,12 +122,14 @@ def write_scene(
     interface: str = "stream",
     hardware: str = "",
     window: Window | None = None,
+    functions: tuple[Function, ...] = (),
 ) -> Path:
     """Write a scene with random vectors and the given networks, and return its TOML file.
 
     ``hardware`` has the keys that only concern the design. ``sections`` are optional sections of
     the scene; if there are any, y1 and y2 have lengths. Without a ``window`` the networks take
     every frame as it is. With one there are ``rows`` frames after those that lack a complete past.
+    ``functions`` are expressions, which the networks name.
     """
     inputs = len(window.delays) if window else networks[0].shape[0]
     rows += window.past if window else 0
@@ -153,6 +159,7 @@ def write_scene(
         order=ORDERED.format(window=delays_text(window, sensors)) if window else UNORDERED,
         split=BLOCKS.format(rows=window.past + 2) if window else "",
         lengths=LENGTHS if sections else "",
+        functions=functions_text(functions),
         sections=sections,
         interface=interface,
         hardware=hardware,
@@ -162,6 +169,12 @@ def write_scene(
     for file, network in zip(weights, networks, strict=True):
         save_network(folder / file, network, {"scene": name})
     return path
+
+
+def functions_text(functions: tuple[Function, ...]) -> str:
+    """The section ``[network.functions]`` of a scene; empty without functions."""
+    lines = [f'{function.name} = "{function.expression}"' for function in functions]
+    return "\n".join(["", "[network.functions]", *lines, ""]) if lines else ""
 
 
 def delays_text(window: Window, sensors: list[str]) -> str:
@@ -176,7 +189,7 @@ class Case:
 
     ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
     nodes, the last of them has no weights. With ``activations`` there is one network, which has as
-    many hidden layers, each with ``quantiser`` behind it.
+    many hidden layers, each with ``quantiser`` behind it. ``functions`` are those that they name.
     """
 
     shapes: list[tuple[int, ...]]
@@ -193,11 +206,13 @@ class Case:
     window: Window | None = None
     activations: tuple[str, ...] = ()
     quantiser: Quantiser | None = None
+    functions: tuple[Function, ...] = ()
 
     def networks(self) -> list[Trained]:
         if self.activations:
             (shape,) = self.shapes
-            return [random_network(shape, self.activations, self.spread, self.seed, self.quantiser)]
+            more = self.quantiser, self.functions
+            return [random_network(shape, self.activations, self.spread, self.seed, *more)]
         mlps = [
             random_mlp((inputs, hidden, outputs), self.spread, self.seed + i)
             for i, (inputs, hidden, outputs) in enumerate(self.shapes)
@@ -221,5 +236,6 @@ class Case:
             interface=self.interface,
             hardware=self.hardware,
             window=self.window,
+            functions=self.functions,
         )
         return load_scene(str(path))

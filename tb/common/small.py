@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from golden.dense import Quantiser
+from golden.function import Function
 from golden.precision import PRECISIONS
 from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
@@ -162,6 +163,36 @@ ENGINES = {
     ),
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
+}
+# Functions that are computed without a library, so that every machine has the same tables: an odd
+# one, and one that needs words for negative sums too.
+SOFT, BELL = Function("soft", "x / (1 + abs(x))"), Function("bell", "1 / (1 + x * x)")
+# Several functions in one memory. The first case has sums that leave the tables, and tanh among
+# them; the second has registers behind the memories, one function, and few segments; the third has
+# no multiplier, and functions for single nodes.
+TABLES = {
+    "tables-engine": replace(
+        ENGINE,
+        shapes=[(2, 3, 2, 2)],
+        activations=("table:soft,bell,soft", "tanh"),
+        functions=(SOFT, BELL),
+    ),
+    "deep-tables-engine": replace(
+        ENGINE,
+        shapes=[(2, 2, 1)],
+        activations=("table:bell",),
+        functions=(BELL,),
+        hardware='pipeline = "deep"',
+        spread=0.5,
+    ),
+    "tables-serial": replace(
+        ENGINE,
+        shapes=[(2, 3, 1)],
+        activations=("table:bell,soft,bell",),
+        functions=(SOFT, BELL),
+        hardware='multiplier = "serial"',
+        spread=1.0,
+    ),
 }
 # Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
 # network; the second has registers behind the memories, and sums that leave the word; the third has

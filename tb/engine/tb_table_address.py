@@ -1,8 +1,9 @@
 """table_address against its twin.
 
 Sweeps: all 2^18 codes of a hidden sum. If no sum reaches the end of the table, four codes of every
-segment, with both of its ends among them.
-Drives: the codes in their order.
+segment, with both of its ends among them, in each block of the table, with and without another
+block for negative sums.
+Drives: the codes in their order, for one block after the other.
 Checks: the segment's address, in its clock.
 Does not prove: that the table holds the right words (tests/test_tanh_table.py does).
 """
@@ -12,9 +13,10 @@ import numpy as np
 
 from golden.engine.formats import HIDDEN
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES
+from tb.common.small import ENGINES, TABLES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
+CASES |= {name: TABLES[name] for name in ("tables-engine", "deep-tables-engine")}
 FAULTS = [
     (r"high = \(~part\)", "high = part"),
     (r"top > (\d+)", r"top > \1 + 1"),
@@ -29,13 +31,19 @@ async def segments(dut):
         width = bench.twin.segment_width
         within = codes & ((1 << width) - 1)
         codes = codes[np.isin(within, [0, 1, (1 << width) - 2, (1 << width) - 1])]
+    named = [port.name for port in bench.twin.base_ports]
+    bases = np.arange(1 << bench.twin.base_width if named else 1)
+    base, codes = np.repeat(bases, len(codes)), np.tile(codes, len(bases))
     # The codes are played in pieces, so that a fault is found before the end.
-    for piece in np.array_split(codes, 8):
+    for here, piece in zip(np.array_split(base, 8), np.array_split(codes, 8), strict=True):
         drive = {"q": np.concatenate([piece, piece[: bench.latency]])}
+        if named:
+            drive["base"] = np.concatenate([here, here[: bench.latency]])
         recording = await bench.play(drive, ["addr"])
         rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
         seen = recording.signed("q", rows)
         bench.meet("q", seen)
         got = recording.unsigned("addr", rows + bench.latency)
-        bench.compare("addr", got, bench.twin.process(seen), q=seen)
+        base_seen = recording.unsigned("base", rows) if named else np.zeros(len(rows), int)
+        bench.compare("addr", got, bench.twin.process(seen, base_seen), q=seen, base=base_seen)
     bench.finish(at_least=len(codes))

@@ -377,7 +377,7 @@ def far_reaching(twin):
     sizes = twin.core.loaded.sizes
     table = tanh_table(sizes.segment_width)
     graph = graph_of("single", [Mlp(w1, b1, w2, b2)], True)
-    return image_of(assemble(graph, table, len(table.slopes), sizes.pipeline), ACC_WIDTH, sizes)
+    return image_of(assemble(graph, table, sizes.pipeline), ACC_WIDTH, sizes)
 
 
 def until_a_profile_ends(twin, network, packet, profiles):

@@ -32,12 +32,12 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import ENGINES, LAYERED, RELOADED, SERIAL_ENGINES
+from tb.common.small import ENGINES, LAYERED, RELOADED, SERIAL_ENGINES, TABLES
 from tb.common.stimulus import random_resets, spread
 
 # Without a multiplier the block of the sum is another one. All other blocks are the same.
 SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
-CASES = RELOADED | ENGINES | LAYERED | SERIAL
+CASES = RELOADED | ENGINES | LAYERED | TABLES | SERIAL
 FAULTS = [
     (r"first_bit|word\[31\]", "word[30]"),
     (r"out_valid <= .*;", "out_valid <= leaves;"),

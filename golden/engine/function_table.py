@@ -1,0 +1,271 @@
+"""Tables for any functions of q, side by side in one memory.
+
+A function takes one block of the memory or two. An odd function, such as tanh, has one: a negative
+q reads the words of its complement, as in ``golden.engine.tanh_table``. Any other function has two:
+the first for q from 0 up, and the second for q from -1 down. The words of the second hold minus the
+function in their intercepts, because the engine subtracts an intercept where q is negative.
+
+Blocks have 2**a words each, and lie one after the other from address 0 on, so the address of a
+segment needs no adder:
+
+        address = block 2**a + segment of q,   2**a: the segments of the whole range of q, or the
+                                               least power of two that holds those it reaches
+
+A step that looks up names ``2 * block + both`` in the field of its weight, where ``both`` is 1 for
+two blocks. Then the first of them has an even number, and a negative q reads the next one, so the
+lowest bit of the block's number is that of the name or ``both and q < 0``. No segment lies beyond a
+block: where a table such as that of tanh ends earlier, its last word is repeated. An engine with
+one block names none and adds nothing to the hardware of tanh.
+
+The result is a word of 18 bits like any other. Its binary point is where the function's values and
+slopes fit, and the next layer's weights allow for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
+from golden.engine.line_table import LineTable
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes, Fix
+from golden.function import TANH, Function
+from golden.input_error import InputError
+from golden.real import Real
+
+# The binary point of a function is chosen with segments of this width, so that it does not depend
+# on the width that a scene chooses.
+_WIDTH = 9
+# Steps of the search for the best slope, each of which leaves two thirds of an interval.
+_STEPS = 30
+# The places in a segment at which the search looks at a line, besides the segment's end.
+_PLACES = 32
+# Two processors may differ in the last bit of a function. With this, a code is rounded in the same
+# way on both, also where the value lies half way between two codes.
+_NUDGE = 2.0**-16
+_MOST = RESULT.high
+# Words that all tables of an engine may have together.
+MOST_WORDS = 1 << 14
+
+
+@dataclass(frozen=True)
+class FunctionTable:
+    """The lines of one function.
+
+    Parameters
+    ----------
+    result : Fix
+        Format of the function's values.
+    both : bool
+        Whether there is a block for negative q.
+    intercepts, slopes : tuple of int
+        The words of the block, or of both blocks.
+    error : float
+        The largest distance of a result from the function, over every code of q.
+    """
+
+    result: Fix
+    both: bool
+    intercepts: tuple[int, ...]
+    slopes: tuple[int, ...]
+    error: float
+
+
+def is_odd(function: Function) -> bool:
+    """Whether the function of -q is minus the function of q."""
+    q = HIDDEN.to_real(np.arange(HIDDEN.high + 1))
+    right, left = function.value(q), function.value(-q)
+    return bool(np.abs(right + left).max() <= 2.0**-40 * max(1.0, np.abs(right).max()))
+
+
+@lru_cache
+def table_of(function: Function, width: int) -> FunctionTable:
+    """The table of a function, for segments of ``2**width`` codes.
+
+    tanh has the table that is computed in integers.
+
+    Raises
+    ------
+    InputError
+        For a width that there is not, and for values that no format holds.
+    """
+    if function == TANH:
+        lines = tanh_table(width)
+        words = np.array(lines.intercepts), np.array(lines.slopes)
+        return _measured(function, width, RESULT, False, words)
+    tanh_table(width)  # It refuses other widths.
+    return _fitted(function, width, format_of(function))
+
+
+@lru_cache
+def format_of(function: Function) -> Fix:
+    """The format of a function's values: the one whose largest error is the least.
+
+    The more fraction bits there are, the finer is a value, but the less steep is the steepest line.
+
+    Raises
+    ------
+    InputError
+        For values that no format holds.
+    """
+    if function == TANH:
+        return RESULT
+    reach = np.abs(_values(function, both=True)).max()
+    most = RESULT.frac
+    while reach * 2.0**most > _MOST + 1:
+        most -= 1
+    if most < 0:
+        raise InputError(
+            f"function {function.name}: got values that reach {reach:g}, expected {_MOST} at most"
+        )
+    # With this one no slope is cut off, so that fewer fraction bits can only be worse.
+    steepest = np.abs(_lines(function, _WIDTH)[0]).max() * 2.0**DROPPED
+    least = most
+    while least and steepest * 2.0**least > _MOST + 1:
+        least -= 1
+    tables = [_fitted(function, _WIDTH, Fix(WIDTH, frac)) for frac in range(most, least - 1, -1)]
+    return min(tables, key=lambda table: table.error).result
+
+
+def codes_of(functions: Sequence[Function]) -> dict[Function, int]:
+    """For each function the code by which a step names its table; 0 where there is one block."""
+    first, found = 0, dict[Function, int]()
+    for function in _in_order(functions):
+        odd = is_odd(function)
+        found[function] = 2 * first + (not odd)
+        first += 2 - odd
+    return found
+
+
+@lru_cache
+def joined(functions: tuple[Function, ...], width: int) -> LineTable:
+    """The blocks of some functions, one after the other; for tanh alone, its own table.
+
+    Raises
+    ------
+    InputError
+        See ``table_of``.
+    """
+    if functions == (TANH,):
+        return tanh_table(width)
+    tables = {function: table_of(function, width) for function in _in_order(functions)}
+    labels = [
+        (function.name, table.result)
+        for function, table in tables.items()
+        for _ in range(1 + table.both)
+    ]
+    segments = 1 << (HIDDEN.width - 1 - width)
+    words = [(*pair,) for table in tables.values() for pair in _blocks(table, segments)]
+    intercepts, slopes = zip(*words, strict=True)
+    return LineTable(width, intercepts, slopes, tuple(labels))
+
+
+def _blocks(table: FunctionTable, segments: int) -> list[tuple[int, int]]:
+    """The words of a table, the last of them repeated up to the end of its blocks."""
+    words = list(zip(table.intercepts, table.slopes, strict=True))
+    return words + words[-1:] * (segments * (1 + table.both) - len(words))
+
+
+def check_words(table: LineTable) -> None:
+    """Refuse tables that take too much memory.
+
+    Raises
+    ------
+    InputError
+    """
+    words = len(table.slopes)
+    if words > MOST_WORDS:
+        raise InputError(
+            f"functions: got {words} words, {table.segments} for each of {table.blocks} blocks, "
+            f"expected {MOST_WORDS} at most; a larger hardware.segment_width, fewer functions or "
+            "odd ones, which need one block and not two, take less"
+        )
+
+
+def _in_order(functions: Sequence[Function]) -> list[Function]:
+    """Functions with two blocks first, so that the first of two has an even number."""
+    return sorted(functions, key=is_odd)
+
+
+def _values(function: Function, both: bool) -> Real:
+    """The function at every code of q, from 0 up; and behind these, from -1 down."""
+    codes = np.arange(HIDDEN.high + 1)
+    return function.value(HIDDEN.to_real(np.concatenate([codes, ~codes]) if both else codes))
+
+
+@lru_cache
+def _lines(function: Function, width: int) -> tuple[Real, Real]:
+    """The slope of the best line of each segment, and the values of each segment in rising order.
+
+    The best line has the least largest error, at some places of the segment. This error is convex
+    in the slope, so each step of the search compares two slopes and leaves out a third of the
+    interval.
+    """
+    both = not is_odd(function)
+    pieces = _values(function, both).reshape(-1, 1 << width)
+    if both:
+        half = len(pieces) // 2
+        pieces = np.concatenate([pieces[:half], pieces[half:, ::-1]])
+    span = 1 << width
+    places = np.append(np.arange(0, span, span // _PLACES), span - 1)
+    x, seen = _distances(width)[places], pieces[:, places]
+    rises = np.diff(seen, axis=1) / np.diff(x)
+    low, high = rises.min(axis=1), rises.max(axis=1)
+    for _ in range(_STEPS):
+        third = (high - low) / 3
+        left, right = low + third, high - third
+        first, second = (np.ptp(seen - s[:, np.newaxis] * x, axis=1) for s in (left, right))
+        low, high = np.where(first > second, left, low), np.where(first > second, high, right)
+    return (low + high) / 2, pieces
+
+
+def _distances(width: int) -> Codes:
+    span = 1 << width
+    return np.arange(span) - span // 2
+
+
+def _fitted(function: Function, width: int, result: Fix) -> FunctionTable:
+    """The best lines of a function in codes of a format of its values."""
+    steepness, pieces = _lines(function, width)
+    unit = 2.0**result.frac
+    slopes = np.clip(_rounded(steepness * unit * 2.0**DROPPED), -_MOST, _MOST)
+    off = pieces * unit - slopes[:, np.newaxis] * _distances(width) * 2.0**-DROPPED
+    middles = np.clip(_rounded((off.min(axis=1) + off.max(axis=1)) / 2), -_MOST, _MOST)
+    both = not is_odd(function)
+    if both:
+        middles[len(middles) // 2 :] *= -1
+    words = middles.astype(np.int64), slopes.astype(np.int64)
+    return _measured(function, width, result, both, words)
+
+
+def _rounded(values: Real) -> Real:
+    found: Real = np.floor(values + (0.5 + _NUDGE))
+    return found
+
+
+def _measured(
+    function: Function, width: int, result: Fix, both: bool, words: tuple[Codes, Codes]
+) -> FunctionTable:
+    """A table with its largest error over every code of q."""
+    codes = np.arange(HIDDEN.low, HIDDEN.high + 1)
+    found = result.to_real(_results(width, both, words, codes))
+    error = float(np.abs(found - function.value(HIDDEN.to_real(codes))).max())
+    intercepts, slopes = (tuple(part.tolist()) for part in words)
+    return FunctionTable(result, both, intercepts, slopes, error)
+
+
+def _results(width: int, both: bool, words: tuple[Codes, Codes], q: Codes) -> Codes:
+    """The codes of a function that an engine computes for codes of q."""
+    intercepts, slopes = words
+    negative = q < 0
+    per = len(slopes) // (1 + both)
+    segment = np.minimum(np.where(negative, ~q, q) >> width, per - 1) + per * (negative & both)
+    one = np.where(negative, -1, 1) << DROPPED
+    distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
+    total = intercepts[segment] * one + slopes[segment] * distance
+    word = (total + (1 << (DROPPED - 1))) >> DROPPED
+    return np.asarray(np.clip(word, RESULT.low, RESULT.high), dtype=np.int64)

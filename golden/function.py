@@ -1,0 +1,151 @@
+"""Functions of one variable that a scene defines, for activations that are tables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from golden.cli import naming
+from golden.expression import evaluate
+from golden.input_error import InputError
+from golden.precision import EXACT
+from golden.real import Real
+from golden.table import suggest
+
+# An activation that begins with it goes on with the name of a function, or with a name for each
+# node, between commas.
+TABLE = "table:"
+# The format of the sum that a function takes. Sums beyond it saturate.
+FMT = EXACT.hidden_fmt
+LOW, HIGH = float(FMT.to_real(FMT.low)), float(FMT.to_real(FMT.high))
+_STEP = 2.0**-FMT.frac
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of a hidden sum q, given by an expression or by points.
+
+    Sums saturate at the ends of their format, -8 and 8. Beyond these ends the function keeps the
+    value that it has there.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    expression : str
+        An expression of x; see ``golden.expression``. Empty where there are points.
+    points : tuple of pairs of float
+        Points that are joined by straight lines, from left to right. Beyond the first and the last
+        of them the function is level.
+
+    Raises
+    ------
+    InputError
+        For a name that is none, for an expression that is none, for points that do not go from left
+        to right, and for a function that is not finite everywhere.
+    """
+
+    name: str
+    expression: str = ""
+    points: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise InputError(f"got the name {self.name!r}, expected letters, digits and _")
+        if not self.expression:
+            places = [x for x, _ in self.points]
+            if len(places) < 2 or not all(a < b for a, b in pairwise(places)):
+                raise InputError(f"x: got {places}, expected two or more numbers that rise")
+            if not np.isfinite(self.points).all():
+                raise InputError("x, y: got NaN or infinity, expected finite numbers")
+        q = FMT.to_real(np.arange(FMT.low, FMT.high + 1))
+        bad = ~np.isfinite(self.value(q))
+        if bad.any():
+            raise InputError(
+                f"got {self.expression!r}, which has no finite value at x = {q[bad][0]:g}, "
+                f"expected one everywhere from {LOW:g} to {-LOW:g}"
+            )
+
+    def value(self, q: Real) -> Real:
+        """The function at each sum."""
+        x = np.clip(q, LOW, HIGH)
+        if self.expression:
+            return evaluate(self.expression, x)
+        places, values = zip(*self.points, strict=True)
+        return np.asarray(np.interp(x, places, values), dtype=np.float64)
+
+    def slope(self, q: Real) -> Real:
+        """The slope at each sum, from the values one code below and above; 0 beyond the ends."""
+        rise: Real = self.value(q + _STEP) - self.value(q - _STEP)
+        return rise / (2 * _STEP)
+
+
+TANH = Function("tanh", "tanh(x)")
+
+
+def functions_of(
+    activation: str, nodes: int, known: Mapping[str, Function]
+) -> tuple[Function, ...]:
+    """The function of each node of a layer; none where the activation is no table.
+
+    Parameters
+    ----------
+    activation : str
+    nodes : int
+    known : mapping of str to Function
+        The functions that there are, by name.
+
+    Raises
+    ------
+    InputError
+        For a name that is not known, and for another number of names than one or ``nodes``.
+    """
+    names = table_names(activation)
+    for name in names:
+        if name not in known:
+            expected = f"one of {', '.join(known)}" if known else "it in [network.functions]"
+            hint = suggest(name, list(known))
+            raise InputError(f"{activation!r}: no function {name!r}, expected {expected}{hint}")
+    if names and len(names) not in (1, nodes):
+        raise InputError(
+            f"{activation!r}: got {len(names)} functions for {nodes} nodes, expected one for all, "
+            "or one for each"
+        )
+    return tuple(known[name] for name in names) * (nodes if len(names) == 1 else 1)
+
+
+def table_names(activation: str) -> list[str]:
+    """The names of the functions in an activation; none where it is no table."""
+    if not activation.startswith(TABLE):
+        return []
+    return [name.strip() for name in activation.removeprefix(TABLE).split(",")]
+
+
+def by_name(functions: tuple[Function, ...]) -> dict[str, Function]:
+    """The functions by their names."""
+    return {function.name: function for function in functions}
+
+
+def read_function(name: str, given: object) -> Function:
+    """A function as a scene gives it: the text of an expression, or a table of ``x`` and ``y``.
+
+    Raises
+    ------
+    InputError
+        See ``Function``; and for lists of different length.
+    """
+    with naming(f"network.functions.{name}"):
+        if isinstance(given, str):
+            if not given.strip():
+                raise InputError("got an empty text, expected an expression of x")
+            return Function(name, given)
+        assert isinstance(given, dict)
+        x, y = given["x"], given["y"]
+        if len(x) != len(y):
+            raise InputError(f"y: got {len(y)} numbers, expected {len(x)}, one for each x")
+        return Function(name, points=tuple(zip(map(float, x), map(float, y), strict=True)))

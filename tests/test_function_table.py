@@ -1,0 +1,314 @@
+"""Activations that are tables: functions of a scene, their fit, and engines that look them up."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from documented import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from golden.dense import Dense, DenseNetwork, Trained, network_of
+from golden.engine.exact import exact
+from golden.engine.formats import DROPPED, HIDDEN, RESULT
+from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
+from golden.engine.graph import Kind
+from golden.engine.listing import listing
+from golden.engine.operand_select import OperandSelect
+from golden.engine.table_address import TableAddress
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes
+from golden.function import TANH, Function
+from golden.input_error import InputError
+from golden.network_files.network_file import write_network
+from golden.networks.engine import Engine
+from golden.networks.settings import Settings
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from tb.common.cases import random_network, write_scene
+
+CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
+SOFTSIGN = Function("softsign", "x / (1 + abs(x))")
+SIGMOID = Function("sigmoid", "1 / (1 + exp(-x))")
+BELL = Function("gaussian", "exp(-x * x)")
+WAVE = Function("sine", "sin(x)")
+GELU = Function("gelu", "0.5 * x * (1 + erf(x / sqrt(2)))")
+POINTS = Function("points", points=((-2.0, 0.5), (-0.25, -1.0), (1.5, 0.75)))
+# The functions in the table of the page.
+SHOWN = (SIGMOID, SOFTSIGN, BELL, WAVE, GELU)
+EVERY = (*SHOWN, POINTS)
+PAGE = (ROOT / "docs" / "scenes.md").read_text()
+
+
+def network(
+    shape: tuple[int, ...], kinds: tuple[str, ...], spread: float = 1.5, seed: int = 1
+) -> Trained:
+    return random_network(shape, kinds, spread, seed, functions=EVERY)
+
+
+def samples(inputs: int, frames: int = 50) -> Codes:
+    rng = np.random.default_rng(3)
+    return rng.integers(SIGNAL.low, SIGNAL.high + 1, (frames, inputs))
+
+
+# The fit.
+
+
+@pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
+def test_the_blocks_compute_the_function_with_the_published_error(function: Function) -> None:
+    """Through the twins of the blocks, behind another function, over every code of q."""
+    lines = joined((WAVE, function) if function != WAVE else (BELL, WAVE), 9)
+    code = codes_of((WAVE, function) if function != WAVE else (BELL, WAVE))[function]
+    address = TableAddress(9, lines.segments, False, lines.blocks)
+    places = address.process(CODES, np.full(len(CODES), code))
+    select = OperandSelect(9)
+    one, distance = (
+        select.process(CODES, np.full(len(CODES), kind)) for kind in (Kind.INTERCEPT, Kind.DISTANCE)
+    )
+    sums = np.array(lines.intercepts)[places] * one + np.array(lines.slopes)[places] * distance
+    words = np.clip((sums + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
+    off = format_of(function).to_real(words) - function.value(HIDDEN.to_real(CODES))
+    assert np.abs(off).max() == table_of(function, 9).error
+
+
+@pytest.mark.parametrize("function", SHOWN, ids=lambda f: f.name)
+def test_the_page_shows_the_largest_errors(function: Function) -> None:
+    row = re.search(rf"^\| {function.name} \| `(.+)` \| (.+) \| (.+) \| (.+) \|$", PAGE, re.M)
+    assert row, function.name
+    assert row[1] == function.expression
+    assert row[2] == ("one" if is_odd(function) else "two")
+    for shown, width in ((row[3], 9), (row[4], 7)):
+        assert shown == f"{table_of(function, width).error:.1e}".replace("e-0", "e-")
+
+
+@given(
+    st.lists(st.integers(-250, 250), min_size=2, max_size=6, unique=True),
+    st.lists(st.integers(-(1 << 12), 1 << 12), min_size=6, max_size=6),
+)
+@settings(deadline=None, max_examples=10)
+def test_corners_between_segments_are_exact(places: list[int], heights: list[int]) -> None:
+    """A segment of 9 bits is 1/32 wide. The results of a line are rounded once."""
+    points = zip(sorted(places), heights, strict=False)
+    function = Function("corners", points=tuple((x / 32, y / 4096) for x, y in points))
+    table = table_of(function, 9)
+    # A result and an intercept are rounded by half a unit, and a slope by a 128th of one at most.
+    assert table.error <= 1.01 * 2.0**-table.result.frac
+
+
+def test_a_function_keeps_its_value_beyond_the_ends_of_the_sum() -> None:
+    q = np.array([-20.0, -8.0, HIDDEN.to_real(HIDDEN.high), 9.0])
+    assert np.array_equal(GELU.value(q)[[0, 3]], GELU.value(q)[[1, 2]])
+    assert GELU.slope(q[[0, 3]]).tolist() == [0, 0]
+
+
+def test_the_format_has_room_for_values_and_slopes() -> None:
+    assert format_of(TANH) == format_of(WAVE) == RESULT
+    assert format_of(GELU).frac == 14
+    assert format_of(Function("steep", "sin(3 * x)")).frac < RESULT.frac
+    with pytest.raises(InputError, match="function huge: got values that reach 8e"):
+        format_of(Function("huge", "1e6 * x"))
+
+
+def test_two_blocks_come_first_and_a_pair_begins_at_an_even_one() -> None:
+    codes = codes_of((SOFTSIGN, BELL, TANH, SIGMOID))
+    assert codes == {BELL: 1, SIGMOID: 5, SOFTSIGN: 8, TANH: 10}
+    lines = joined((SOFTSIGN, BELL, TANH, SIGMOID), 9)
+    assert lines.blocks == 6
+    assert lines.segments == 256
+    last = lines.slopes[5 * 256 :]
+    assert last == tanh_table(9).slopes + tanh_table(9).slopes[-1:] * 96
+
+
+def test_tanh_alone_has_the_table_that_it_had() -> None:
+    assert joined((TANH,), 9) is tanh_table(9)
+    assert joined((Function("tanh", "tanh(x)"),), 9) is tanh_table(9)
+
+
+def test_a_table_is_cut_to_what_sums_reach() -> None:
+    lines = joined((BELL, SOFTSIGN), 9)
+    short = lines.within(40 << 9)
+    assert (short.segments, short.blocks) == (64, 3)
+    for block in range(3):
+        whole = lines.intercepts[block * 256 : block * 256 + 64]
+        assert short.intercepts[block * 64 : (block + 1) * 64] == whole
+    assert lines.within(0).segments == 2
+
+
+# On the engine.
+
+OPTIONS = [{}, {"pipeline": "deep"}, {"multiplier": "serial"}, {"segment_width": 8}]
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=str)
+@pytest.mark.parametrize(
+    ("shape", "kinds"),
+    [
+        ((3, 4, 3, 2), ("table:softsign,gaussian,sine,gelu", "tanh")),
+        ((2, 3, 4, 1), ("relu", "table:points")),
+        ((2, 3, 3, 2), ("table:gelu", "sigmoid")),
+        ((2, 3, 1), ("table:softsign",)),
+    ],
+)
+def test_the_program_computes_the_graph(shape, kinds, options) -> None:
+    for lean in (True, False):
+        engine = Engine.of([network(shape, kinds)], Settings(options=options, lean=lean))
+        codes = samples(shape[0])
+        width = options.get("segment_width", 9)
+        assert np.array_equal(engine.process(codes), exact(engine.graph, width, codes))
+
+
+@pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
+def test_the_engine_is_as_near_to_real_arithmetic_as_its_table(function: Function) -> None:
+    dense = network((2, 4, 1), (f"table:{function.name}",))
+    assert isinstance(dense, DenseNetwork)
+    engine = Engine.of([dense], Settings())
+    codes = samples(2, 200)
+    first, second = dense.layers
+    q = SIGNAL.to_real(codes) @ first.weights.T + first.biases
+    # The sums saturate where the function does, so q differs by its rounding alone.
+    off = 2.0**-13 * max(1.0, np.abs(function.slope(HIDDEN.to_real(CODES))).max())
+    off += table_of(function, 9).error
+    assert np.abs(q).max() > 1.5
+    bound = off * np.abs(second.weights).sum() + 2.0**-13
+    real = np.clip(dense.process(SIGNAL.to_real(codes)), -1, SIGNAL.to_real(SIGNAL.high))
+    assert np.abs(SIGNAL.to_real(engine.process(codes)) - real).max() <= bound
+
+
+def test_one_odd_function_is_the_hardware_of_tanh() -> None:
+    """Only the words differ: no step names a block, and weights stand where they stood."""
+    shape = (2, 3, 1)
+    one, tanh = (network(shape, (kind,), 20.0) for kind in ("table:softsign", "tanh"))
+    engines = [Engine.of([net], Settings()) for net in (one, tanh)]
+    assert not engines[0].names_blocks
+    assert [e.table_address.base_ports for e in engines] == [(), ()]
+    assert len({e.program.words for e in engines}) == 1
+    assert Engine.of([network(shape, ("table:gaussian",))], Settings()).names_blocks
+
+
+def test_functions_of_nodes_that_are_not_built_take_no_memory() -> None:
+    # The weights behind the last node are 0.
+    engine = Engine.of([network((2, 3, 1), ("table:softsign,sine,gelu",))], Settings())
+    assert engine.graph.functions == (SOFTSIGN, WAVE)
+    whole = Engine.of([network((2, 3, 1), ("table:softsign,sine,gelu",))], Settings(lean=False))
+    assert GELU in whole.graph.functions
+
+
+def test_the_listing_and_the_exported_file_tell_the_errors() -> None:
+    engine = Engine.of([network((2, 3, 1), ("table:softsign,gaussian,sine",), 20.0)], Settings())
+    heads = listing(engine.graph, engine.program)[:2]
+    assert heads == [
+        "words 0 to 511: gaussian in segments of 0.03125; error 0.00013 at most",
+        "words 512 to 767: softsign in segments of 0.03125; error 0.00012 at most",
+    ]
+    assert engine.facts()[-1] == "largest errors of functions: softsign 0.00012, gaussian 0.00013"
+
+
+def test_tables_that_take_too_much_memory_are_refused() -> None:
+    """Nine functions with two blocks of 1024 words each."""
+    functions = tuple(Function(f"f{n}", f"exp(-x * x) * 0.{n}") for n in range(1, 10))
+    first = Dense(np.full((9, 1), 20.0), np.zeros(9), "table:f1 to f9", functions=functions)
+    dense = network_of([first, Dense(np.ones((1, 9)), np.zeros(1))])
+    for options in ({}, {"multiplier": "serial"}):
+        with pytest.raises(InputError, match="functions: got 18432 words, 1024 for each of 18 bl"):
+            Engine.of([dense], Settings(options={"segment_width": 7, **options}))
+        Engine.of([dense], Settings(options={"segment_width": 8, **options}))
+
+
+def test_an_image_is_for_tanh() -> None:
+    with pytest.raises(InputError, match="reload: got True for a network with softsign, expected"):
+        Engine.of([network((2, 3, 1), ("table:softsign",))], Settings(options={"reload": True}))
+
+
+# In files and scenes.
+
+
+def scene_of(folder: Path, kinds: str = '["table:softsign"]') -> Path:
+    path = write_scene(
+        folder,
+        "own",
+        "exact",
+        [network((2, 3, 1), ("table:softsign",))],
+        activation="precise",
+        design="engine",
+        functions=(SOFTSIGN, BELL),
+    )
+    path.write_text(path.read_text().replace("hidden = 3", f"hidden = 3\nactivations = {kinds}"))
+    return path
+
+
+def test_a_scene_defines_what_its_network_names(tmp_path: Path) -> None:
+    scene = load_scene(str(scene_of(tmp_path)))
+    codes = samples(2)
+    engine = Engine.of([network((2, 3, 1), ("table:softsign",))], Settings())
+    assert np.array_equal(scene.twin().process(codes), engine.process(codes))
+    (read,) = scene.networks()
+    assert np.array_equal(
+        read.process(SIGNAL.to_real(codes)), scene.process_real(SIGNAL.to_real(codes))
+    )
+
+
+def test_points_are_read(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
+    text = path.read_text()
+    given = "bell = { x = [-1, 0, 2], y = [0.5, 1.25, 0] }"
+    path.write_text(re.sub(r"gaussian = .*", given, text))
+    (member,) = load_scene(str(path)).members
+    assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
+    assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]
+
+
+FAULTS = {
+    'softsign = "x / (1 + abs(x"': r"functions.softsign: got 'x / \(1 \+ abs\(x', expected an expr",
+    'softsign = "log(x)"': r"functions.softsign: got 'log\(x\)', which has no finite value at x = ",
+    'softsign = "x.real"': "functions.softsign: got 'x.real', expected numbers, x, pi, e",
+    "softsign = \"__import__('os').getcwd()\"": r'softsign: got "__import__\(.os.\).getcwd\(\)", ',
+    'softsign = "sin(x, x)"': r"softsign: got 'sin\(x, x\)', expected numbers",
+    'softsign = "9 ** 9 ** 9 ** 9 * x"': "which has no finite value",
+    'softsign = ""': "network.functions.softsign: got '', expected an expression of x, or points",
+    "softsign = 3": "network.functions.softsign: got 3, expected an expression of x, or points",
+    "softsign = { x = [0, 1] }": r"functions.softsign: got {'x': \[0, 1\]}, expected an expression",
+    "softsign = { x = [0, 1], y = [1] }": "softsign.y: got .1., expected two or more numbers",
+    "softsign = { x = [0, 1], y = [1, 2, 3] }": "softsign: y: got 3 numbers, expected 2, one for",
+    "softsign = { x = [1, 0], y = [1, 2] }": r"softsign: x: got \[1.0, 0.0\], expected two or mor",
+    'soft-sign = "x"': "network.functions.soft-sign: got the name 'soft-sign', expected letters",
+    'softsing = "x"': "activations: 'table:softsign': no function 'softsign', expected one of soft",
+    f'softsign = "{"x + " * 100}x"': "softsign: got 401 characters, expected 300 at most",
+}
+
+
+@pytest.mark.parametrize("line", FAULTS)
+def test_a_fault_in_a_function_names_file_and_key(tmp_path: Path, line: str) -> None:
+    path = scene_of(tmp_path)
+    path.write_text(re.sub(r"softsign = .*", lambda _: line, path.read_text()))
+    with pytest.raises(InputError, match=f"own.toml: .*{FAULTS[line]}"):
+        load_scene(str(path))
+
+
+@pytest.mark.parametrize(
+    ("kinds", "message"),
+    [
+        ('["table:softsign,gaussian"]', ".*2 functions for 3 nodes, expected one for all, or one"),
+        ('["table:"]', ".*no function '', expected one of softsign, gaussian"),
+        ('["tabel:softsign"]', "got .'tabel:softsign'., expected a list with an activation for"),
+    ],
+)
+def test_a_fault_in_an_activation_is_told(tmp_path: Path, kinds: str, message: str) -> None:
+    with pytest.raises(InputError, match=f"own.toml: network.activations: {message}"):
+        load_scene(str(scene_of(tmp_path, kinds)))
+
+
+def test_a_file_that_names_a_function_needs_a_scene_that_defines_it(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, "[]")
+    load_scene(str(path)).twin()
+    path.write_text(re.sub(r"softsign = .*", "", path.read_text()))
+    with pytest.raises(InputError, match=r"own.npz: layer 1: 'table:softsign': no function 'soft"):
+        load_scene(str(path)).twin()
+
+
+@pytest.mark.parametrize("form", ["onnx", "mat"])
+def test_other_forms_of_files_hold_no_function(tmp_path: Path, form: str) -> None:
+    with pytest.raises(InputError, match=rf"net.{form}: got .*table:softsign"):
+        write_network(tmp_path / f"net.{form}", network((2, 3, 1), ("table:softsign",)))
