@@ -401,13 +401,6 @@ def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
     ]
 
 
-def test_an_image_with_relu_is_refused() -> None:
-    option = {"reload": True}
-    with pytest.raises(InputError, match=r"hardware.reload: got True for a network with ReLU, exp"):
-        Engine.of([random((3, 4, 2), ("relu",))], Settings(options=option))
-    Engine.of([random((3, 4, 5, 2), ("sigmoid", "tanh"))], Settings(options=option))
-
-
 # In scenes.
 
 

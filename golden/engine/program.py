@@ -200,7 +200,9 @@ class Program:
         return np.stack(results, axis=-1)
 
 
-def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) -> Program:
+def assemble(
+    graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline, rectifies: bool = False
+) -> Program:
     """The program of a graph.
 
     Parameters
@@ -210,6 +212,8 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
     segments : int
         Number of the table's words that the program holds.
     pipeline : Pipeline
+    rectifies : bool
+        Whether the hardware has ReLU, even if the graph has none.
 
     Raises
     ------
@@ -217,6 +221,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         See ``check_values``.
     """
     check_values(graph)
+    rectifies = rectifies or graph.rectifies
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -229,7 +234,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
         put(words, n + pipeline.weight, WEIGHT, term.weight)
-        if graph.rectifies:
+        if rectifies:
             put(words, n + pipeline.mark, RELU, step.last and graph.neurons[step.neuron].relu)
         else:
             put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
@@ -247,7 +252,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
         tuple(words),
         pipeline,
         notes,
-        graph.rectifies,
+        rectifies,
         graph.cut,
         graph.even,
     )

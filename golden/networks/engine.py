@@ -12,7 +12,7 @@ from golden.dense import Trained
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph
-from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
+from golden.engine.image import Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
 from golden.engine.layers import graph_of
 from golden.engine.multiply_accumulate import MultiplyAccumulate
@@ -116,29 +116,24 @@ class Engine(Design):
             )
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, networks, lean)
-        if graph.rectifies and reload:
-            raise InputError(
-                "hardware.reload: got True for a network with ReLU, expected False: what an image "
-                "is loaded into has no ReLU"
-            )
         segments = len(table.slopes)
-        if lean and not reload:
+        if lean:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
+        pipeline = Pipeline(int(depth == "deep"))
+        acc_width = max(LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH, graph.sum_bits(table))
+        loaded = None
         program: Program
-        if serial:
+        if reload:
+            flags = {"rectifies": graph.rectifies, "cut": graph.cut, "even": graph.even}
+            loaded = image_of(graph, Sizes(**chosen, pipeline=pipeline, **flags))
+            program, acc_width = loaded.program, loaded.sizes.acc_width
+        elif serial:
             program = assemble_serial(graph, table, segments, SerialPipeline())
         else:
-            pipeline = Pipeline(int(depth == "deep"))
             program = assemble(graph, table, segments, pipeline)
-        bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
-        least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
-        loaded = None
-        if reload:
-            loaded = image_of(program, bound, Sizes(**chosen, pipeline=pipeline))
-            program = loaded.program
         return cls(
             program,
-            ACC_WIDTH if loaded else max(least, bound),
+            acc_width,
             graph,
             loaded,
             useless_nodes=graph.useless_nodes,
@@ -227,6 +222,16 @@ class Engine(Design):
     @property
     def image(self) -> bytes:
         return self.loaded.to_bytes() if self.loaded else b""
+
+    def image_for(self, networks: Sequence[Trained], arrangement: str = "single") -> Image:
+        """The image with which the same hardware computes other networks.
+
+        Raises
+        ------
+        InputError
+            When they do not fit, or when the program is part of the hardware.
+        """
+        return image_of(graph_of(arrangement, networks), self._sizes)
 
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""

@@ -107,7 +107,7 @@ def _(network: Engine) -> list[str]:
     if words:
         texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
     bits = WHOLE_ACC_WIDTH - network.acc_width
-    if bits:
+    if bits > 0:
         texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
     return texts
 
