@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from golden.dense import Trained
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -17,11 +18,11 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.graph import Graph, Kind, Neuron
+from golden.engine.layers import exact_layers, first_values, planned
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import TanhTable, tanh_table
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
-from golden.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.real import Real
 
@@ -72,32 +73,53 @@ def tanh_sum(segment_width: int, q: int) -> int:
     return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
 
 
-def error_bounds(mlp: Mlp, segment_width: int, sensors: int) -> Real:
+def error_bounds(network: Trained, segment_width: int, sensors: int) -> Real:
     """How far each output of a network can be from real arithmetic that saturates.
 
-    The bounds are those of a network of two layers (``golden.networks.bounds``) with one addition:
-    the operand memory keeps an earlier output, which a later network reads, with four bits more
+    Real arithmetic saturates the sum of each node, and the output, where the engine does. No
+    activation has a slope above 1, so it increases no error. Layer by layer the error of a sum is
+    that of its operands, times their weights, plus the error of the rounded weights, bias and
+    result. Behind a tanh the error of its table is added.
+
+    Parameters
+    ----------
+    network : Mlp or DenseNetwork
+    segment_width : int
+    sensors : int
+        How many inputs are samples; the others are outputs of earlier networks.
+
+    Notes
+    -----
+    The operand memory keeps an earlier output, which a later network reads, with four bits more
     than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
     output's code.
+
+    A quantiser is exact where its operands are; where they are not, it can be a whole step off.
     """
     seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
-    q_off = _weight_rounding(mlp.w1[:, :sensors], HIDDEN, SAMPLE) + _weight_rounding(
-        mlp.w1[:, sensors:], HIDDEN, RESULT
-    )
-    q_off += _weight_rounding(mlp.b1[:, np.newaxis], HIDDEN, ONE) + 2.0 ** -(HIDDEN.frac + 1)
-    q_off += seen * np.abs(mlp.w1[:, sensors:]).sum(axis=1)
-    r_off = q_off + tanh_error(segment_width)
-    bounds: Real = np.abs(mlp.w2) @ r_off + 2.0 ** -(SIGNAL.frac + 1)
-    bounds += _weight_rounding(mlp.w2, RESULT, RESULT) + _weight_rounding(
-        mlp.b2[:, np.newaxis], RESULT, ONE
-    )
+    values = first_values(sensors, network.shape[0] - sensors)
+    errors = np.array([seen * value.earlier for value in values])
+    plan = planned(network, values)
+    for number, (layer, sums) in enumerate(zip(exact_layers(network), plan, strict=True), start=1):
+        weights = np.array(
+            [[abs(float(row[v.node] * v.factor)) for v in values] for row in layer.weights]
+        )
+        off = weights @ errors
+        if sums.grid:
+            off = np.where(off > 0, off + 2.0 ** (sums.grid.cut - sums.result.frac), 0.0)
+        else:
+            reached = [max(-v.low, v.high) * 2.0**-v.fmt.frac for v in values]
+            halves = [2.0 ** -(coeff_frac(sums.result, v.fmt) + 1) for v in values]
+            off += np.dot(halves, reached) + 2.0 ** -(coeff_frac(sums.result, ONE) + 1)
+            frac = SIGNAL.frac if number == len(plan) else sums.result.frac
+            off += 2.0 ** -(frac + 1)
+            off += tanh_error(segment_width) * (sums.activation == "tanh")
+            # The largest word is one unit below 1.
+            off += 2.0**-frac * (sums.activation == "hard_tanh")
+        values = sums.values
+        errors = off[[value.node for value in values]] if values else off
+    bounds: Real = off
     return bounds
-
-
-def _weight_rounding(weights: Real, result: Fix, operand: Fix) -> Real:
-    """The error that rounded weights cause in each neuron: at most half a unit per weight."""
-    half = 2.0 ** -(coeff_frac(result, operand) + 1)
-    return np.full(len(weights), half * weights.shape[1])
 
 
 @lru_cache
