@@ -13,7 +13,6 @@ from golden.engine.formats import (
     ONE,
     OUTPUT_SHIFT,
     RESULT,
-    SAMPLE,
     SAMPLE_SHIFT,
     coeff_frac,
 )
@@ -22,7 +21,7 @@ from golden.engine.layers import exact_layers, first_values, planned
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import TanhTable, tanh_table
-from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.precision import SIGNAL
 from golden.real import Real
 

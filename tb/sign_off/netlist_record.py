@@ -2,9 +2,10 @@
 
 Recorded are the first entity of every block in the first case of its bench and, on cells, that in
 the other cases that are recorded, and the entities of the scenes whose network is an engine. The
-result of a bench that has passed is kept until its netlist or the bench changes. An engine, and the instrument around it on a board, only
-play recorded frames, in its own image and, where the bench has some, in others. The rest of their
-benches would take hours; their parts run through the whole of theirs.
+result of a bench that has passed is kept until its netlist or the bench changes. An engine, and the
+instrument around it on a board, only play recorded frames, in its own image and, where the bench
+has some, in others. The rest of their benches would take hours; their parts run through the whole
+of theirs.
 """
 
 from __future__ import annotations
