@@ -124,8 +124,9 @@ class Engine(Design):
         loaded = None
         program: Program
         if reload:
-            flags = {"rectifies": graph.rectifies, "cut": graph.cut, "even": graph.even}
-            loaded = image_of(graph, Sizes(**chosen, pipeline=pipeline, **flags))
+            sizes = Sizes(**chosen, pipeline=pipeline)
+            sizes = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
+            loaded = image_of(graph, sizes)
             program, acc_width = loaded.program, loaded.sizes.acc_width
         elif serial:
             program = assemble_serial(graph, table, segments, SerialPipeline())

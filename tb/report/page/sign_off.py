@@ -72,7 +72,7 @@ def undetected_bits(record: Record) -> list[str]:
     """A row for each bit of a memory that the bench does not tell in some words."""
     found: dict[tuple[str, str], list[str]] = {}
     for one in record.get("words", {}).get("survivors", []):
-        memory, address, bit = re.fullmatch(r"(\w+)\[(\d+)\] bit (\d+)", one).groups()
+        memory, address, bit = re.split(r"\[|\] bit ", one)
         found.setdefault((memory, bit), []).append(address)
     return _table(
         "Bits of words that the bench does not tell. `tests/test_initial_words.py` compares every "
