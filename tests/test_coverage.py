@@ -20,22 +20,27 @@ from tb.sign_off.coverage import KIND, named_by
 from tb.sign_off.current import of_this_verilog
 from tb.sign_off.record import read_record
 from tb.sign_off.source import verilog
+from tb.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 
-@pytest.mark.parametrize("block", BENCHES)
-def test_the_record_is_of_this_source(shared: Shared, block: str) -> None:
-    job = shared.subject(block)
-    assert not of_this_verilog(KIND, block, verilog(job))
+NAMES = {name: case for block in BENCHES for name, case in recorded_cases(block).items()}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_record_is_of_this_source(shared: Shared, name: str) -> None:
+    block = name.partition(".")[0]
+    job = shared.subject(block, case=NAMES[name])
+    assert not of_this_verilog(KIND, name, verilog(job))
     again = f"the twin names something else; run: make coverage BLOCK={block} RECORD=1"
-    assert read_record(KIND, block)["named"] == named_by(job.twin), again
+    assert read_record(KIND, name)["named"] == named_by(job.twin), again
 
 
-@pytest.mark.parametrize("block", BENCHES)
-def test_the_record_leaves_nothing_out(block: str) -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_the_record_leaves_nothing_out(name: str) -> None:
     """Everything in a record was reached or has a reason why it is not."""
-    record = read_record(KIND, block)
+    record = read_record(KIND, name)
     for name, border in record["borders"].items():
         assert border.get("unreachable") or (border["below"] and border["from"]), name
     for name, state in record["states"].items():

@@ -14,14 +14,21 @@ import pytest
 from conftest import tiered
 
 from golden.commands.image import main
+from golden.dense import Quantiser, Trained
+from golden.engine.formats import RESULT, WIDTH
+from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
+from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from golden.networks.oracle import exact
+from golden.networks.settings import Settings
 from golden.scene import Scene, load_scene, scene_path
 from golden.scene.image import scene_image
-from tb.common.cases import Case
+from tb.common.cases import Case, random_mlp, random_network
+from tb.common.images import networks_of_other_depth
 from tb.common.runner import plan, run_jobs
-from tb.common.small import RELOADED
+from tb.common.small import LAYERED, RELOADED
 from tb.common.tools import SIMULATORS
 
 ROOT = Path(__file__).parents[1]
@@ -159,9 +166,86 @@ def test_a_size_that_cannot_be_is_refused(tmp_path: Path, keys: str, message: st
         reloadable("digit", tmp_path, keys).twin()
 
 
-def test_sums_that_are_too_large_are_refused(hardware: Engine) -> None:
-    with pytest.raises(InputError, match="needs 41 bits of a sum, there are 40"):
-        image_of(hardware.program, 41, Sizes())
+@pytest.mark.parametrize("relu", [False, True])
+def test_sums_that_are_too_large_are_refused(relu: bool) -> None:
+    sizes = Sizes(rectifies=relu)
+    # Each product reaches 2**34, and half a unit is added. So one product fewer fits.
+    products = 1 << (sizes.acc_width - 1 - 34)
+    terms = (Term(Kind.WORD, 2, 1 << (WIDTH - 1)),) * products
+    first, last = Neuron("first", RESULT, (Term(Kind.WORD, 0, 1),)), Neuron("last", RESULT, terms)
+    graph = Graph(2, (first, replace(last, output=True)))
+    more, there = sizes.acc_width + 1, sizes.acc_width
+    with pytest.raises(InputError, match=f"{more} bits of a sum, there are {there}"):
+        image_of(graph, sizes)
+    fewer = replace(last, terms=terms[1:], output=True)
+    assert replace(graph, neurons=(first, fewer)).sum_bits(tanh_table(9)) == there
+
+
+def engine(network: Trained) -> Engine:
+    """Hardware that can be reloaded and that runs the network."""
+    return Engine.of([network], Settings(options={"reload": True}))
+
+
+QUANTISERS = (
+    None,
+    Quantiser(2.0**-3, 0, 0, 15),
+    Quantiser(2.0**-3, 0, 0, 15, "floor"),
+    Quantiser(2.0**-3, 0, 0, 31),
+)
+
+
+def with_relu(quantiser: Quantiser | None, depth: int = 2) -> Trained:
+    shape = (3, *(4,) * depth, 2)
+    return random_network(shape, ("relu",) * depth, 1.0, seed=depth, quantiser=quantiser)
+
+
+@pytest.mark.parametrize("quantiser", QUANTISERS, ids=str)
+def test_networks_of_other_depth_run_on_the_same_hardware(quantiser: Quantiser | None) -> None:
+    hardware = engine(with_relu(quantiser))
+    for network in networks_of_other_depth(quantiser):
+        image = hardware.image_for([network])
+        found = hardware.image_loader.judge(image.to_bytes())
+        assert found is not None
+        before_last, words = found
+        loaded = Image(image.sizes, before_last + 2, tuple(words))
+        codes = np.random.default_rng(3).integers(-8192, 8192, (300, image.inputs))
+        alone = Engine.of([network])
+        assert np.array_equal(hardware.running(loaded).process(codes), alone.process(codes))
+        assert np.array_equal(alone.process(codes), exact(alone, codes))
+
+
+@pytest.mark.parametrize(
+    ("hardware", "image", "message"),
+    [
+        (None, QUANTISERS[1], "needs ReLU of 4 bits, halves to even, there is ReLU of 17 bits"),
+        (QUANTISERS[1], None, "needs ReLU of 17 bits, there is ReLU of 4 bits, halves to even"),
+        (QUANTISERS[1], QUANTISERS[2], "ReLU of 4 bits, there is ReLU of 4 bits, halves to even"),
+        (QUANTISERS[3], QUANTISERS[1], "ReLU of 4 bits, halves to even, there is ReLU of 5 bits, "),
+    ],
+)
+def test_another_relu_is_refused(
+    hardware: Quantiser | None, image: Quantiser | None, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        engine(with_relu(hardware)).image_for([with_relu(image)])
+
+
+def test_hardware_without_relu_is_named() -> None:
+    hardware = engine(random_mlp((3, 4, 2), 1.0, seed=1))
+    with pytest.raises(InputError, match="the image needs ReLU of 17 bits, there is no ReLU"):
+        hardware.image_for([with_relu(None)])
+    deep = random_network((3, 4, 5, 2), ("tanh", "sigmoid"), 1.0, seed=1)
+    codes = np.random.default_rng(3).integers(-8192, 8192, (100, 3))
+    loaded = hardware.running(hardware.image_for([deep]))
+    assert np.array_equal(loaded.process(codes), Engine.of([deep]).process(codes))
+
+
+def test_hardware_of_each_kind_has_a_check_of_its_own() -> None:
+    kinds = [{}] + [
+        {"rectifies": True, "cut": c, "even": e} for c in range(17) for e in (False, True)
+    ]
+    starts = {Sizes(**kind).check_start for kind in kinds}
+    assert len(starts) == len(kinds)
 
 
 @pytest.mark.parametrize(
@@ -226,14 +310,25 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     assert image.read_bytes() == b"before"
 
 
-def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> None:
+def with_other_depth(name: str, folder: Path) -> list[Scene]:
+    """A case of several hidden layers, and the same hardware with a network of one."""
+    case = LAYERED[name]
+    one = replace(case, shapes=[(5, 2, 1)], activations=("relu",))
+    return [case.scene(folder, name), one.scene(folder, f"{name}-one")]
+
+
+@pytest.mark.parametrize("kind", ["shipped", "layers-reload", "exact-reload"])
+def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind: str) -> None:
     folders = []
-    for name in ("digit", "swing-single"):
-        scene = reloadable(name, tmp_path)
+    if kind == "shipped":
+        scenes = [reloadable(name, tmp_path) for name in ("digit", "swing-single")]
+    else:
+        scenes = with_other_depth(kind, tmp_path)
+    for scene in scenes:
         for language in ("vhdl", "verilog"):
             command = [sys.executable, "-m", "hdl.export", str(scene.path), language]
             subprocess.run([*command, "--build", str(tmp_path)], check=True, capture_output=True)
-        folders.append(tmp_path / name)
+        folders.append(tmp_path / scene.name)
     for language in ("vhdl", "verilog"):
         first, second = (folder / language for folder in folders)
         order = (first / "compile_order.txt").read_text()
@@ -257,6 +352,8 @@ def test_one_hardware_runs_every_scene(tmp_path: Path, frames: int) -> None:
 
 
 def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
-    for name, case in RELOADED.items():
+    layered = {name: case for name, case in LAYERED.items() if name.endswith("-reload")}
+    assert len(layered) == 2
+    for name, case in (RELOADED | layered).items():
         assert isinstance(case, Case)
         assert case.scene(tmp_path, name).twin().image

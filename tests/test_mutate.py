@@ -14,6 +14,7 @@ from shared import Shared
 from golden import store
 from golden.fingerprint import ROOT
 from golden.store import VARIABLE
+from tb.common.collected import BENCHES
 from tb.common.runner import run_job
 from tb.sign_off.current import of_this_verilog
 from tb.sign_off.mutate.explained import explain, explanations
@@ -24,26 +25,32 @@ from tb.sign_off.mutate.score import Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.record import RECORDS, read_record
 from tb.sign_off.source import verilog
+from tb.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 LEAST = 0.99
 SCORED = sorted(path.stem for path in (RECORDS / "mutation").glob("*.json"))
+CASES_RECORDED = {n: case for block in BENCHES for n, case in recorded_cases(block).items()}
 # A few mutants of a small block, because this tests the method and not the block.
 FEW = 12
 
 
-@pytest.mark.parametrize("block", SCORED)
-def test_the_score_is_of_this_verilog(shared: Shared, block: str) -> None:
-    record = read_record("mutation", block)
-    job = shared.subject(block)
+def test_every_block_has_a_score() -> None:
+    assert sorted(CASES_RECORDED) == SCORED
+
+
+@pytest.mark.parametrize("name", SCORED)
+def test_the_score_is_of_this_verilog(shared: Shared, name: str) -> None:
+    record = read_record("mutation", name)
+    job = shared.subject(name.partition(".")[0], case=CASES_RECORDED[name])
     assert (record["entity"], record["scene"]) == (job.entity, job.scene.name)
-    assert not of_this_verilog("mutation", block, verilog(job))
+    assert not of_this_verilog("mutation", name, verilog(job))
 
 
-@pytest.mark.parametrize("block", SCORED)
-def test_the_score_is_high_and_every_survivor_explained(block: str) -> None:
-    record = read_record("mutation", block)
+@pytest.mark.parametrize("name", SCORED)
+def test_the_score_is_high_and_every_survivor_explained(name: str) -> None:
+    record, block = read_record("mutation", name), name.partition(".")[0]
     survivors = record["survivors"]
     assert record["killed"] + record["same"] + len(survivors) == record["mutants"]
     counted = record["mutants"] - record["same"] - record["explained"]
@@ -55,8 +62,9 @@ def test_the_score_is_high_and_every_survivor_explained(block: str) -> None:
 
 
 def test_explanations_are_of_survivors() -> None:
-    for block in SCORED:
-        survivors = [one["what"] for one in read_record("mutation", block)["survivors"]]
+    for block in BENCHES:
+        records = [read_record("mutation", name) for name in recorded_cases(block)]
+        survivors = [one["what"] for record in records for one in record["survivors"]]
         for pattern in explanations(block):
             assert any(re.fullmatch(pattern, what) for what in survivors), f"{block}: {pattern}"
 

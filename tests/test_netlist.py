@@ -21,6 +21,7 @@ from tb.sign_off.netlist import FAMILIES, chosen, on_cells
 from tb.sign_off.netlist_record import KIND, SCENES, Entity, played
 from tb.sign_off.record import read_record, record_path
 from tb.sign_off.source import verilog
+from tb.sign_off.subject import recorded_cases
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
@@ -248,7 +249,7 @@ def test_the_record_of_netlists_is_of_this_verilog(shared: Shared, block: str) -
     found: dict[str, set[str]] = {}
     for run in runs:
         found.setdefault(run["verilog"], set()).add(run["family"])
-    jobs = [shared.subject(block)]
+    jobs = [shared.subject(block, case=case) for case in recorded_cases(block).values()]
     jobs += [job for name in SCENES for job in shared.jobs(name, "icarus") if job.block == block]
     expected: dict[str, set[str]] = {}
     for job in jobs:

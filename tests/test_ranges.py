@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from golden.commands.predict import main as predict_main
 from golden.dense import Dense, DenseNetwork, network_of
-from golden.engine.exact import exact_sums, layered_bounds
+from golden.engine.exact import error_bounds, exact_sums
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, met_by
 from golden.finding import OK, WARNING
@@ -141,7 +141,7 @@ def test_the_bounds_of_the_error_hold_where_nothing_saturates(seed: int, kinds: 
     off = np.abs(SIGNAL.to_real(engine.process(codes)) - real)
     met = met_by(network, SIGNAL.to_real(quiet(24, 30, seed)))
     assert sound.any()
-    assert (off[sound] <= layered_bounds(network, 9, met)).all()
+    assert (off[sound] <= error_bounds(network, 9, 24, met)).all()
 
 
 def test_frames_in_which_no_node_is_awake_give_bounds() -> None:

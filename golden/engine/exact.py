@@ -14,7 +14,6 @@ from golden.engine.formats import (
     ONE,
     OUTPUT_SHIFT,
     RESULT,
-    SAMPLE,
     SAMPLE_SHIFT,
     coeff_frac,
 )
@@ -25,9 +24,8 @@ from golden.engine.line_table import LineTable
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
-from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.function import Function
-from golden.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.real import Real
 
@@ -82,58 +80,71 @@ def looked_up_sum(function: Function, segment_width: int, q: int) -> int:
     return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
 
 
-def error_bounds(mlp: Mlp, segment_width: int, sensors: int) -> Real:
+def error_bounds(
+    network: Trained, segment_width: int, sensors: int, met: Sequence[float] = ()
+) -> Real:
     """How far each output of a network can be from real arithmetic that saturates.
 
-    The bounds are those of a network of two layers (``golden.networks.bounds``) with one addition:
-    the operand memory keeps an earlier output, which a later network reads, with four bits more
-    than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
-    output's code.
-    """
-    seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
-    q_off = _weight_rounding(mlp.w1[:, :sensors], HIDDEN, SAMPLE) + _weight_rounding(
-        mlp.w1[:, sensors:], HIDDEN, RESULT
-    )
-    q_off += _weight_rounding(mlp.b1[:, np.newaxis], HIDDEN, ONE) + 2.0 ** -(HIDDEN.frac + 1)
-    q_off += seen * np.abs(mlp.w1[:, sensors:]).sum(axis=1)
-    r_off = q_off + tanh_error(segment_width)
-    bounds: Real = np.abs(mlp.w2) @ r_off + 2.0 ** -(SIGNAL.frac + 1)
-    bounds += _weight_rounding(mlp.w2, RESULT, RESULT) + _weight_rounding(
-        mlp.b2[:, np.newaxis], RESULT, ONE
-    )
-    return bounds
-
-
-def layered_bounds(network: Trained, segment_width: int, met: Sequence[float] = ()) -> Real:
-    """How far each output can be from real arithmetic, for layers without a quantiser.
-
-    The bounds add up what rounding takes, layer by layer, since no activation is steeper than 1. In
-    real arithmetic the outputs saturate, as those of any network.
+    Real arithmetic saturates the sum in front of each table, and the output, where the engine does.
+    Layer by layer the error of a sum is that of its operands, times their weights, plus the error
+    of the rounded weights, bias and result. Behind a table it is multiplied by the steepest slope
+    of the function, and the error of the table is added. No other activation has a slope above 1,
+    so it increases no error.
 
     Where the range of a layer is from the data (``met``), the bounds hold only for frames in which
     none of its sums saturates, which ``Engine.saturations`` tells. For any other frame there is no
     bound. Where all ranges are from bounds, they hold for every frame.
+
+    Parameters
+    ----------
+    network : Mlp or DenseNetwork
+    segment_width : int
+    sensors : int
+        How many inputs are samples; the others are outputs of earlier networks.
+    met : sequence of float
+        See ``planned``.
+
+    Notes
+    -----
+    The operand memory keeps an earlier output, which a later network reads, with four bits more
+    than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
+    output's code.
+
+    A quantiser is exact where its operands are; where they are not, it can be a whole step off.
     """
-    plan = planned(network, first_values(network.shape[0], 0), met)
-    off, operands = np.zeros(network.shape[0]), [SAMPLE] * network.shape[0]
-    for layer, sums in zip(exact_layers(network), plan, strict=True):
-        result = SIGNAL if sums is plan[-1] else sums.result
-        # A word reaches 2**17 of its units, and half a unit of the weight is lost.
-        halves = [2.0 ** (RESULT.frac - f.frac - coeff_frac(sums.result, f) - 1) for f in operands]
-        off = np.abs(np.array(layer.weights, dtype=np.float64)) @ off + sum(halves)
-        off += 2.0 ** -(coeff_frac(sums.result, ONE) + 1) + 2.0 ** -(result.frac + 1)
-        if sums.activation == "tanh":
-            off += tanh_error(segment_width)
-        # The ends of a word are not quite those of a hard tanh.
-        off += 2.0**-RESULT.frac * (sums.activation == "hard_tanh")
-        operands = [value.fmt for value in sums.values]
-    return off
+    seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
+    values = first_values(sensors, network.shape[0] - sensors)
+    errors = np.array([seen * value.earlier for value in values])
+    plan = planned(network, values, met)
+    for number, (layer, sums) in enumerate(zip(exact_layers(network), plan, strict=True), start=1):
+        weights = np.array(
+            [[abs(float(row[v.node] * v.factor)) for v in values] for row in layer.weights]
+        )
+        off = weights @ errors
+        if sums.grid:
+            off = np.where(off > 0, off + 2.0 ** (sums.grid.cut - sums.result.frac), 0.0)
+        else:
+            reached = [max(-v.low, v.high) * 2.0**-v.fmt.frac for v in values]
+            halves = [2.0 ** -(coeff_frac(sums.result, v.fmt) + 1) for v in values]
+            off += np.dot(halves, reached) + 2.0 ** -(coeff_frac(sums.result, ONE) + 1)
+            frac = SIGNAL.frac if number == len(plan) else sums.result.frac
+            off += 2.0 ** -(frac + 1)
+            if sums.functions:
+                tables = [table_of(function, segment_width).error for function in sums.functions]
+                off = off * [_steepest(function) for function in sums.functions] + tables
+            # The largest word is one unit below 1.
+            off += 2.0**-frac * (sums.activation == "hard_tanh")
+        values = sums.values
+        errors = off[[value.node for value in values]] if values else off
+    bounds: Real = off
+    return bounds
 
 
-def _weight_rounding(weights: Real, result: Fix, operand: Fix) -> Real:
-    """The error that rounded weights cause in each neuron: at most half a unit per weight."""
-    half = 2.0 ** -(coeff_frac(result, operand) + 1)
-    return np.full(len(weights), half * weights.shape[1])
+@lru_cache
+def _steepest(function: Function) -> float:
+    """The largest slope of a function over the codes of q."""
+    q = HIDDEN.to_real(np.arange(HIDDEN.low, HIDDEN.high + 1))
+    return float(np.abs(np.diff(function.value(q))).max() * 2.0**HIDDEN.frac)
 
 
 @lru_cache

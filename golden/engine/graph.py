@@ -184,6 +184,10 @@ class Graph:
         """The largest magnitude that a neuron's sum can reach, its start included."""
         return neuron.start + sum(self.largest(term, table) for term in neuron.terms)
 
+    def sum_bits(self, table: LineTable) -> int:
+        """The number of bits that hold every sum, its sign included."""
+        return max(self.bound(neuron, table) for neuron in self.neurons).bit_length() + 1
+
     def reach(self, table: LineTable) -> int:
         """The largest magnitude of the codes of sums that a function takes; 0 for none."""
         sums = {n.terms[0].source - self.inputs for n in self.neurons if n.looks_up}

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from binascii import crc_hqx
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from golden.engine.formats import WIDTH
+from golden.engine.graph import Graph
 from golden.engine.pipeline import Pipeline
-from golden.engine.program import WORD_WIDTH, Program
+from golden.engine.program import WORD_WIDTH, Program, assemble
 from golden.engine.tanh_table import tanh_table
+from golden.function import TANH
 from golden.input_error import InputError
 
 # Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
 # more products of a trained network, which are smaller. An image whose sums need more bits is
 # refused.
 ACC_WIDTH = 40
+# The same with ReLU. Words of a late layer can have few fraction bits, and then the weights behind
+# them have many.
+RELU_ACC_WIDTH = 48
 # The fields of the header: the lowest bit of each, and the most bits that it can have.
 LAST_ADDR = (0, 18)
 BEFORE_LAST = (18, 10)
@@ -26,7 +32,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class Sizes:
-    """The sizes on which the hardware of a reloadable engine depends.
+    """What the hardware of a reloadable engine depends on: sizes, and what it does with results.
 
     Parameters
     ----------
@@ -35,6 +41,11 @@ class Sizes:
     segment_width : int
         Bits of q within a segment of the table of tanh; every image holds the whole table.
     pipeline : Pipeline
+    rectifies : bool
+        Whether it has ReLU.
+    cut : int
+    even : bool
+        Of results with ReLU; see ``Neuron``.
 
     Raises
     ------
@@ -46,6 +57,9 @@ class Sizes:
     operand_words: int = 128
     segment_width: int = 9
     pipeline: Pipeline = field(default_factory=Pipeline)
+    rectifies: bool = False
+    cut: int = 0
+    even: bool = False
 
     def __post_init__(self) -> None:
         for name, most in (("program_words", LAST_ADDR[1]), ("operand_words", BEFORE_LAST[1])):
@@ -64,6 +78,11 @@ class Sizes:
         return self.operand_words.bit_length() - 1
 
     @property
+    def acc_width(self) -> int:
+        """Bits of the sum."""
+        return RELU_ACC_WIDTH if self.rectifies else ACC_WIDTH
+
+    @property
     def segments(self) -> int:
         """Words of the table of tanh. The program begins behind them."""
         return len(tanh_table(self.segment_width).slopes)
@@ -72,8 +91,8 @@ class Sizes:
     def check_start(self) -> int:
         """The value of the check before the first byte of an image.
 
-        It covers bytes that are not sent: the version of the format, and the sizes on which the
-        hardware depends. So an image for other hardware fails its check.
+        It covers bytes that are not sent: the version of the format, and what the hardware depends
+        on. So an image for other hardware fails its check.
         """
         hardware = [
             VERSION,
@@ -81,14 +100,22 @@ class Sizes:
             self.operand_addr_width,
             self.segment_width,
             self.pipeline.memory_registers,
+            *([self.cut, self.even] if self.rectifies else []),
         ]
         return crc_hqx(bytes(hardware), CHECK_PRESET)
 
     def text(self) -> str:
         return (
             f"{self.program_words} program words, {self.operand_words} operand words, "
-            f"segment_width {self.segment_width}"
+            f"segment_width {self.segment_width}" + (f", {self.results}" if self.rectifies else "")
         )
+
+    @property
+    def results(self) -> str:
+        """What the hardware can do with a result, as text."""
+        if not self.rectifies:
+            return "no ReLU"
+        return f"ReLU of {WIDTH - 1 - self.cut} bits{', halves to even' * self.even}"
 
 
 @dataclass(frozen=True)
@@ -121,6 +148,9 @@ class Image:
             self.words[self.sizes.segments :],
             self.sizes.pipeline,
             self.notes,
+            self.sizes.rectifies,
+            self.sizes.cut,
+            self.sizes.even,
         )
 
     @property
@@ -144,22 +174,25 @@ class Image:
         return sent + crc_hqx(sent, self.sizes.check_start).to_bytes(CHECK_BYTES, "big")
 
 
-def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
-    """The image of a program, for hardware of some sizes.
+def image_of(graph: Graph, sizes: Sizes) -> Image:
+    """The image with which hardware of some sizes computes a graph.
 
     Parameters
     ----------
-    program : Program
-        It must hold the whole table of tanh.
-    sum_bits : int
-        Bits that the program's sums need.
+    graph : Graph
     sizes : Sizes
 
     Raises
     ------
     InputError
-        When the program does not fit. The message names what is needed and what there is.
+        When the graph does not fit. The message names what is needed and what there is.
+
+    Notes
+    -----
+    A graph without ReLU fits hardware with ReLU, which then never uses it.
     """
+    table = tanh_table(sizes.segment_width)
+    program = assemble(graph, table, sizes.pipeline, sizes.rectifies)
     # The counter reads a few words more until it has returned. They have no effect; here they
     # become zeros so that they are defined too.
     more = 1 + sizes.pipeline.memory_registers
@@ -167,13 +200,15 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     needed = (
         ("program words", len(words), sizes.program_words),
         ("operand words", program.addresses, sizes.operand_words),
-        ("bits of a sum", sum_bits, ACC_WIDTH),
+        ("bits of a sum", graph.sum_bits(table), sizes.acc_width),
     )
     faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]
+    if graph.functions not in ((), (TANH,)):
+        names = ", ".join(function.name for function in graph.functions)
+        faults.append(f"the functions {names}, there is tanh")
+    wanted = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
+    if graph.rectifies and wanted != sizes:
+        faults.append(f"{wanted.results}, there is {sizes.results}")
     if faults:
         raise InputError(f"the image needs {'; '.join(faults)}")
-    if program.segment_width != sizes.segment_width:
-        raise InputError(
-            f"the image needs segment_width {program.segment_width}, there is {sizes.segment_width}"
-        )
     return Image(sizes, program.inputs, words, (*program.notes, *("" for _ in range(more))))

@@ -234,7 +234,9 @@ def weight_of(term: Term, neuron: Neuron, codes: Mapping[Function, int]) -> int:
     return codes[neuron.function] if term.kind in LOOKED_UP else term.weight
 
 
-def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
+def assemble(
+    graph: Graph, table: LineTable, pipeline: Pipeline, rectifies: bool = False
+) -> Program:
     """The program of a graph.
 
     Parameters
@@ -243,6 +245,8 @@ def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
     table : LineTable
         The table of the graph's functions, all of which the program holds.
     pipeline : Pipeline
+    rectifies : bool
+        Whether the hardware has ReLU, even if the graph has none.
 
     Raises
     ------
@@ -251,6 +255,7 @@ def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
     """
     check_values(graph)
     check_words(table)
+    rectifies = rectifies or graph.rectifies
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -266,7 +271,7 @@ def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
         put(words, n + weight_at, WEIGHT, weight_of(term, neuron, codes))
-        if graph.rectifies:
+        if rectifies:
             put(words, n + pipeline.mark, RELU, step.last and neuron.relu)
         else:
             put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
@@ -283,7 +288,7 @@ def assemble(graph: Graph, table: LineTable, pipeline: Pipeline) -> Program:
         tuple(words),
         pipeline,
         notes,
-        graph.rectifies,
+        rectifies,
         graph.cut,
         graph.even,
         table.blocks,

@@ -16,7 +16,7 @@ from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.function_table import joined, table_of
 from golden.engine.graph import Graph
-from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
+from golden.engine.image import Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
 from golden.engine.layers import graph_of
 from golden.engine.multiply_accumulate import MultiplyAccumulate
@@ -121,11 +121,6 @@ class Engine(Design):
             )
         graph = graph_of(arrangement, networks, lean, settings.met)
         table = joined(graph.functions, chosen["segment_width"])
-        if graph.rectifies and reload:
-            raise InputError(
-                "hardware.reload: got True for a network with ReLU, expected False: what an image "
-                "is loaded into has no ReLU"
-            )
         if graph.functions != (TANH,) and reload:
             names = ", ".join(function.name for function in graph.functions)
             raise InputError(
@@ -134,21 +129,22 @@ class Engine(Design):
             )
         if lean and not reload:
             table = table.within(graph.reach(table))
+        pipeline = Pipeline(int(depth == "deep"))
+        acc_width = max(LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH, graph.sum_bits(table))
+        loaded = None
         program: Program
-        if serial:
+        if reload:
+            sizes = Sizes(**chosen, pipeline=pipeline)
+            sizes = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
+            loaded = image_of(graph, sizes)
+            program, acc_width = loaded.program, loaded.sizes.acc_width
+        elif serial:
             program = assemble_serial(graph, table, SerialPipeline())
         else:
-            pipeline = Pipeline(int(depth == "deep"))
             program = assemble(graph, table, pipeline)
-        bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
-        least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
-        loaded = None
-        if reload:
-            loaded = image_of(program, bound, Sizes(**chosen, pipeline=pipeline))
-            program = loaded.program
         return cls(
             program,
-            ACC_WIDTH if loaded else max(least, bound),
+            acc_width,
             graph,
             loaded,
             useless_nodes=graph.useless_nodes,
@@ -242,6 +238,21 @@ class Engine(Design):
     @property
     def image(self) -> bytes:
         return self.loaded.to_bytes() if self.loaded else b""
+
+    def image_for(
+        self,
+        networks: Sequence[Trained],
+        arrangement: str = "single",
+        met: Sequence[Sequence[float]] = (),
+    ) -> Image:
+        """The image with which the same hardware computes other networks.
+
+        Raises
+        ------
+        InputError
+            When they do not fit, or when the program is part of the hardware.
+        """
+        return image_of(graph_of(arrangement, networks, met=met), self._sizes)
 
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""

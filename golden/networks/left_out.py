@@ -109,7 +109,7 @@ def _(network: Engine) -> list[str]:
         named = "tanh" if graph.functions == (TANH,) else "the tables"
         texts.append(f"{words} words of {named} that no hidden sum reaches, and their comparison")
     bits = WHOLE_ACC_WIDTH - network.acc_width
-    if bits:
+    if bits > 0:
         texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
     return texts
 

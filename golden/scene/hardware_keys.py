@@ -92,7 +92,8 @@ HARDWARE = Table(
             False,
             "Only for `engine`. With `true` the program is not part of the hardware: it is an "
             "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
-            "depends only on `program_words`, `operand_words`, `segment_width` and `pipeline`. A "
+            "depends only on `program_words`, `operand_words`, `segment_width`, `pipeline`, and on "
+            "whether the scene's own network has ReLU or quantisers, and which. A "
             "scene with a section [uart](#uart) loads the image over that line. Any other scene "
             "must have no front end, no visualisation and no `axi_stream`.",
         ),

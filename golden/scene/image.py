@@ -5,7 +5,6 @@ from __future__ import annotations
 from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
 from golden.scene.scene import Scene
 
 
@@ -41,18 +40,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
                 f"{scene.path}: hardware.{key}: got {got!r}, expected {' or '.join(known)} for an "
                 "image"
             )
-    sizes = hardware.loaded.sizes
-    options = {
-        "reload": True,
-        "pipeline": "deep" if sizes.pipeline.memory_registers else "short",
-        "segment_width": sizes.segment_width,
-        "program_words": sizes.program_words,
-        "operand_words": sizes.operand_words,
-    }
-    settings = Settings(options=options, met=scene.settings().met)
     try:
-        made = Engine.of(scene.networks(), settings, scene.arrangement)
+        return hardware.image_for(scene.networks(), scene.arrangement, scene.settings().met)
     except InputError as error:
         raise InputError(f"{scene.path}: {error}") from None
-    assert made.loaded is not None, "an engine with reload holds an image"
-    return made.loaded

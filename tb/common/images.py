@@ -2,26 +2,30 @@
 
 from binascii import crc_hqx
 
+from golden.dense import Quantiser, Trained
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
 from golden.networks.engine import Engine
-from golden.networks.settings import Settings
-from tb.common.cases import random_mlp
+from tb.common.cases import random_mlp, random_network
 
 
 def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image:
     """The image of a random network for an engine."""
-    assert hardware.loaded, "no image can be loaded"
-    sizes = hardware.loaded.sizes
-    options = {
-        "reload": True,
-        "pipeline": "deep" if sizes.pipeline.memory_registers else "short",
-        "segment_width": sizes.segment_width,
-        "program_words": sizes.program_words,
-        "operand_words": sizes.operand_words,
-    }
-    image = Engine.of([random_mlp(shape, 1.0, seed)], Settings(options=options)).loaded
-    assert image
-    return image
+    return hardware.image_for([random_mlp(shape, 1.0, seed)])
+
+
+def networks_of_other_depth(quantiser: Quantiser | None) -> list[Trained]:
+    """Networks with one to four hidden layers, which fit hardware with ReLU.
+
+    ``quantiser`` is the one that stands behind the layers of the hardware's own network, if any.
+    The first network has no ReLU and no quantiser.
+    """
+    kinds = ("linear", "relu") if quantiser else ("relu", "tanh", "leaky_relu", "sigmoid")
+    found: list[Trained] = [random_mlp((4, 2, 1), 1.0, seed=1)]
+    for depth in (4, 1, 2):
+        hidden = tuple(kinds[n % len(kinds)] for n in range(depth))
+        shape = (2 + depth, *(2 + n % 2 for n in range(depth)), 2)
+        found.append(random_network(shape, hidden, 1.5, seed=depth, quantiser=quantiser))
+    return found
 
 
 def with_check(sizes: Sizes, sent: bytes) -> bytes:

@@ -236,6 +236,23 @@ LAYERED = {
         spread=1.5,
         quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
     ),
+    # Loaded into hardware with ReLU; and into hardware with registers behind the memories, whose
+    # results are cut and rounded to even.
+    "layers-reload": replace(
+        ENGINE,
+        shapes=[(3, 4, 3, 2)],
+        activations=("relu", "leaky_relu"),
+        hardware="reload = true",
+        spread=1.5,
+    ),
+    "exact-reload": replace(
+        ENGINE,
+        shapes=[(2, 3, 3, 2)],
+        activations=("relu", "linear"),
+        hardware='reload = true\npipeline = "deep"',
+        spread=1.5,
+        quantiser=Quantiser(2.0**-3, 0, 0, 15),
+    ),
 }
 # Hardware that does not depend on its image.
 RELOADED = {

@@ -2,7 +2,7 @@
 
 Sweeps: every sample; sums at and around both ends of the sum and of the word, around zero, around
 the places at which the result changes, at every power of two, and 4000 random sums of every size;
-where bits are cut, also sums half way between two codes.
+where bits are cut, also sums half way between two codes, and with one bit more.
 Drives: a sum and a sample every clock, alternately while a frame is computed and while none is,
 with ReLU and without it where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears.
@@ -21,6 +21,8 @@ from tb.common.small import ENGINES, LAYERED
 
 WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
 CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
+# Their hardware has ReLU, and cuts bits. What it does otherwise is that of the first.
+ALSO = ("layers-engine", "exact-engine")
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
@@ -35,8 +37,12 @@ def sums(bench):
     steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
     marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
     if bench.twin.cut:
-        # Half way between two codes, where those of several bits are cut.
-        marks = np.concatenate([marks, (steps >> bench.twin.cut) << (bench.twin.cut + DROPPED)])
+        # Half way between two codes, where those of several bits are cut; and with each bit below
+        # it alone, often enough to come with ReLU too.
+        unit = bench.twin.cut + DROPPED
+        halves = (steps >> bench.twin.cut) << unit
+        alone = (1 << unit) + (1 << np.arange(unit).repeat(10))
+        marks = np.concatenate([marks, halves, alone])
     powers = 1 << np.arange(fmt.width - 1)
     marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
     near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()

@@ -23,10 +23,7 @@ import cocotb
 import numpy as np
 
 from golden.border import State
-from golden.engine.image import ACC_WIDTH, Image, image_of
-from golden.engine.layers import graph_of
-from golden.engine.program import assemble
-from golden.engine.tanh_table import tanh_table
+from golden.engine.image import Image
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
@@ -374,10 +371,7 @@ def far_reaching(twin):
         strict=True,
     ):
         w2[output], b2[output] = weights, bias
-    sizes = twin.core.loaded.sizes
-    table = tanh_table(sizes.segment_width)
-    graph = graph_of("single", [Mlp(w1, b1, w2, b2)], True)
-    return image_of(assemble(graph, table, sizes.pipeline), ACC_WIDTH, sizes)
+    return twin.core.image_for([Mlp(w1, b1, w2, b2)])
 
 
 def until_a_profile_ends(twin, network, packet, profiles):

@@ -3,8 +3,9 @@
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
 at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
 are too short or too long among good frames. If the engine can be reloaded: its own image, images of
-shipped scenes and images with other numbers of samples; images that are cut, too long, changed in
-one bit, for other hardware, or without an end; wrong images whose check matches, wholly or in part.
+shipped scenes, images with other numbers of samples and, where it has ReLU, images of networks with
+one to four hidden layers; images that are cut, too long, changed in one bit, for other hardware, or
+without an end; wrong images whose check matches, wholly or in part.
 Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
 If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
@@ -17,6 +18,7 @@ Does not prove: how accurate the network is (the report of `make demo` shows tha
 
 import numpy as np
 
+from golden.dense import layers_of
 from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -24,6 +26,7 @@ from golden.scene.image import scene_image
 from tb.common.bench import Bench, test_of
 from tb.common.framing import random_lengths
 from tb.common.images import fitting_checks, image_for
+from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.network import (
     corners_and_random,
@@ -126,6 +129,23 @@ async def other_numbers_of_samples(dut):
         counts = check_loading(bench, recording)
         assert counts == [len(codes)], f"{less_two + 2} samples: got {counts} frames"
     bench.finish(at_least=16)
+
+
+@test_of(lambda twin: loaded(twin) and twin.rectifies)
+async def networks_of_other_depth(dut):
+    """Load networks with one to four hidden layers one after the other, also some without ReLU."""
+    bench = Bench(dut)
+    hardware = bench.twin
+    quantiser = layers_of(bench.scene.networks()[0])[0].quantiser
+    for network in other_depths(quantiser):
+        image = hardware.image_for([network])
+        bench.twin = hardware.running(image)
+        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (20, image.inputs))
+        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
+        counts = check_loading(bench, recording)
+        assert counts == [len(codes)], f"{network.shape}: got {counts} frames"
+    bench.finish(at_least=80)
 
 
 @test_of(loaded)

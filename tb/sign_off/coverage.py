@@ -2,7 +2,7 @@
 
     make coverage [BLOCK=input_node] [RECORD=1]
 
-runs the benches on Icarus, each on the entity that stands for its block. It counts how often each
+runs the benches on Icarus, each on the entities that stand for its block. It counts how often each
 side of every border, every state and every value of a port was met. A bench that leaves one of them
 out fails, here as in every other run. The record shows the counts.
 """
@@ -22,7 +22,7 @@ from tb.common.coverage import values_of
 from tb.common.runner import Outcome, run_job, run_jobs
 from tb.sign_off.record import write_record
 from tb.sign_off.source import source
-from tb.sign_off.subject import case_line, chosen_blocks, subject
+from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects
 
 KIND = "coverage"
 
@@ -74,20 +74,21 @@ def main() -> int:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     blocks = chosen_blocks(arguments.block)
-    print(case_line(arguments.block), flush=True)
+    print(cases_line(arguments.block), flush=True)
     would(f"export, then run {len(blocks)} benches")
-    jobs = [subject(block) for block in blocks]
+    planned = recorded_subjects(blocks)
+    jobs = list(planned.values())
     with Progress("coverage", len(jobs), "benches") as progress:
         outcomes = run_jobs(jobs, lambda outcome: progress.step(outcome.job.entity), work=run_job)
     failed = [outcome for outcome in outcomes if not outcome.passed]
-    for outcome in outcomes:
+    for name, outcome in zip(planned, outcomes, strict=True):
         if outcome.passed:
             facts = summary(outcome)
             if arguments.record:
-                write_record(KIND, outcome.job.block, facts)
+                write_record(KIND, name, facts)
             missed = sum("unreachable" in border for border in facts["borders"].values())
             print(
-                f"{outcome.job.block:20} {len(facts['borders']) - missed:4} borders, {missed:3} "
+                f"{name:20} {len(facts['borders']) - missed:4} borders, {missed:3} "
                 f"unreachable, {sum(s['values'] for s in facts['states'].values()):5} states, "
                 f"{sum(len(v) for v in facts['ports'].values()):5} values of ports"
             )

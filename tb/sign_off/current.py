@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from tb.common.runner import Outcome
-from tb.sign_off.record import read_record
+from tb.sign_off.record import read_record, record_path
 from tb.sign_off.source import EVERY
+from tb.sign_off.subject import recorded_cases
 
 # The command that makes each kind of record anew, if the record depends on a bench.
 COMMANDS = {
@@ -45,9 +46,11 @@ def stale_records(outcome: Outcome) -> list[str]:
     job = outcome.job
     found = []
     for kind, command in COMMANDS.items():
-        record = read_record(kind, job.block)
+        names = [name for name in recorded_cases(job.block) if record_path(kind, name).exists()]
+        records = [read_record(kind, name) for name in names or [job.block]]
         of = [
             run
+            for record in records
             for run in record.get("runs", [record])
             if (run["scene"], run["entity"]) == (job.scene.name, job.entity)
         ]
@@ -59,13 +62,15 @@ def stale_records(outcome: Outcome) -> list[str]:
     return found
 
 
-def of_this_verilog(kind: str, block: str, now: str) -> str:
+def of_this_verilog(kind: str, name: str, now: str) -> str:
     """Empty if a record is of the Verilog as it is now; otherwise what is wrong, and the command.
 
     Parameters
     ----------
+    kind, name : str
+        The record; see ``recorded_cases``.
     now : str
-        The digest that ``verilog`` gives for the entity that stands for the block.
+        The digest that ``verilog`` gives for the entity that stands for the block in that case.
     """
-    recorded = read_record(kind, block)["verilog"]
+    recorded, block = read_record(kind, name)["verilog"], name.partition(".")[0]
     return "" if recorded == now else f"of another Verilog; run: {COMMANDS[kind].format(block)}"

@@ -1,10 +1,11 @@
 """Records what benches find on netlists, with ``make sim NETLIST=1 RECORD=1`` or ``=unknown``.
 
-Recorded are the first entity of every block in the first case of its bench and, on cells, the
-entities of the scenes whose network is an engine. The result of a bench that has passed is kept
-until its netlist or the bench changes. An engine, and the instrument around it on a board, only
-play recorded frames, in its own image and, where the bench has some, in others. The rest of their
-benches would take hours; their parts run through the whole of theirs.
+Recorded are the first entity of every block in the first case of its bench and, on cells, that in
+the other cases that are recorded, and the entities of the scenes whose network is an engine. The
+result of a bench that has passed is kept until its netlist or the bench changes. An engine, and the
+instrument around it on a board, only play recorded frames, in its own image and, where the bench
+has some, in others. The rest of their benches would take hours; their parts run through the whole
+of theirs.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from tb.common.runner import Job, Outcome, jobs, prepare, run_jobs
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
 from tb.sign_off.source import EVERY, source, verilog
-from tb.sign_off.subject import chosen_blocks, subject
+from tb.sign_off.subject import chosen_blocks, recorded_cases, subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
@@ -70,9 +71,10 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
     """The entities of some blocks that are recorded; one that several scenes share comes once."""
     seen = set()
     for block in blocks:
-        job = played(subject(block, NETLISTS_RUN_IN, build))
-        seen.add(verilog(job))
-        yield Entity(job, job.entity)
+        for case in recorded_cases(block).values():
+            job = played(subject(block, NETLISTS_RUN_IN, build, case))
+            seen.add(verilog(job))
+            yield Entity(job, job.entity)
     for name in SCENES:
         scene = load_scene(name)
         if not any(part.block in blocks for part in walk(scene.twin())):

@@ -51,6 +51,33 @@ def case_line(block: str | None) -> str:
     return f"case {CASES_OF[block][0]}: the first of the bench of {block}, as its records are"
 
 
+def recorded_cases(block: str) -> dict[str, str]:
+    """The cases in which mutation and coverage of a block are recorded, by name of the record.
+
+    The record of the first case has the name of the block. The bench names further cases in
+    ``ALSO``, where the hardware has logic that it does not have in the first.
+    """
+    also: tuple[str, ...] = getattr(BENCHES[block], "ALSO", ())
+    return {block: CASES_OF[block][0]} | {f"{block}.{case}": case for case in also}
+
+
+def recorded_subjects(blocks: list[str], simulator: str = "icarus") -> dict[str, Job]:
+    """The entities of which mutation and coverage are recorded, by the names of the records."""
+    return {
+        name: subject(block, simulator, case=case)
+        for block in blocks
+        for name, case in recorded_cases(block).items()
+    }
+
+
+def cases_line(block: str | None) -> str:
+    """The line that says in which cases mutation and coverage of a block are recorded."""
+    if block is None:
+        return "each block: in the cases in which it is recorded"
+    _, *also = recorded_cases(block).values()
+    return case_line(block) + (f"; then {' and '.join(also)}" if also else "")
+
+
 def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:
     """The first entity of each block of a scene, or of one of its blocks."""
     planned = plan(load_scene(scene), [simulator], block)

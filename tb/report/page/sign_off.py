@@ -6,6 +6,7 @@ Rewrites what stands between the markers of each page in ``docs/blocks`` and the
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
 from tb.report.page.markers import put, write
 from tb.sign_off.record import read_record, record_path
+from tb.sign_off.subject import recorded_cases
 
 COMMAND = "make pages"
 SECTION = "sign-off"
@@ -39,7 +41,14 @@ def mutation(record: Record) -> str:
         facts.append(f"{_are(explained)} undetected with a reason")
     if len(undetected) > explained:
         facts.append(f"{_are(len(undetected) - explained)} undetected without a reason")
-    return f"{', '.join(facts)}; score **{percent(record)}**"
+    found = f"{', '.join(facts)}; score **{percent(record)}**"
+    words = record.get("words")
+    if words:
+        found += (
+            f"; of {words['mutants']} changed bits in the {words['words']} words of its memories "
+            f"{_are(words['killed'])} detected"
+        )
+    return found
 
 
 def percent(record: Record) -> str:
@@ -56,6 +65,20 @@ def undetected_mutants(record: Record) -> list[str]:
     rows = [[reason, "; ".join(found)] for reason, found in mutants.items()]
     return _table(
         "Undetected mutants, and the reason why each is accepted:", ["reason", "mutants"], rows
+    ) + undetected_bits(record)
+
+
+def undetected_bits(record: Record) -> list[str]:
+    """A row for each bit of a memory that the bench does not tell in some words."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for one in record.get("words", {}).get("survivors", []):
+        memory, address, bit = re.split(r"\[|\] bit ", one)
+        found.setdefault((memory, bit), []).append(address)
+    return _table(
+        "Bits of words that the bench does not tell. `tests/test_initial_words.py` compares every "
+        "exported word with that of the twin:",
+        ["memory", "bit", "addresses"],
+        [[f"`{memory}`", bit, ", ".join(at)] for (memory, bit), at in sorted(found.items())],
     )
 
 
@@ -207,19 +230,23 @@ DETAILS: dict[str, Callable[[Record], list[str]]] = {
 
 def sheet(block: str) -> str:
     """The tables of a datasheet."""
-    records = {kind: recorded(kind, block) for kind in KINDS}
+    # Only mutation and coverage have records of further cases.
+    records = {
+        kind: [found for name in recorded_cases(block) if (found := recorded(kind, name))]
+        for kind in KINDS
+    }
     lines = [
-        f"| {title} | `{command.format(block)}` | {_entity(records[kind])} "
-        f"| {text(records[kind])} |"
+        f"| {title} | `{command.format(block)}` | {_entity(record)} | {text(record)} |"
         for kind, (title, command, text) in KINDS.items()
-        if records[kind]
+        for record in records[kind]
     ]
     if not lines:
         return "Nothing is recorded."
     heads = ["| check | command | entity | result |", "|---|---|---|---|"]
     lines = ["[Verification](../verification.md) explains these checks.", "", *heads, *lines]
     for kind, details in DETAILS.items():
-        lines += details(records[kind])
+        for record in records[kind]:
+            lines += details(record)
     return "\n".join(lines)
 
 

@@ -12,9 +12,10 @@ from golden.input_error import InputError
 from golden.scene import load_scene
 from tb.common.runner import Job
 from tb.common.where import check_block
+from tb.sign_off.mutate.initial import score_words
 from tb.sign_off.mutate.score import score
 from tb.sign_off.record import read_record, record_path, write_record
-from tb.sign_off.subject import case_line, chosen_blocks, subject, subjects_of
+from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects, subjects_of
 
 KIND = "mutation"
 BESIDE = 2
@@ -27,6 +28,14 @@ def line(block: str, facts: dict[str, Any]) -> str:
         f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} detected "
         f"{facts['same']:4} equivalent {facts['explained']:3} explained {real:3} not explained  "
         f"score {100 * facts['score']:6.2f} %"
+    )
+
+
+def words_line(name: str, words: dict[str, Any]) -> str:
+    """A row about the words of memories."""
+    return (
+        f"{name:22} {words['mutants']:4} bits of {words['words']} words of memories "
+        f"{words['killed']:4} detected  score {100 * words['score']:6.2f} %"
     )
 
 
@@ -44,27 +53,38 @@ def main() -> int:
     if arguments.scene:
         check_block(load_scene(arguments.scene), arguments.block)
         would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")
-        planned = subjects_of(arguments.scene, arguments.block)
+        planned = {job.block: job for job in subjects_of(arguments.scene, arguments.block)}
     else:
         blocks = chosen_blocks(arguments.block)
-        print(case_line(arguments.block), flush=True)
+        print(cases_line(arguments.block), flush=True)
         would(f"export and mutate {len(blocks)} blocks")
-        planned = [subject(block) for block in blocks]
+        planned = recorded_subjects(blocks)
     found = True
 
-    def work(job: Job) -> dict[str, Any]:
-        recorded = not arguments.scene and record_path(KIND, job.block).exists()
-        before = read_record(KIND, job.block) if recorded and not arguments.all else None
-        facts = score(job, before=before, tell=lambda s: print(f"{job.block}: {s}", flush=True))
+    def work(name: str, job: Job) -> dict[str, Any]:
+        recorded = not arguments.scene and record_path(KIND, name).exists()
+        before = read_record(KIND, name) if recorded and not arguments.all else None
+
+        def tell(text: str) -> None:
+            print(f"{name}: {text}", flush=True)
+
+        facts = score(job, before=before, tell=tell)
+        words = score_words(job, tell=tell)
+        if words:
+            facts["words"] = words
         if arguments.record:
-            write_record(KIND, job.block, facts)
+            write_record(KIND, name, facts)
         return facts
 
     # Two blocks run side by side, because parts of the work, such as the first run of the bench,
     # use a single processor.
     with ThreadPoolExecutor(BESIDE) as pool:
-        for job, facts in zip(planned, pool.map(work, planned), strict=True):
-            print(line(job.block, facts), flush=True)
+        for name, facts in zip(
+            planned, pool.map(work, *zip(*planned.items(), strict=True)), strict=True
+        ):
+            print(line(name, facts), flush=True)
+            if "words" in facts:
+                print(words_line(name, facts["words"]), flush=True)
             for one in facts["survivors"]:
                 print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
             found &= all(one["explained"] for one in facts["survivors"])

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from golden.dense import Dense, DenseNetwork, Quantiser
-from golden.engine.exact import exact_sums, layered_bounds
+from golden.engine.exact import error_bounds, exact_sums
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.ranges import met_by
 from golden.fixed import Codes, signed_width
@@ -149,7 +149,7 @@ def _judged(
     yield Row(MODEL, case, EQUAL, "codes off", largest(found - exact(engine, frames)), 0)
     real = network.process(SIGNAL.to_real(frames))
     errors = SIGNAL.to_real(found) - np.clip(real, *SIGNAL.to_real([LOW, HIGH]))
-    bounds = layered_bounds(network, SEGMENT_WIDTH, met)
+    bounds = error_bounds(network, SEGMENT_WIDTH, network.shape[0], met)
     worst: Real = np.abs(errors).max(axis=0)
     place = int(np.argmax(worst / bounds))
     error, bound = (2**SIGNAL.frac * float(values[place]) for values in (worst, bounds))
