@@ -67,7 +67,8 @@ class Decisions:
         rows = len(self.actual)
         return (
             f"{self.right} of {rows} right, {percent(self.right, rows)}; in floating point "
-            f"{self.right_real}, {percent(self.right_real, rows)}; {self.differ} decided differently"
+            f"{self.right_real}, {percent(self.right_real, rows)}; {self.differ} decided "
+            "differently"
         )
 
 

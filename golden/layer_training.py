@@ -133,10 +133,11 @@ def measured(task: Task, restart: int) -> Result:
     nodes = sum(task.scene.members[task.number].layers)
     try:
         network = as_read(task, train(task, restart))[1]
-        errors = [bit_true_error(task, network, part) for part in (task.validation, task.test)]
+        validation = bit_true_error(task, network, task.validation)
+        test = bit_true_error(task, network, task.test)
     except InputError as error:
         return Result(nodes, restart, float("inf"), float("inf"), str(error))
-    return Result(nodes, restart, *errors)
+    return Result(nodes, restart, validation, test)
 
 
 def search(task: Task, workers: int = -1) -> Iterator[Result]:

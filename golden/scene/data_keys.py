@@ -40,8 +40,8 @@ DATA = Table(
             _COLUMNS,
             [],
             "The columns of the targets, in the order in which the outputs leave the "
-            "hardware. There must be at least one, and each column is named once. A scene has either "
-            "this key or `classes`.",
+            "hardware. There must be at least one, and each column is named once. A scene has "
+            "either this key or `classes`.",
         ),
         "classes": Key(
             Text(some=True),

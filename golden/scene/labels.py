@@ -151,12 +151,14 @@ def output_names(column: str, labels: Sequence[str]) -> list[str]:
 
 def one_hot(texts: Sequence[str], labels: Sequence[str]) -> Real:
     """For each row 1 in the column of its label and 0 in the others, shape (rows, labels)."""
-    return (np.array(texts)[:, np.newaxis] == np.array(labels)).astype(np.float64)
+    found: Real = (np.array(texts)[:, np.newaxis] == np.array(labels)).astype(np.float64)
+    return found
 
 
 def decided(outputs: ArrayLike) -> NDArray[np.int64]:
     """The number of the class of each row; of equal outputs the first one counts."""
-    return np.asarray(outputs).argmax(axis=-1)
+    found: NDArray[np.int64] = np.asarray(outputs).argmax(axis=-1)
+    return found
 
 
 def margins(outputs: NDArray[Any]) -> NDArray[Any]:
