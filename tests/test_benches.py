@@ -36,13 +36,15 @@ LEFT = (
     *("three-graph", "axis-multiple", "chain-past"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
-    *("precise-parallel", "axis-engine", "fine-serial"),
+    *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
 )
 # So are these of cases whose other blocks are simulated in every run.
 LEFT_OF = {
     "block-ram": {"hybrid"},
     "fine-engine": {"engine", "operand_select", "program_memory"},
+    "floor-engine": {"engine"},
     "logic": {"hybrid"},
+    "rails-serial": {"engine"},
 }
 
 

@@ -327,7 +327,7 @@ def test_the_pages_hold_what_is_recorded() -> None:
 @pytest.mark.usefixtures("yosys")
 def test_the_command(tmp_path: Path) -> None:
     mlp = random_mlp((1, 1, 1), 1.0, 1)
-    scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp])))
+    scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp], activation="precise")))
     command = [sys.executable, "-m", "hdl.synth", str(scene.path), "--build", str(tmp_path)]
 
     def call(*more: str) -> subprocess.CompletedProcess[str]:
