@@ -73,6 +73,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 replace(scene, design=Hybrid.block, design_options={}).twin(),
             )
         if scene.front_end and isinstance(top, Instrument):
+            yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
             for part in CONVERTERS:
                 front = replace(scene.front_end, converter=part, counter_width=WIDE)
                 reader = front.converter_reader(top.readout)
