@@ -353,8 +353,8 @@ UART_INSTRUMENTS = {
 }
 
 # For a readout: the largest output beside the stream alone, of a network with past samples, of an
-# engine that is loaded, and beside held outputs and a profile. With these weights each output is the
-# largest of some frames.
+# engine that is loaded, and beside held outputs and a profile. With the weights of the first and of
+# the last case each output is the largest of some frames.
 READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),

@@ -2,7 +2,8 @@
 
 Sweeps: frames of random outputs with the ends of the codes among them; frames of equal outputs, and
 of outputs that are equal or differ by one; frames with each output in turn as the largest and as
-the second largest, at both ends of the codes.
+the second largest, at both ends of the codes; frames with two distances from the largest that
+differ in one bit.
 Drives: frames back to back, and with gaps, with other outputs on the ports in idle clocks; frames
 of fewer outputs, down to 2; frames of one output and of too many, before others; and resets at
 random clocks, which end a frame.
@@ -46,6 +47,23 @@ def special_frames(twin):
     return np.concatenate(found)
 
 
+def rival_frames(bench):
+    """Frames whose third output is about as far from the largest as the second, on either side.
+
+    The two distances differ by little, or in one bit.
+    """
+    twin, rng = bench.twin, bench.rng
+    width, places = twin.fmt.width, np.arange(twin.fmt.width)
+    known = rng.integers(1, 1 << (width - 1), (8, width))
+    other = np.concatenate([known ^ (1 << places), known + rng.integers(-2, 3, known.shape)])
+    apart = np.stack([0 * other, np.tile(known, (2, 1)), other], axis=-1).reshape(-1, 3)
+    apart = rng.permuted(apart[apart[:, 2] >= 0], axis=1)
+    lowest = (1 << width) - 1
+    frames = np.full((len(apart), max(3, twin.outputs)), lowest)
+    frames[:, :3] = apart
+    return np.maximum(twin.fmt.high - frames, twin.fmt.low)[:, : twin.outputs]
+
+
 def frames_of(bench):
     """Frames of the twin's length: special ones, and random ones that are wide apart or close."""
     twin, rng = bench.twin, bench.rng
@@ -54,7 +72,8 @@ def frames_of(bench):
     wide = np.where(rng.random(wide.shape) < 1 / 8, rng.choice([low, high], wide.shape), wide)
     middle = rng.integers(low + 3, high - 2, (FRAMES, 1))
     close = middle + rng.integers(-2, 3, (FRAMES, twin.outputs))
-    return rng.permutation(np.concatenate([special_frames(twin), wide, close]))
+    chosen = [special_frames(twin), rival_frames(bench), wide, close]
+    return rng.permutation(np.concatenate(chosen))
 
 
 async def check(bench, frames, gap, resets=False):
