@@ -67,7 +67,7 @@ def readout(
         There are none without ``spec.holds``.
     winner : Stream
         ``winner_valid``, ``winner_index``, ``winner_margin`` (bool, unsigned twice): those of
-        argmax. The stream is empty without ``spec.decides``.
+        argmax, 1 clock after the last output. The stream is empty without ``spec.decides``.
     profile : Group
         ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
         twice, bool): a point, i_p and f, which stays until the next one, and whether it is the last
@@ -81,11 +81,13 @@ def readout(
     -----
     Latency that of the network, to the first output. An output is held from the clock after it
     stood on ``out_data``. The first point stands 1 clock and the latency of load_profile after the
-    last output, or later where a ramp is still being drawn. Index and margin stand 1 clock after
-    the last output. Reset clears every flag and counter.
+    last output, or later where a ramp is still being drawn. Reset clears every flag and counter.
     """
+    outputs = spec.outputs
     result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
     results = Stream(valid=result_valid, data=result, last=result_last)
+    count = unsigned(outputs.bit_length())
+    words = Words(outputs, lambda: fixed(SIGNAL))
 
     @always_comb
     def show():
@@ -101,9 +103,6 @@ def readout(
         show,
     ]
     if spec.holds:
-        outputs = spec.outputs
-        count = unsigned(outputs.bit_length())
-        words = Words(outputs, lambda: fixed(SIGNAL))
         parts += [
             position(clk, rst, results, count, stop=outputs),
             [catch_word(clk, results, count, words[i], slot=i) for i in range(outputs)],
