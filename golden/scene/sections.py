@@ -234,7 +234,7 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{design.block!r}, expected {' or '.join(design.precisions)}"
         )
     framed = hardware["interface"] == "axi_stream"
-    around = [section for section in ("front_end", "visualisation") if section in values]
+    around: list[str] = [s for s in ("front_end", "visualisation") if s in values]
     if framed and around:
         raise InputError(
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
