@@ -18,6 +18,8 @@ def _(readout: Readout) -> Flow:
     steps: list[Step] = [Carried("samples", SIGNAL), readout.network, Carried("outputs", SIGNAL)]
     if readout.load_profile:
         steps += [readout.load_profile, Carried("profile", SIGNAL)]
+    elif readout.argmax:
+        steps += [readout.argmax, Carried("margin", readout.argmax.margin_fmt.width)]
     return Flow(tuple(steps))
 
 

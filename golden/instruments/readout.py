@@ -1,4 +1,4 @@
-"""Readout: holds a network's outputs, and draws a profile from them."""
+"""Readout: holds a network's outputs, draws a profile from them, and finds the largest."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.layers.argmax import Argmax
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, group, output_port
@@ -18,7 +19,7 @@ from golden.visualisation.load_profile import LoadProfile
 
 @dataclass(frozen=True)
 class Readout(Network):
-    """The outputs of a network as a stream and in registers, and the load along the beam.
+    """The outputs of a network as a stream and in registers, and what is made of them.
 
     Thesis section 5.5, Figures 5.12 and 5.25. It computes what the network inside computes: the
     same outputs from the same frames, in the same clocks.
@@ -30,12 +31,17 @@ class Readout(Network):
         None where no profile is drawn.
     results : tuple of int
         Indices of the outputs that are load, position, width and shape, where a profile is drawn.
+    decides : bool
+        Whether there are the index and the margin of the largest output.
+    holds : bool
+        Whether there are registers for the outputs.
 
     Raises
     ------
     InputError
         When ``results`` are not four different outputs of the network, or are set without a
-        profile.
+        profile; when one output alone is to decide; and when a profile is to be drawn of outputs
+        that are not held.
     """
 
     block = "readout"
@@ -44,6 +50,8 @@ class Readout(Network):
     network: Network
     load_profile: LoadProfile | None = None
     results: tuple[int, ...] = ()
+    decides: bool = False
+    holds: bool = True
 
     def __post_init__(self) -> None:
         count = 0 if self.load_profile is None else 4
@@ -57,6 +65,14 @@ class Readout(Network):
                     else "none without a load_profile"
                 )
             )
+        if count and not self.holds:
+            raise InputError(f"{self.entity}: got holds=False with a load_profile, expected True")
+        _ = self.argmax
+
+    @property
+    def argmax(self) -> Argmax | None:
+        """The part that finds the largest output, where there is one."""
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def inputs(self) -> int:
@@ -76,14 +92,16 @@ class Readout(Network):
 
     @property
     def result_ports(self) -> tuple[Port, ...]:
-        """The ports of the held outputs and, where one is drawn, of the profile."""
-        held = group(
-            output_port("held", "output *, until the next of its kind", SIGNAL), self.outputs
+        """The ports of the held outputs, of the largest output, and of the profile."""
+        held = output_port("held", "output *, until the next of its kind", SIGNAL)
+        shown = (
+            *(group(held, self.outputs) if self.holds else ()),
+            *(self.argmax.result_ports("winner") if self.argmax else ()),
         )
         if self.load_profile is None:
-            return held
+            return shown
         return (
-            *held,
+            *shown,
             output_port("profile_valid", "`profile_x` and `profile_y` hold a new point"),
             output_port("profile_x", "i_p, which stays until the next point", SIGNAL),
             output_port("profile_y", "f(i_p), which stays until the next point", SIGNAL),
@@ -123,7 +141,7 @@ class Readout(Network):
         return self.network.core
 
     def parts(self) -> tuple[Block, ...]:
-        return (self.network, *([self.load_profile] if self.load_profile else []))
+        return (self.network, *(part for part in (self.argmax, self.load_profile) if part))
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(frames)

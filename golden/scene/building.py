@@ -56,9 +56,17 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     if scene.interface == "axi_stream":
         return AxisNetwork(network)
     drawn = scene.visualisation
-    if drawn is None and scene.front_end is None:
+    # Outputs are held for whoever looks at an instrument or at a profile.
+    holds = drawn is not None or scene.front_end is not None
+    if not holds and not scene.argmax:
         return network
-    readout = Readout(network, drawn.load_profile, drawn.results) if drawn else Readout(network)
+    readout = Readout(
+        network,
+        drawn.load_profile if drawn else None,
+        drawn.results if drawn else (),
+        decides=scene.argmax,
+        holds=holds,
+    )
     if scene.front_end is None:
         return readout
     with naming(f"{scene.path}: front_end"):

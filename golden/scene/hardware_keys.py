@@ -56,6 +56,16 @@ HARDWARE = Table(
             "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` without front end "
             "and visualisation.",
         ),
+        "argmax": Key(
+            Flag(),
+            False,
+            "With `true` the top entity has the ports `winner_index`, `winner_margin` and "
+            "`winner_valid` beside its stream of outputs: the number of the largest output, how "
+            "far the second largest is below it, and when both are there "
+            "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
+            "for. It is for two outputs or more, and for designs whose outputs come one after the "
+            "other, which are `engine` and `hybrid`, with any front end but without `axi_stream`.",
+        ),
         "multiplier": Key(
             Text(("dsp", "serial")),
             "",

@@ -137,6 +137,7 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         precision=PRECISIONS[hardware["precision"]],
         clock_mhz=hardware["clock_mhz"],
         interface=hardware["interface"],
+        argmax=hardware["argmax"],
         **parts,
     )
 

@@ -89,6 +89,8 @@ class Scene:
     clock_mhz : float
     interface : str
         ``stream``, the network's own ports, or ``axi_stream``.
+    argmax : bool
+        Whether the hardware gives the index and the margin of the largest output.
     training : Training
     front_end : FrontEnd or None
         How the sensors are read, where the scene has that section.
@@ -122,6 +124,7 @@ class Scene:
     precision: Precision
     clock_mhz: float
     interface: str
+    argmax: bool
     training: Training
     front_end: FrontEnd | None
     visualisation: Visualisation | None

@@ -252,11 +252,22 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{design.block!r}, expected {' or '.join(design.precisions)}"
         )
     framed = hardware["interface"] == "axi_stream"
-    around = [section for section in ("front_end", "visualisation") if section in values]
+    around: list[str] = [s for s in ("front_end", "visualisation") if s in values]
     if framed and around:
         raise InputError(
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
             "expected stream"
+        )
+    if hardware["argmax"] and framed:
+        raise InputError(
+            f"{path}: hardware.interface: got 'axi_stream' with argmax, expected stream: the ports "
+            "of the largest output have no handshake"
+        )
+    count = len(values["data"]["outputs"])
+    if hardware["argmax"] and count < 2:
+        raise InputError(
+            f"{path}: hardware.argmax: got true for {count} output, expected false: the largest "
+            "of 2 or more is looked for"
         )
     check_uart(values, path)
     unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
@@ -267,9 +278,13 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     reasons = {
         "front_end": "because the front end sends a stream of samples",
         "visualisation": "because the visualisation takes a stream of outputs",
+        "argmax": "because argmax takes the outputs one after the other",
     }
     wanted = ["with interface 'axi_stream'"] if framed else []
     wanted += [f"with a section [{section}]" for section in around]
+    if hardware["argmax"]:
+        around.append("argmax")
+        wanted.append("with argmax")
     if wanted:
         reason = f", {reasons[around[0]]}" if around else ""
         raise InputError(

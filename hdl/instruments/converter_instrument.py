@@ -21,6 +21,7 @@ def converter_instrument(
     mosi,
     converter_error,
     held,
+    winner: Stream,
     profile,
     spec: ConverterInstrument,
 ):
@@ -31,7 +32,7 @@ def converter_instrument(
     miso, sclk, cs_n, mosi, converter_error
         They are those of converter_reader: the wires of the converter, and whether it is missing or
         stuck.
-    out_valid, out_data, out_last, held, profile
+    out_valid, out_data, out_last, held, winner, profile
         They are those of readout.
     spec : ConverterInstrument
 
@@ -65,6 +66,7 @@ def converter_instrument(
             out,
             frame_error=broken,
             held=held,
+            winner=winner,
             profile=profile,
             spec=spec.readout,
         ),

@@ -10,7 +10,9 @@ from hdl.sensing.scan_sequencer import scan_sequencer
 
 
 @block
-def instrument(clk, rst, out: Stream, *, adc, address, held, profile, spec: Instrument):
+def instrument(
+    clk, rst, out: Stream, *, adc, address, held, winner: Stream, profile, spec: Instrument
+):
     """Codes of a converter in, results out (Figures 5.5, 5.12 and 5.25).
 
     Parameters
@@ -18,7 +20,7 @@ def instrument(clk, rst, out: Stream, *, adc, address, held, profile, spec: Inst
     adc, address
         They are those of scan_sequencer: ``adc`` is the code of the sensor that ``address``
         selects.
-    out_valid, out_data, out_last, held, profile
+    out_valid, out_data, out_last, held, winner, profile
         They are those of readout.
     spec : Instrument
 
@@ -41,6 +43,7 @@ def instrument(clk, rst, out: Stream, *, adc, address, held, profile, spec: Inst
             out,
             frame_error=broken,
             held=held,
+            winner=winner,
             profile=profile,
             spec=spec.readout,
         ),

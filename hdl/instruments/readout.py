@@ -1,4 +1,4 @@
-"""Readout: holds the outputs of a network, and draws the profile from them."""
+"""Readout: holds the outputs of a network, draws the profile from them, and finds the largest."""
 
 from myhdl import always_comb, always_seq, block
 
@@ -7,6 +7,7 @@ from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.common.stream import catch_word, position
+from hdl.layers.argmax import argmax
 from hdl.visualisation.load_profile import load_profile
 
 
@@ -49,6 +50,7 @@ def readout(
     *,
     frame_error,
     held,
+    winner: Stream,
     profile,
     load=None,
     image=None,
@@ -62,6 +64,10 @@ def readout(
         They are those of the network.
     held : Words of signed Fix(14,13)
         Each output, held until the next one of its kind comes: ports ``held_0``, ``held_1``, ...
+        There are none without ``spec.holds``.
+    winner : Stream
+        ``winner_valid``, ``winner_index``, ``winner_margin`` (bool, unsigned twice): those of
+        argmax, 1 clock after the last output. The stream is empty without ``spec.decides``.
     profile : Group
         ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
         twice, bool): a point, i_p and f, which stays until the next one, and whether it is the last
@@ -95,10 +101,15 @@ def readout(
             clk, rst, in_, results, frame_error=frame_error, **loading, spec=spec.network
         ),
         show,
-        position(clk, rst, results, count, stop=outputs),
-        [catch_word(clk, results, count, words[i], slot=i) for i in range(outputs)],
-        [show_word(words[i], held[i]) for i in range(outputs)],
     ]
+    if spec.holds:
+        parts += [
+            position(clk, rst, results, count, stop=outputs),
+            [catch_word(clk, results, count, words[i], slot=i) for i in range(outputs)],
+            [show_word(words[i], held[i]) for i in range(outputs)],
+        ]
+    if spec.argmax is not None:
+        parts.append(argmax(clk, rst, results, winner, spec=spec.argmax))
     if spec.load_profile is not None:
         parts.append(draw(clk, rst, results, words, profile, drawing=spec))
     return parts

@@ -63,6 +63,7 @@ def uart_instrument(
     dac,
     converter_error,
     held,
+    winner: Stream,
     profile,
     spec: UartInstrument,
 ):
@@ -80,7 +81,7 @@ def uart_instrument(
     dac : Group
         ``x`` and ``y``: one point of each profile, as bits of pulse density. The group is empty
         without ``spec.analogue``.
-    out_valid, out_data, out_last, held, profile
+    out_valid, out_data, out_last, held, winner, profile
         They are those of readout.
     spec : UartInstrument
 
@@ -145,6 +146,7 @@ def uart_instrument(
             results,
             frame_error=broken,
             held=held,
+            winner=winner,
             profile=drawn,
             load=load,
             image=image,

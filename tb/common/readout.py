@@ -1,4 +1,4 @@
-"""Checks of what a readout shows besides its stream: the held outputs and the profile."""
+"""Checks of what a readout shows besides its stream: held outputs, the winner and the profile."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from golden.precision import SIGNAL
 from tb.common.bench import Bench, Recording
 from tb.common.profile import check_profile
 
+WINNER = ["winner_valid", "winner_index", "winner_margin"]
 PROFILE = ["profile_valid", "profile_x", "profile_y", "profile_last"]
 
 
 def ports(readout) -> list[str]:
     """The ports of a readout's twin that are checked here."""
-    held = [f"held_{i}" for i in range(readout.outputs)]
-    return held + (PROFILE if readout.load_profile else [])
+    held = [f"held_{i}" for i in range(readout.outputs)] if readout.holds else []
+    return held + (WINNER if readout.decides else []) + (PROFILE if readout.load_profile else [])
 
 
 def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -28,6 +29,27 @@ def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarr
     rows = recording.rows("out_valid")
     at = np.searchsorted(rows, ends)[:, np.newaxis] + np.arange(1 - bench.twin.outputs, 1)
     return ends, recording.signed("out_data", rows)[at]
+
+
+def check_values(bench: Bench, recording: Recording, readout) -> None:
+    """Check the held outputs and the winner, where the readout has them."""
+    if readout.holds:
+        check_held(bench, recording)
+    if readout.decides:
+        check_winner(bench, recording, readout)
+
+
+def check_winner(bench: Bench, recording: Recording, readout) -> None:
+    """Check index and margin of every frame of outputs, and that none come at another time."""
+    ends, results = frames_out(bench, recording)
+    kept = recording.undisturbed(ends, ends)
+    at, frames = ends[kept] + readout.argmax.latency, results[kept]
+    index, margin = readout.argmax.process(frames)
+    bench.compare("clocks of winner_valid", recording.rows("winner_valid"), at)
+    got = recording.unsigned("winner_index", at)
+    bench.compare("winner_index", got, index, clock=at, outputs=frames)
+    got = recording.unsigned("winner_margin", at)
+    bench.compare("winner_margin", got, margin, clock=at, outputs=frames)
 
 
 def check_held(bench: Bench, recording: Recording) -> None:

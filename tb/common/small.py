@@ -254,6 +254,15 @@ LAYERED = {
         quantiser=Quantiser(2.0**-3, 0, 0, 15),
     ),
 }
+# The index and the margin of the largest output: of three, of two, of so many that no code of the
+# index is left over, and of a design without an engine.
+WINNER = replace(ENGINE, hardware="argmax = true", seed=15)
+WINNERS = {
+    "winner": WINNER,
+    "least-winner": replace(WINNER, shapes=[(1, 1, 2)], spread=1.0),
+    "wide-winner": replace(WINNER, shapes=[(2, 3, 16)], spread=1.0),
+    "hybrid-winner": Case([(2, 3, 5)], "exact", hardware="argmax = true"),
+}
 # Hardware that does not depend on its image.
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),
@@ -392,4 +401,14 @@ UART_INSTRUMENTS = {
         sections=_LINE,
     ),
     "plain-uart": PLAIN_UART,
+}
+
+# For a readout: the largest output beside the stream alone, of a network with past samples, of an
+# engine that is loaded, and beside held outputs and a profile. With the weights of the first and of
+# the last case each output is the largest of some frames.
+READ_WINNERS = {
+    "winner": WINNER,
+    "winner-past": replace(PAST, hardware="argmax = true"),
+    "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
+    "drawn-winner": replace(DRAWN["drawn"], hardware="argmax = true", seed=14),
 }

@@ -3,12 +3,14 @@
 Sweeps: recorded frames, then random ones: as many scans as fit into 1500 clocks, but at least four.
 Drives: the wires, as the converter answers for these voltages; transfers that no converter can have
 sent; resets.
-Checks: outputs, held outputs and every point of the profile bit for bit and in their clocks;
-``converter_error`` in every clock; every limit of the converter's timing.
+Checks: outputs, held outputs, the winner and every point of the profile bit for bit and in their
+clocks; ``converter_error`` in every clock; every limit of the converter's timing.
 Does not prove: that each bit which shows the presence of a converter is checked, and what the wires
 do in every clock (tb_converter_reader does); what frames of wrong lengths do, which the reader does
 not make (tb_readout drives them).
 """
+
+from dataclasses import replace
 
 import cocotb
 import numpy as np
@@ -21,7 +23,10 @@ from tb.common.stimulus import random_resets
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
 
-CASES = CONVERTERS
+DECIDES = "clock_mhz = 4.0\nargmax = true"
+CASES = CONVERTERS | {
+    "winner-converter": replace(CONVERTERS["converter"], hardware=DECIDES, seed=12)
+}
 FAULTS = [
     (r"\.miso\(miso\)", ".miso(1)"),
     (r"\.held_1\(held_1\)", ".held_1(held_0)"),
@@ -61,7 +66,7 @@ async def check(bench, frames, column, fault=lambda number: None):
     seen = frames[of, np.arange(reader.inputs)]
     check_outputs(bench, recording, starts, ends, seen)
     check_error(bench, reader, recording, timeline)
-    readout.check_held(bench, recording)
+    readout.check_values(bench, recording, shown)
     if shown.load_profile:
         readout.check_drawn(bench, recording, shown)
     return recording, seen

@@ -5,11 +5,13 @@ clocks, which are two with a counter of 12 bits; and, of many random frames, tho
 and the least height.
 Drives: the code of the selected sensor in the clocks in which it is taken, and random codes in all
 other clocks; then random codes with resets.
-Checks: the address, and outputs, held outputs and every point of the profile bit for bit and in
-their clocks.
+Checks: the address, and outputs, held outputs, the winner and every point of the profile bit for
+bit and in their clocks.
 Does not prove: what frames of wrong lengths do, which the sequencer does not make (tb_readout
 drives them).
 """
+
+from dataclasses import replace
 
 import cocotb
 import numpy as np
@@ -20,7 +22,8 @@ from tb.common.network import check_outputs, recorded_frames
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
-CASES = INSTRUMENTS
+LEAST = INSTRUMENTS["least-instrument"]
+CASES = INSTRUMENTS | {"winner-instrument": replace(LEAST, hardware="argmax = true", seed=14)}
 FAULTS = [
     (r"\.adc\(adc\)", ".adc(0)"),
     (r"\.held_1\(held_1\)", ".held_1(held_0)"),
@@ -70,7 +73,7 @@ async def check(bench, codes, resets=None):
     expected = scan.address_at(count[steady] - 1)
     bench.compare("address", address, expected, clock=rows[steady])
     check_outputs(bench, recording, starts, ends, frames)
-    readout.check_held(bench, recording)
+    readout.check_values(bench, recording, shown)
     if shown.load_profile:
         readout.check_drawn(bench, recording, shown)
     return recording, frames

@@ -10,9 +10,9 @@ sent; on the line noise, bytes without a stop bit, a cut image and complete imag
 computed. Resets come in all of this, in the clock in which a profile ends and, if no image follows
 a reset, in the clock after it.
 Checks: ``tx`` in every clock, and that a receiver reads the packets of the twin; outputs, held
-outputs and every point of the profile bit for bit and in their clocks; the bits of the pulse
-density in every clock, and that each point was shown; ``converter_error`` in every clock; every
-limit of the converter's timing.
+outputs, the winner and every point of the profile bit for bit and in their clocks; the bits of the
+pulse density in every clock, and that each point was shown; ``converter_error`` in every clock;
+every limit of the converter's timing.
 Does not prove: that each bit which shows the presence of a converter is checked
 (tb_converter_reader does); that bytes of every speed are received (tb_uart_receiver does).
 """
@@ -37,7 +37,10 @@ from tb.common.small import UART_INSTRUMENTS
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error
 
-CASES = UART_INSTRUMENTS
+DECIDES = "clock_mhz = 4.0\nargmax = true"
+CASES = UART_INSTRUMENTS | {
+    "winner-uart": replace(UART_INSTRUMENTS["plain-uart"], hardware=DECIDES, seed=12)
+}
 FAULTS = [
     (r"\.mosi\(mosi\)", ".mosi()"),
     (r"\.rx\(rx\)", ".rx(1'b1)"),
@@ -206,8 +209,10 @@ def check_results(bench, recording, runs, frames, ends):
 
 
 def check_shown(bench, recording, result):
-    """Check the held outputs at the end of each frame, and the profile of every frame."""
+    """Check the held outputs at the end of each frame, and winner and profile of every frame."""
     twin, shown = bench.twin, bench.twin.readout
+    if shown.decides:
+        readout.check_winner(bench, recording, shown)
     held = np.zeros((recording.clocks, twin.outputs), dtype=np.int64)
     known, place, words = np.zeros(recording.clocks, dtype=bool), 0, [None] * twin.outputs
     clears = set(recording.resets().tolist())

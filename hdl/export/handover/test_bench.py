@@ -159,8 +159,9 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """The text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
     clocks = design.output_clocks[-1]
-    # The held outputs are on the stream, too. Neither the profile nor a line is recorded.
-    unused = ("held_", "profile_", "dac_", "tx")
+    # The held outputs are on the stream, too, and decide the winner. Neither the profile nor a line
+    # is recorded.
+    unused = ("held_", "winner_", "profile_", "dac_", "tx")
     used = [port for port in ports if not port.name.startswith(unused)]
     left_open = tuple(port.name for port in ports if port not in used)
     return _TEXT.substitute(

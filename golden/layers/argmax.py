@@ -1,0 +1,136 @@
+"""Argmax: the largest output of each frame, and how far the next one is behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.border import Border, State
+from golden.fixed import Codes, Fix
+from golden.input_error import InputError
+from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+
+
+@dataclass(frozen=True)
+class Argmax(Block):
+    """Index and margin of the winner of each frame: the class that a network decides for (ours).
+
+    The winner is the largest output. Of equal ones it is the first, and its margin is 0.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the outputs.
+    outputs : int
+        The most outputs of a frame, 2 or more.
+
+    Raises
+    ------
+    InputError
+        When outputs is below 2: one output has nothing to be compared with.
+    """
+
+    block = "argmax"
+    area = "layers"
+    fmt: Fix
+    outputs: int
+
+    def __post_init__(self) -> None:
+        if self.outputs < 2:
+            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 2 or more")
+
+    @property
+    def index_fmt(self) -> Unsigned:
+        return Unsigned((self.outputs - 1).bit_length(), last=self.outputs - 1)
+
+    @property
+    def margin_fmt(self) -> Unsigned:
+        """It holds the difference between the two ends of ``fmt``."""
+        return Unsigned(self.fmt.width, self.fmt.frac)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            input_port("in_valid", "`in_data` holds an output"),
+            input_port("in_data", "output y, one after the other", self.fmt, "fmt"),
+            input_port("in_last", "the output is the last of the frame"),
+            *self.result_ports("out"),
+        )
+
+    def result_ports(self, name: str) -> tuple[Port, ...]:
+        """The ports of its results, whose names begin with ``name``."""
+        return (
+            output_port(
+                f"{name}_valid",
+                f"`{name}_index` and `{name}_margin` are those of a frame; high for one clock",
+            ),
+            output_port(
+                f"{name}_index", "number of the largest output, from 0", self.index_fmt, "outputs"
+            ),
+            output_port(
+                f"{name}_margin",
+                "how far the second largest output is below the largest",
+                self.margin_fmt,
+                "fmt",
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        """Clocks from the last output of a frame to its index and margin."""
+        return 1
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("outputs of the frame so far", range(self.outputs)),)
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (
+            Border("leads", "lead over the largest before", 1),
+            Border("second", "distance from the largest, less the margin", 0),
+        )
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        """Of every output but the first of its frame, for frames of shape (frames, outputs)."""
+        (codes,) = inputs
+        largest = np.maximum.accumulate(codes, axis=-1)[..., :-1]
+        lead = codes[..., 1:] - largest
+        margins = [self.process(codes[..., :count])[1] for count in range(2, codes.shape[-1])]
+        behind = (lead[..., 1:] <= 0).ravel()
+        short = -lead[..., 1:] - np.stack(margins, axis=-1) if margins else lead[..., 1:]
+        return {
+            "lead over the largest before": lead.ravel(),
+            "distance from the largest, less the margin": short.ravel()[behind],
+        }
+
+    def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
+        """Index and margin of the winner of each frame.
+
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., outputs)
+            A frame may have fewer outputs, but not fewer than 2.
+
+        Returns
+        -------
+        index, margin : Codes, shape (...)
+            The margin is in units of the last place of ``fmt``.
+
+        Raises
+        ------
+        InputError
+            For frames of another length, and for codes outside ``fmt``.
+        """
+        codes = self.fmt.check(frames, f"{self.entity} frames")
+        if codes.ndim == 0 or not 2 <= codes.shape[-1] <= self.outputs:
+            raise InputError(
+                f"{self.entity} frames: got shape {codes.shape}, expected 2 to {self.outputs} "
+                "outputs on the last axis"
+            )
+        ordered = np.sort(codes, axis=-1)
+        return codes.argmax(axis=-1), ordered[..., -1] - ordered[..., -2]

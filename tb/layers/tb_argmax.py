@@ -1,0 +1,148 @@
+"""argmax against its twin.
+
+Sweeps: frames of random outputs with the ends of the codes among them; frames of equal outputs, and
+of outputs that are equal or differ by one; frames with each output in turn as the largest and as
+the second largest, at both ends of the codes; frames with two distances from the largest that
+differ in one bit.
+Drives: frames back to back, and with gaps, with other outputs on the ports in idle clocks; frames
+of fewer outputs, down to 2; frames of one output and of too many, before others; and resets at
+random clocks, which end a frame.
+Checks: index, margin and the clock of both for every frame; of frames of one output or of too many
+the clock alone.
+Does not prove: anything about index and margin of a frame of one output or of too many, which have
+no meaning.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.small import WINNERS
+from tb.common.stimulus import random_resets, spread
+
+CASES = WINNERS
+FAULTS = [
+    (r"low < margin", "low <= margin + 1"),
+    (r"first \|\| leads\)", "leads)"),
+    (r"<= in_data", "<= -in_data"),
+]
+
+FRAMES = 400
+
+
+def special_frames(twin):
+    """Frames in which ties, neighbours and the ends of the codes stand at every place."""
+    low, high, count = twin.fmt.low, twin.fmt.high, twin.outputs
+    equal = np.array([low, -1, 0, 1, high])[:, np.newaxis] * np.ones(count, dtype=np.int64)
+    found = [equal]
+    for base, best in ((low, high), (low, low + 1), (high - 1, high), (-1, 0), (0, 1)):
+        alone = np.full((count, count), base)
+        np.fill_diagonal(alone, best)
+        # The neighbour is a second winner, and then only one step behind.
+        tied, close = alone.copy(), alone.copy()
+        for number in range(count):
+            tied[number, (number + 1) % count] = best
+            close[number, (number + 1) % count] = best - 1
+        found += [alone, tied, close]
+    return np.concatenate(found)
+
+
+def rival_frames(bench):
+    """Frames whose third output is about as far from the largest as the second, on either side.
+
+    The two distances differ by little, or in one bit.
+    """
+    twin, rng = bench.twin, bench.rng
+    width, places = twin.fmt.width, np.arange(twin.fmt.width)
+    known = rng.integers(1, 1 << (width - 1), (8, width))
+    other = np.concatenate([known ^ (1 << places), known + rng.integers(-2, 3, known.shape)])
+    apart = np.stack([0 * other, np.tile(known, (2, 1)), other], axis=-1).reshape(-1, 3)
+    apart = rng.permuted(apart[apart[:, 2] >= 0], axis=1)
+    lowest = (1 << width) - 1
+    frames = np.full((len(apart), max(3, twin.outputs)), lowest)
+    frames[:, :3] = apart
+    return np.maximum(twin.fmt.high - frames, twin.fmt.low)[:, : twin.outputs]
+
+
+def frames_of(bench):
+    """Frames of the twin's length: special ones, and random ones that are wide apart or close."""
+    twin, rng = bench.twin, bench.rng
+    low, high = twin.fmt.low, twin.fmt.high
+    wide = rng.integers(low, high + 1, (FRAMES, twin.outputs))
+    wide = np.where(rng.random(wide.shape) < 1 / 8, rng.choice([low, high], wide.shape), wide)
+    middle = rng.integers(low + 3, high - 2, (FRAMES, 1))
+    close = middle + rng.integers(-2, 3, (FRAMES, twin.outputs))
+    chosen = [special_frames(twin), rival_frames(bench), wide, close]
+    return rng.permutation(np.concatenate(chosen))
+
+
+async def check(bench, frames, gap, resets=False):
+    """Play frames of any lengths, and compare with what the twin finds in the recorded ones."""
+    twin = bench.twin
+    last = np.concatenate([np.arange(len(frame)) == len(frame) - 1 for frame in frames])
+    items = {"in_data": np.concatenate(frames), "in_last": last.astype(np.int64)}
+    drive = spread(bench.rng, items, "in_valid", gap, tail=4)
+    if resets:
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every=8 * twin.outputs)
+    recording = await bench.play(drive, ["out_valid", "out_index", "out_margin"])
+
+    rows = np.setdiff1d(recording.rows("in_valid"), recording.resets())
+    codes = recording.signed("in_data", rows)
+    closes = np.isin(rows, recording.rows("in_last"))
+    begun = np.searchsorted(recording.resets(), rows)
+    place, start, ended = np.zeros(len(rows), dtype=np.int64), 0, []
+    for k in range(len(rows)):
+        if k and begun[k] != begun[k - 1]:
+            start = k
+        place[k] = k - start
+        if closes[k]:
+            ended.append((start, k + 1))
+            start = k + 1
+    bench.visit("outputs of the frame so far", np.minimum(place, twin.outputs - 1))
+    due = rows[[stop - 1 for _, stop in ended]] + bench.latency
+    bench.compare("clocks of out_valid", recording.rows("out_valid"), due)
+
+    known = [2 <= stop - first <= twin.outputs for first, stop in ended]
+    seen = [codes[first:stop] for (first, stop), meant in zip(ended, known, strict=True) if meant]
+    expected = np.array([twin.process(frame) for frame in seen])
+    at = due[np.array(known)]
+    names = [str(frame.tolist()) for frame in seen]
+    for n, port in enumerate(("out_index", "out_margin")):
+        bench.compare(port, recording.unsigned(port, at), expected[:, n], clock=at, frame=names)
+    for frame in seen:
+        for quantity, values in twin.quantities(frame).items():
+            bench.meet(quantity, values)
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    bench = Bench(dut)
+    await check(bench, [*frames_of(bench)], gap=0.0)
+    bench.finish(at_least=4 * FRAMES)
+
+
+@cocotb.test()
+async def gaps(dut):
+    bench = Bench(dut)
+    await check(bench, [*frames_of(bench)[:FRAMES]], gap=0.4)
+    bench.finish(at_least=2 * FRAMES)
+
+
+@cocotb.test()
+async def other_lengths(dut):
+    """Play frames of every length from one output to more than the network has."""
+    bench = Bench(dut)
+    outputs, rng = bench.twin.outputs, bench.rng
+    kinds = frames_of(bench)
+    longest = np.concatenate([kinds, rng.permutation(kinds)], axis=1)
+    lengths = rng.integers(1, 2 * outputs + 1, len(longest))
+    frames = [frame[:length] for frame, length in zip(longest, lengths, strict=True)]
+    await check(bench, frames, gap=0.1)
+    bench.finish(at_least=FRAMES)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    await check(bench, [*frames_of(bench)], gap=0.2, resets=True)
+    bench.finish(at_least=FRAMES)

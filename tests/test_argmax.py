@@ -1,0 +1,114 @@
+"""Tests the winner of a frame: its twin, and the option ``argmax`` of a scene."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.fixed import Fix
+from golden.input_error import InputError
+from golden.instruments.readout import Readout
+from golden.layers.argmax import Argmax
+from golden.scene import Scene
+from tb.common.cases import FRONT_END, VISUALISATION, Case
+from tb.common.small import ADDER_GRAPH
+
+FMT = Fix(5, 3)
+ENGINE = Case([(3, 4, 4)], "exact", activation="precise", design="engine")
+DECIDES = "argmax = true"
+
+
+@given(st.lists(st.integers(FMT.low, FMT.high), min_size=2, max_size=6))
+def test_the_winner_is_the_first_of_the_largest_and_its_margin_what_is_left(codes) -> None:
+    index, margin = Argmax(FMT, 6).process(codes)
+    best = sorted(codes)
+    assert index == codes.index(best[-1])
+    assert margin == best[-1] - best[-2]
+
+
+def test_ends_and_ties() -> None:
+    low, high = FMT.low, FMT.high
+    frames = [[low, high], [high, low], [low, low], [high, high], [-1, 0]]
+    index, margin = Argmax(FMT, 2).process(frames)
+    assert index.tolist() == [1, 0, 0, 0, 1]
+    assert margin.tolist() == [31, 31, 0, 0, 1]
+    assert margin.max() == (1 << Argmax(FMT, 2).margin_fmt.width) - 1
+
+
+@pytest.mark.parametrize(("outputs", "bits"), [(2, 1), (3, 2), (4, 2), (5, 3), (16, 4), (17, 5)])
+def test_the_index_has_as_many_bits_as_it_needs(outputs: int, bits: int) -> None:
+    assert Argmax(FMT, outputs).index_fmt.width == bits
+
+
+@pytest.mark.parametrize(
+    ("frames", "message"),
+    [
+        ([[1]], r"argmax frames: got shape (1, 1), expected 2 to 4"),
+        (np.zeros((2, 5), dtype=int), r"argmax frames: got shape (2, 5), expected 2 to 4"),
+        (3, r"argmax frames: got shape (), expected 2 to 4"),
+        ([[0, 16]], "argmax frames: got code 16"),
+    ],
+)
+def test_frames_are_checked(frames, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        Argmax(FMT, 4).process(frames)
+
+
+@pytest.mark.parametrize("outputs", [1, 0, -1])
+def test_one_output_has_no_winner(outputs: int) -> None:
+    with pytest.raises(InputError, match=f"argmax: got outputs={outputs}, expected 2 or more"):
+        Argmax(FMT, outputs)
+
+
+def scene_of(case: Case, folder: Path, **changes) -> Scene:
+    return replace(case, **changes).scene(folder, "mine")
+
+
+def test_a_scene_without_it_has_the_ports_that_it_had(tmp_path: Path) -> None:
+    plain = scene_of(ENGINE, tmp_path).twin()
+    decides = scene_of(ENGINE, tmp_path, hardware=DECIDES).twin()
+    assert decides.network == plain
+    added = [port.name for port in decides.ports if port.name not in {p.name for p in plain.ports}]
+    assert added == ["winner_valid", "winner_index", "winner_margin"]
+    assert decides.latency == plain.latency
+
+
+def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) -> None:
+    sections = f"{VISUALISATION}{FRONT_END}counter_width = 9\n"
+    (plain, decides) = (
+        scene_of(ENGINE, tmp_path, sections=sections, hardware=hardware).twin()
+        for hardware in ("", DECIDES)
+    )
+    names = [port.name for port in decides.ports if port.name.startswith("winner_")]
+    assert len(decides.ports) == len(plain.ports) + len(names) == len(plain.ports) + 3
+    assert decides.readout.holds
+
+
+def test_a_profile_is_drawn_of_held_outputs(tmp_path: Path) -> None:
+    drawn = scene_of(ENGINE, tmp_path, sections=VISUALISATION).twin()
+    assert isinstance(drawn, Readout)
+    with pytest.raises(InputError, match="got holds=False with a load_profile, expected True"):
+        replace(drawn, holds=False)
+
+
+REFUSED = [
+    (ADDER_GRAPH, "got 'adder_graph' with argmax, expected engine or hybrid, because argmax takes"),
+    (
+        replace(ADDER_GRAPH, activation="gradient", design="parallel"),
+        "got 'parallel' with argmax, expected engine or hybrid, because argmax takes",
+    ),
+    (replace(ENGINE, interface="axi_stream"), "got 'axi_stream' with argmax, expected stream"),
+    (replace(ENGINE, shapes=[(3, 4, 1)]), "hardware.argmax: got true for 1 output, expected false"),
+]
+
+
+@pytest.mark.parametrize(("case", "message"), REFUSED, ids=[m[:25] for _, m in REFUSED])
+def test_what_does_not_fit_is_refused_by_name(tmp_path: Path, case: Case, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        scene_of(case, tmp_path, hardware=DECIDES)
