@@ -155,7 +155,9 @@ def test_frames_in_which_no_node_is_awake_give_bounds() -> None:
 
 def test_the_data_may_fit_where_no_bound_does() -> None:
     first, second, last = wide().layers
-    huge = DenseNetwork((Dense(first.weights * 2e4, first.biases, "relu"), second, last))
+    # What the first layer enlarges the last one makes small again, so that its weights fit.
+    small = Dense(last.weights / 2e4, last.biases)
+    huge = DenseNetwork((Dense(first.weights * 2e4, first.biases, "relu"), second, small))
     with pytest.raises(InputError, match=r"layer 1: got sums that reach .*, expected 131071 at mo"):
         Engine.of([huge])
     codes = quiet(24, 20)

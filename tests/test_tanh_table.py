@@ -97,7 +97,7 @@ def test_the_blocks_compute_it(width: int) -> None:
     table = tanh_table(width)
     q = CODES[::9]
     address = TableAddress(width, len(table.slopes))
-    words = table_words(table, len(table.slopes))
+    words = table_words(table)
     found = ProgramMemory(words, (0,), (), address.addr_width).look_up(
         address.process(q), np.ones(len(q))
     )
