@@ -46,7 +46,11 @@ STAND_INS = {
     ("TO", "path/to/rig.toml"): "written/rig.toml",
     ("TO", "path/to/out.csv"): "written/out.csv",
     ("OUTPUTS", "a,b"): "load,position",
+    ("CSV", "gestures.csv"): "labels.csv",
+    ("CLASSES", "gesture"): "load",
 }
+# Of these pairs of variables a command needs one.
+EITHER = {"scene": ("OUTPUTS", "CLASSES")}
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,11 @@ class Documented:
         sentence leaves out.
         """
         assert self.command
-        needed = {a.name: a.example for a in self.command.arguments if a.needed}
+        one_of = EITHER.get(self.command.name, ())
+        first = () if self.shown.keys() & set(one_of) else one_of[:1]
+        needed = {
+            a.name: a.example for a in self.command.arguments if a.needed or a.name in first
+        }
         return {n: STAND_INS.get((n, v), v) for n, v in (needed | self.shown).items()}
 
 

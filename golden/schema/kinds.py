@@ -139,7 +139,7 @@ class Text(Kind):
 
     def schema(self) -> dict[str, Any]:
         if self.begins:
-            return {"anyOf": [{"enum": list(self.choices)}, {"pattern": f"^{self.begins}"}]}
+            return {"anyOf": [{"enum": list(self.choices)}, {"type": "string", "pattern": f"^{self.begins}"}]}
         if self.choices:
             return {"enum": list(self.choices)}
         return {"type": "string", **({"minLength": 1} if self.some else {})}

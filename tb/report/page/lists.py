@@ -19,7 +19,7 @@ from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
-from golden.scene import DEFAULT_SCENES, load_scene, scene_names
+from golden.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
 from golden.scene_errors import disturbed_errors, held_out_means
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
@@ -66,7 +66,7 @@ def scenes() -> str:
         "| shipped scene | what it is | design | activation | precision |",
         "|---|---|---|---|---|",
     ]
-    for name in sorted(scene_names()):
+    for name in sorted([*scene_names(), *class_names()]):
         scene = load_scene(name)
         head = scene.path.read_text(encoding="utf-8").partition("\n\n")[0]
         text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
