@@ -95,9 +95,7 @@ class Documented:
         assert self.command
         one_of = EITHER.get(self.command.name, ())
         first = () if self.shown.keys() & set(one_of) else one_of[:1]
-        needed = {
-            a.name: a.example for a in self.command.arguments if a.needed or a.name in first
-        }
+        needed = {a.name: a.example for a in self.command.arguments if a.needed or a.name in first}
         return {n: STAND_INS.get((n, v), v) for n, v in (needed | self.shown).items()}
 
 

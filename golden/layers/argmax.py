@@ -90,23 +90,23 @@ class Argmax(Block):
 
     @property
     def borders(self) -> tuple[Border, ...]:
-        return (
-            Border("leads", "lead over the largest before", 1),
-            Border("second", "distance from the largest, less the margin", 0),
-        )
+        leads = Border("leads", "lead over the largest before", 1)
+        second = Border("second", "distance from the largest, less the margin", 0)
+        # Of two outputs, none is compared with a margin.
+        return (leads, second) if self.outputs > 2 else (leads,)
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         """Of every output but the first of its frame, for frames of shape (frames, outputs)."""
         (codes,) = inputs
         largest = np.maximum.accumulate(codes, axis=-1)[..., :-1]
         lead = codes[..., 1:] - largest
+        found = {"lead over the largest before": lead.ravel()}
+        if self.outputs == 2:
+            return found
         margins = [self.process(codes[..., :count])[1] for count in range(2, codes.shape[-1])]
         behind = (lead[..., 1:] <= 0).ravel()
         short = -lead[..., 1:] - np.stack(margins, axis=-1) if margins else lead[..., 1:]
-        return {
-            "lead over the largest before": lead.ravel(),
-            "distance from the largest, less the margin": short.ravel()[behind],
-        }
+        return found | {"distance from the largest, less the margin": short.ravel()[behind]}
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
         """Index and margin of the winner of each frame.

@@ -139,7 +139,8 @@ class Text(Kind):
 
     def schema(self) -> dict[str, Any]:
         if self.begins:
-            return {"anyOf": [{"enum": list(self.choices)}, {"type": "string", "pattern": f"^{self.begins}"}]}
+            other = {"type": "string", "pattern": f"^{self.begins}"}
+            return {"anyOf": [{"enum": list(self.choices)}, other]}
         if self.choices:
             return {"enum": list(self.choices)}
         return {"type": "string", **({"minLength": 1} if self.some else {})}
