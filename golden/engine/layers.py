@@ -41,8 +41,9 @@ from golden.precision import SIGNAL
 
 _MOST = (1 << (WIDTH - 1)) - 1
 _HALF = 1 << (DROPPED - 1)
-# A weight that does not fit in a word is as many terms as it takes, up to this number.
-_MOST_TERMS = 1024
+# A weight that does not fit in a word is as many terms as it takes, up to this number. No program
+# has more words than four times this.
+_MOST_TERMS = 1 << 16
 # The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high
 
