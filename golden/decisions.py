@@ -90,22 +90,22 @@ def decisions_of(scene: Scene) -> Decisions:
     )
 
 
-def shown(scene: Scene) -> tuple[Decisions, str]:
-    """The decisions that say most, and which rows these are of.
+def shown(scene: Scene, every: Decisions) -> tuple[Decisions, str]:
+    """Of the decisions on all rows those that say most, and which rows these are of.
 
     They are those on held-out rows, or those on all rows if no held-out rows are known.
     """
-    held, every = held_out_rows(scene), decisions_of(scene)
+    held = held_out_rows(scene)
     if held is not None:
         return every.take(held), f"{len(held)} held-out rows"
     return every, f"all {len(every.actual)} rows"
 
 
-def held_out_line(scene: Scene) -> str:
-    """The decisions on held-out rows as text."""
+def held_out_line(scene: Scene, every: Decisions) -> str:
+    """Of the decisions on all rows those on held-out rows, as text."""
     held = held_out_rows(scene)
     if held is not None:
-        return decisions_of(scene).take(held).text
+        return every.take(held).text
     stories = told(scene)
     if stories is None:
         return "unknown: not trained here"
@@ -132,10 +132,11 @@ def table_lines(found: Decisions) -> list[str]:
 
 def lines_of(scene: Scene) -> list[str]:
     """What the decisions of a scene are, as lines of text."""
-    found, rows = shown(scene)
+    every = decisions_of(scene)
+    found, rows = shown(scene, every)
     return [
-        f"decisions                 {decisions_of(scene).text}",
-        f"decisions, held out       {held_out_line(scene)}",
+        f"decisions                 {every.text}",
+        f"decisions, held out       {held_out_line(scene, every)}",
         f"{scene.classes} of the row (down) and as decided (across), {rows}:",
         *table_lines(found),
     ]

@@ -30,7 +30,7 @@ from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
 from golden.scene.quantised import quantised_lines
 from golden.scene.ranges import ranges
-from golden.scene.saturation import range_lines
+from golden.scene.saturation import hidden_saturations, range_lines
 from golden.scene.vectors import warn_outside
 from golden.scene_errors import (
     disturbed_errors,
@@ -151,7 +151,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.samples}",
         *ranges(scene),
-        *range_lines(scene, vectors.codes),
+        *range_lines(scene, hidden_saturations(scene, vectors.codes)),
         *quantised_lines(scene),
         *(f"left out                  {text}" for text in left_out(scene.twin())),
         "",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from derivatives import check_derivatives
 
 from golden.commands import predict, scene, train
 from golden.decisions import decisions_of, lines_of, shown
@@ -189,13 +190,13 @@ def test_a_network_with_another_number_of_outputs_is_refused(hand: Path, tmp_pat
 
 def test_what_demo_and_report_say_is_one(hand: Path) -> None:
     found = load_scene(str(hand))
-    some, which = shown(found)
+    some, which = shown(found, decisions_of(found))
     rows = outcome(found)
     assert which == f"{len(held_out_rows(found))} held-out rows"
     lines = lines_of(found)
     assert some.text in lines[1]
     assert lines[-3].split()[0] == "fist"
-    plot = confusion_plot(found)
+    plot = confusion_plot(found, decisions_of(found))
     assert np.array_equal(plot.counts, some.confusion)
     assert plot.draw().count("<text") + plot.draw().count("<use") > 0
     table = accuracy(rows).rows
@@ -213,7 +214,7 @@ def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch
     assert held_out_rows(found) is None
     right = 100 - read_provenance(found.weights_paths[0])["test_wrong_percent"]
     assert f"before, {right:.1f} % were right" in lines_of(found)[1]
-    assert shown(found)[1] == "all 90 rows"
+    assert shown(found, decisions_of(found))[1] == "all 90 rows"
 
 
 @pytest.mark.parametrize(
@@ -391,14 +392,7 @@ NETWORKS = [
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
 def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
-    aim, point = objective(network), packed(network)
-    value, gradient = aim.evaluate(point)
-    jacobian = aim.jacobian(point)
-    for k, step in enumerate(1e-6 * np.eye(len(point))):
-        ahead, behind = aim.residuals(point + step), aim.residuals(point - step)
-        assert np.allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=1e-6)
-        assert abs((ahead @ ahead - behind @ behind) / 2e-6 - gradient[k]) < 1e-5
-    assert value == pytest.approx(float(aim.residuals(point) @ aim.residuals(point)))
+    check_derivatives(objective(network), packed(network))
 
 
 def test_the_value_is_the_cross_entropy() -> None:

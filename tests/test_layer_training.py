@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from derivatives import check_derivatives
 
 from golden.commands.train import main
 from golden.dense import ACTIVATIONS, Trained, layers_of, network_of
@@ -55,14 +56,7 @@ NETWORKS = [
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
 def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
-    aim, point = objective(network), packed(network)
-    value, gradient = aim.evaluate(point)
-    jacobian = aim.jacobian(point)
-    for k, step in enumerate(1e-6 * np.eye(len(point))):
-        ahead, behind = aim.residuals(point + step), aim.residuals(point - step)
-        assert np.allclose((ahead - behind) / 2e-6, jacobian[:, k], atol=1e-6)
-        assert abs((ahead @ ahead - behind @ behind) / 2e-6 - gradient[k]) < 1e-5
-    assert value == pytest.approx(float(aim.residuals(point) @ aim.residuals(point)))
+    check_derivatives(objective(network), packed(network))
 
 
 def test_a_hidden_layer_of_tanh_is_measured_as_before() -> None:

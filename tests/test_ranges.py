@@ -24,7 +24,7 @@ from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.rig.check import everything
 from golden.scene import Scene, load_scene
-from golden.scene.saturation import range_lines, saturating
+from golden.scene.saturation import hidden_saturations, range_lines, saturating
 from tb.common.cases import random_network, write_scene
 from tb.report.page.summary import built
 
@@ -188,7 +188,7 @@ def test_a_scene_takes_its_ranges_from_all_recorded_frames(tmp_path: Path) -> No
     assert engine == of_frames(network, codes)
     assert scene.build(network) == engine
     assert scene.twin(lean=False).core.process(codes).tolist() == engine.process(codes).tolist()
-    lines = range_lines(scene, scene.vectors().codes)
+    lines = range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
     assert [line.split(":")[0] for line in lines] == ["layer 1", "layer 2"]
     met = engine.graph.ranges[0].met
     assert f"from the data: {met:.4g} is met, margin 2; bounds would be" in lines[0]
@@ -203,7 +203,7 @@ def test_a_scene_takes_its_ranges_from_all_recorded_frames(tmp_path: Path) -> No
 def test_the_ranges_of_bounds_are_said_too(tmp_path: Path) -> None:
     codes = np.random.default_rng(1).choice([SIGNAL.low, SIGNAL.high], (40, 3))
     scene = scene_of(tmp_path, random_network((3, 4, 4, 2), ("relu", "tanh"), 1.0, 2), codes)
-    (line,) = range_lines(scene, codes)
+    (line,) = range_lines(scene, hidden_saturations(scene, codes))
     assert "from bounds: no sum exceeds" in line
     assert "saturate" not in line
 

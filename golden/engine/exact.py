@@ -23,7 +23,6 @@ from golden.engine.layers import exact_layers, first_values, planned
 from golden.engine.line_table import LineTable
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.function import Function
 from golden.precision import SIGNAL
@@ -145,14 +144,6 @@ def _steepest(function: Function) -> float:
     """The largest slope of a function over the codes of q."""
     q = HIDDEN.to_real(np.arange(HIDDEN.low, HIDDEN.high + 1))
     return float(np.abs(np.diff(function.value(q))).max() * 2.0**HIDDEN.frac)
-
-
-@lru_cache
-def tanh_error(segment_width: int) -> float:
-    """Largest error of tanh over every code of q, its rounding to 17 fraction bits included."""
-    q = np.arange(HIDDEN.low, HIDDEN.high + 1)
-    r = tanh_codes(tanh_table(segment_width), q)
-    return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())
 
 
 def tanh_codes(table: LineTable, q: Codes) -> Codes:

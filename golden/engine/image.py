@@ -203,7 +203,7 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
         ("bits of a sum", graph.sum_bits(table), sizes.acc_width),
     )
     faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]
-    if graph.functions not in ((), (TANH,)):
+    if graph.functions != (TANH,):
         names = ", ".join(function.name for function in graph.functions)
         faults.append(f"the functions {names}, there is tanh")
     wanted = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)

@@ -26,7 +26,7 @@ from golden.precision import SIGNAL
 from golden.rig import class_counts, readings, sensors_tell
 from golden.scene import Scene, scene_names
 from golden.scene.quantised import quantised_lines
-from golden.scene.saturation import range_lines, saturating
+from golden.scene.saturation import hidden_saturations, range_lines, saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
 from golden.table import read_csv_file
@@ -248,7 +248,7 @@ def _saturating(scene: Scene) -> list[Finding]:
     """Tell the ranges of hidden layers, and find what the networks drive beyond its range."""
     findings: list[Finding] = []
     with collect_faults(findings):
-        lines = range_lines(scene, scene.vectors().codes)
+        lines = range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
         findings += [Finding(OK, f"hardware.design {scene.design}", text) for text in lines]
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings

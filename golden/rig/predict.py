@@ -83,10 +83,11 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     outputs = outputs_of(scene, codes)
     distances = known.distances(seen, outputs)
     reasons = known.reasons(outputs, distances)
-    for layer, counts in hidden_saturations(scene, samples):
+    saturated = hidden_saturations(scene, samples)
+    for layer, counts in saturated.items():
         for row in np.flatnonzero(counts):
             reasons[row] = "; ".join(filter(None, [reasons[row], f"{layer} saturates"]))
-    ranges = range_lines(scene, samples, "rows")
+    ranges = range_lines(scene, saturated, "rows")
     return Prediction(outputs, codes, distances, reasons, ranges)
 
 

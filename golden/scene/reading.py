@@ -48,12 +48,16 @@ def scene_names() -> list[str]:
 
 def comparison_names() -> list[str]:
     """The scenes that exist only to compare others with them."""
-    return sorted(f"comparison/{folder.name}" for folder in (FOLDER / "comparison").iterdir())
+    return _names_in("comparison")
 
 
 def class_names() -> list[str]:
     """The shipped scenes whose networks tell classes apart."""
-    return sorted(f"classes/{folder.name}" for folder in (FOLDER / "classes").iterdir())
+    return _names_in("classes")
+
+
+def _names_in(group: str) -> list[str]:
+    return sorted(f"{group}/{folder.name}" for folder in (FOLDER / group).iterdir())
 
 
 def load_scene(name: str) -> Scene:

@@ -46,12 +46,15 @@ def saturating(scene: Scene) -> list[str]:
                 f"output {name!r} saturates in {count} {len(column)} recorded frames: its network "
                 f"gives up to {np.abs(column).max():.3g} times the range of the codes"
             )
-    saturated = hidden_saturations(scene, vectors.codes)
-    return sentences + [_counted(layer, counts, "recorded frames") for layer, counts in saturated]
+    return sentences + [
+        _counted(layer, counts, "recorded frames")
+        for layer, counts in hidden_saturations(scene, vectors.codes).items()
+        if counts.any()
+    ]
 
 
-def hidden_saturations(scene: Scene, codes: Codes) -> list[tuple[str, Codes]]:
-    """The hidden layers that saturate, and how many sums of each do in each frame.
+def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
+    """For each hidden layer whose range is from the data, how many sums saturate in each frame.
 
     Parameters
     ----------
@@ -60,25 +63,23 @@ def hidden_saturations(scene: Scene, codes: Codes) -> list[tuple[str, Codes]]:
         Codes of the networks' inputs.
     """
     core = scene.twin().core
-    found = core.saturations(codes) if isinstance(core, Engine) else {}
-    return [(layer, counts) for layer, counts in found.items() if counts.any()]
+    return core.saturations(codes) if isinstance(core, Engine) else {}
 
 
-def range_lines(scene: Scene, codes: Codes, rows: str = "recorded frames") -> list[str]:
+def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded frames") -> list[str]:
     """For each hidden layer in which saturation would be an error its range, and what saturates.
 
     Parameters
     ----------
     scene : Scene
-    codes : int64 array, shape (frames, inputs)
-        Codes of the networks' inputs.
+    counts : dict
+        See ``hidden_saturations``.
     rows : str
         What the frames are, in words.
     """
     core = scene.twin().core
     if not isinstance(core, Engine):
         return []
-    counts = core.saturations(codes)
     return [
         f"{one.text}; {_counted('', counts[one.layer], rows)}" if one.from_data else one.text
         for one in core.graph.ranges

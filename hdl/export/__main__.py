@@ -14,7 +14,7 @@ from golden.cli import would
 from golden.folders import BUILD
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
-from golden.scene.saturation import range_lines, warn_saturating
+from golden.scene.saturation import hidden_saturations, range_lines, warn_saturating
 from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
@@ -55,7 +55,8 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
         print(f"{design.core.entity}: {fact}")
     if scene.front_end:
         print(f"front_end: {scene.front_end.describe()}")
-    for line in [*ranges(scene), *range_lines(scene, scene.vectors().codes)]:
+    saturated = hidden_saturations(scene, scene.vectors().codes)
+    for line in [*ranges(scene), *range_lines(scene, saturated)]:
         print(line)
 
 

@@ -74,9 +74,9 @@ class Confusion:
             return svg(figure, self.name)
 
 
-def confusion_plot(scene: Scene) -> Confusion:
+def confusion_plot(scene: Scene, every: Decisions) -> Confusion:
     """The confusion matrix on held-out rows or, if these are unknown, on all rows."""
-    found, rows = shown(scene)
+    found, rows = shown(scene, every)
     return Confusion(
         "confusion",
         f"{scene.classes}: decided against recorded",

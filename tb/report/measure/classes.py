@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from golden.decisions import Decisions, decisions_of, shown
+from golden.decisions import shown
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Cell, Table
 
@@ -14,7 +14,7 @@ WORST = 20
 
 def accuracy(found: Outcome) -> Table:
     """The part of the rows that is decided rightly, on all rows and on those held out."""
-    every = decisions_of(found.scene)
+    every = found.decisions
     kinds = {"all rows": every}
     if found.held_out is not None:
         kinds["held-out rows"] = every.take(found.held_out)
@@ -35,7 +35,7 @@ def accuracy(found: Outcome) -> Table:
 
 def per_class(found: Outcome) -> Table:
     """How many rows of each class are decided rightly, and how often each decision is right."""
-    some, which = shown(found.scene)
+    some, which = shown(found.scene, found.decisions)
     counts = some.confusion
     rows: list[list[Cell]] = []
     for n, label in enumerate(some.labels):
@@ -56,7 +56,7 @@ def per_class(found: Outcome) -> Table:
 
 def wrong_rows(found: Outcome) -> Table:
     """The rows that are decided wrongly, those of the largest margin first."""
-    some: Decisions = decisions_of(found.scene)
+    some = found.decisions
     wrong = np.flatnonzero(some.bit_true != some.actual)
     held = set() if found.held_out is None else set(found.held_out.tolist())
     rows: list[list[Cell]] = []

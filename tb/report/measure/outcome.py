@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.decisions import Decisions, decisions_of
 from golden.disturbance import Disturbance
 from golden.precision import SIGNAL
 from golden.real import Real
@@ -61,6 +63,11 @@ class Outcome:
     noisy: dict[float, Real]
     groups: Real
     held_out: Rows | None
+
+    @cached_property
+    def decisions(self) -> Decisions:
+        """The decisions between the classes of the scene on all rows."""
+        return decisions_of(self.scene)
 
     @property
     def alike(self) -> bool:

@@ -92,7 +92,9 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     )
     places = along(found) if scene.group_by else None
     told = telling(scene)
-    plots: list[Drawable] = [confusion_plot(scene)] if scene.labels else [*predicted_plots(found)]
+    plots: list[Drawable] = (
+        [confusion_plot(scene, found.decisions)] if scene.labels else [*predicted_plots(found)]
+    )
     if places:
         plots.append(along_plot(found, places))
     moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None

@@ -8,7 +8,7 @@ from golden.block import walk
 from golden.networks.left_out import left_out as of_network
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
-from golden.scene.saturation import range_lines
+from golden.scene.saturation import hidden_saturations, range_lines
 from golden.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.training.split import unused_text
 from hdl.synth.timing import DEVICE_NAME
@@ -27,6 +27,7 @@ def built(scene: Scene, design: Network) -> list[str]:
     entities = list(walk(design))
     blocks = {part.block for part in entities}
     vectors, unused = scene.vectors(), unused_text(scene)
+    saturated = hidden_saturations(scene, vectors.codes)
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
         f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.design}, activation "
@@ -34,7 +35,7 @@ def built(scene: Scene, design: Network) -> list[str]:
         f"{len(entities)} entities of {len(blocks)} blocks, exported as VHDL-93 and as Verilog.",
         f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
         f"samples saturated.{f' {unused}.' if unused else ''}",
-        *(f"{line[0].upper()}{line[1:]}." for line in range_lines(scene, vectors.codes)),
+        *(f"{line[0].upper()}{line[1:]}." for line in range_lines(scene, saturated)),
     ]
 
 
