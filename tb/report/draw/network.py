@@ -156,8 +156,10 @@ def _nodes(place: Place, hidden: Sequence[int], names: tuple[str, ...]) -> list[
         body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{count} hidden nodes"))
     counts = ", ".join(map(str, hidden)) or "no"
     words = f"{counts} hidden node{'' if sum(hidden) == 1 else 's'}"
-    heading = (place.inputs[0][0] + place.outputs[0][0]) / 2, place.top + 12
-    body.append(text(heading, words, text_anchor="middle"))
+    left, right = place.inputs[0][0], place.outputs[0][0]
+    # Without a hidden layer there is less room than the words take.
+    centre = max((left + right) / 2, left + text_width(words) / 2)
+    body.append(text((centre, place.top + 12), words, text_anchor="middle"))
     body += [dot(point, 2.4) for point in place.inputs]
     for (x, y), name in zip(place.outputs, names, strict=True):
         body += [
