@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +27,7 @@ from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import RECORDS, read_record
 from tb.sign_off.source import verilog
 from tb.sign_off.subject import recorded_cases
@@ -196,6 +199,14 @@ def test_a_selection_that_yosys_takes_out_is_an_error(
     monkeypatch.setattr(flat, "NARROWEST", 1)
     with pytest.raises(InputError, match="0 elements instead of the asserted 1"):
         proved(commands, "counter", tmp_path, {})
+
+
+def test_the_processor_time_is_that_of_what_was_started_too() -> None:
+    before = processor_minutes()
+    subprocess.run([sys.executable, "-c", "sum(range(10**7))"], check=True)
+    assert processor_minutes() > before
+    assert "30.0 minutes, without" in processor_line(30)
+    assert "at least 15.0 minutes on 2 processors" in processor_line(30)
 
 
 def test_scores_are_found_every_night() -> None:
