@@ -24,10 +24,10 @@ from tb.sign_off.current import stale_records
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Every run plays all recorded frames through the first of these scenes: the default scene, and the
-# design with every multiplication at once. ALL=1 adds the design of the thesis in its arithmetic,
-# which `make demo` simulates too. The cases cover the other arrangements and interfaces.
-NETWORKS = tiered(["digit", "digit-parallel"], ["digit-single-thesis"])
+# Every run plays all recorded frames through the default scene. ALL=1 adds the design with every
+# multiplication at once, and the design of the thesis in its arithmetic, which `make demo`
+# simulates too. The cases cover the other arrangements and interfaces.
+NETWORKS = tiered(["digit"], ["digit-parallel", "digit-single-thesis"])
 
 
 # These cases drive the same as others in other sizes, so only ALL=1 runs them.
@@ -53,6 +53,7 @@ LEFT = (
 LEFT_OF = {
     "block-ram": {"hybrid"},
     "deep-tables-engine": {"engine"},
+    "exact-engine": {"engine"},
     "fine-engine": {"engine", "operand_select", "program_memory"},
     "floor-engine": {"engine"},
     "least": {"gradient", "output_controller", "output_integral"},

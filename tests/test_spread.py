@@ -68,6 +68,7 @@ def test_the_command_measures_tables_under_settings() -> None:
     assert "operations " not in done.stdout
 
 
+@pytest.mark.all_only
 def test_a_training_is_measured_and_leaves_the_scene_alone(small_cascade: Scene) -> None:
     before = fingerprint([small_cascade.path.parent])
     table = spread.training(small_cascade, ["as it is", "one-thread"], [], more=1)
