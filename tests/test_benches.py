@@ -47,11 +47,13 @@ LEFT = (
     *("hybrid-winner", "winner-past", "winner-converter", "winner-uart"),
     *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
+    *("least-graph", "polynomial-short"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
 )
 # So are these of cases whose other blocks are simulated in every run.
 LEFT_OF = {
     "block-ram": {"hybrid"},
+    "deep-engine": {"engine"},
     "deep-tables-engine": {"engine"},
     "exact-engine": {"engine"},
     "fine-engine": {"engine", "operand_select", "program_memory"},

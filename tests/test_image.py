@@ -317,7 +317,7 @@ def with_other_depth(name: str, folder: Path) -> list[Scene]:
     return [case.scene(folder, name), one.scene(folder, f"{name}-one")]
 
 
-@pytest.mark.parametrize("kind", tiered(["shipped", "layers-reload"], ["exact-reload"]))
+@pytest.mark.parametrize("kind", tiered(["shipped"], ["layers-reload", "exact-reload"]))
 def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind: str) -> None:
     folders = []
     if kind == "shipped":

@@ -58,6 +58,7 @@ def test_the_settings_reach_numpy() -> None:
     assert done.stdout.strip() == "False"
 
 
+@pytest.mark.all_only
 def test_the_command_measures_tables_under_settings() -> None:
     command = [sys.executable, "-m", "tb.report.measure.spread", "figures", "operations"]
     for name in ("as it is", "one-thread"):

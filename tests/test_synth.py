@@ -292,8 +292,9 @@ def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) 
     assert (digest(tmp_path) == before) is same
 
 
-@pytest.mark.parametrize("name", RECORDED)
+@pytest.mark.parametrize("name", tiered(scene_names(), RECORDED[len(scene_names()) :]))
 def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
+    """Every run exports the shipped scenes, and ALL=1 those that are compared with them."""
     scene = load_scene(name)
     timing, recorded_digest = read_timing(timing_path(scene.path))
     assert recorded_digest == digest(shared.export(name, "verilog")), (
