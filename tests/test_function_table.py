@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.dense import Dense, DenseNetwork, Trained, network_of
-from golden.engine.exact import exact
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
 from golden.engine.graph import Kind
@@ -25,6 +24,7 @@ from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.network_files.network_file import write_network
 from golden.networks.engine import Engine
+from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -156,8 +156,7 @@ def test_the_program_computes_the_graph(shape, kinds, options) -> None:
     for lean in (True, False):
         engine = Engine.of([network(shape, kinds)], Settings(options=options, lean=lean))
         codes = samples(shape[0])
-        width = options.get("segment_width", 9)
-        assert np.array_equal(engine.process(codes), exact(engine.graph, width, codes))
+        assert np.array_equal(engine.process(codes), exact(engine, codes))
 
 
 @pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
