@@ -29,7 +29,7 @@ from golden.files import (
 )
 from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
-from golden.network_files.held import Ending, Held
+from golden.network_files.held import Held
 from golden.real import Real
 from golden.table import suggest
 
@@ -121,10 +121,8 @@ def load_network(
     return network_of(layers)
 
 
-def ending_of(path: Path) -> Ending | None:
-    """What makes a class of the outputs of the network at ``path``; None if nothing does.
-
-    The labels of a classifier are in it.
+def held_in(path: Path) -> Held:
+    """The content of the network file at ``path``.
 
     Raises
     ------
@@ -134,7 +132,7 @@ def ending_of(path: Path) -> Ending | None:
     form = _form(path)
     check_file(path)
     held: Held = form.read(path)
-    return held.ending
+    return held
 
 
 def _check_array(
