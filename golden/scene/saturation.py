@@ -70,11 +70,8 @@ def held(scene: Scene) -> list[str]:
             goes_on = [function.goes_on for function in layer.functions]
             beyond = (np.abs(sums) > -LOW) & goes_on if goes_on else np.zeros_like(sums, dtype=bool)
             if beyond.any():
-                names = dict.fromkeys(
-                    function.name
-                    for function, found in zip(layer.functions, beyond.any(axis=0), strict=True)
-                    if found
-                )
+                nodes = np.unique(np.nonzero(beyond)[1]).tolist()
+                names = dict.fromkeys(layer.functions[node].name for node in nodes)
                 sentences.append(
                     f"{member.weights_path.name}: layer {number}: sums reach "
                     f"{np.abs(sums[beyond]).max():.3g} in {beyond.any(axis=1).sum()} of "
