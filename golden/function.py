@@ -12,7 +12,7 @@ import numpy as np
 from golden.cli import naming
 from golden.expression import evaluate
 from golden.input_error import InputError
-from golden.precision import EXACT
+from golden.precision import EXACT, SIGNAL
 from golden.real import Real
 from golden.table import suggest
 
@@ -86,6 +86,15 @@ class Function:
         places, values = zip(*self.points, strict=True)
         return np.asarray(np.interp(x, places, values), dtype=np.float64)
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether its expression changes beyond the ends of sums, where the function is held."""
+        if not self.expression or self.expression == TANH_TEXT:
+            return False
+        ends = np.array([LOW, -LOW])
+        inside, beyond = (evaluate(self.expression, x) for x in (ends, 2 * ends))
+        return not bool((np.abs(beyond - inside) < 2.0**-SIGNAL.frac).all())
+
     def slope(self, q: Real) -> Real:
         """The slope at each sum, from the values one code below and above; 0 beyond the ends."""
         rise: Real = self.value(q + _STEP) - self.value(q - _STEP)
@@ -144,7 +153,7 @@ def read_function(name: str, given: object) -> Function:
     Raises
     ------
     InputError
-        See ``Function``; and for lists of different length.
+        See ``Function``; and for other keys, or lists of different length.
     """
     with naming(f"network.functions.{name}"):
         if isinstance(given, str):
@@ -152,6 +161,10 @@ def read_function(name: str, given: object) -> Function:
                 raise InputError("got an empty text, expected an expression of x")
             return Function(name, given)
         assert isinstance(given, dict)
+        if set(given) != {"x", "y"}:
+            raise InputError(
+                f"got {', '.join(given) or 'nothing'}, expected x and y, or points alone"
+            )
         x, y = given["x"], given["y"]
         if len(x) != len(y):
             raise InputError(f"y: got {len(y)} numbers, expected {len(x)}, one for each x")

@@ -215,13 +215,15 @@ COMMANDS = (
     Command(
         "scene",
         "Writes a scene for your own readings, and prints what the readings show; CLASSES= names "
-        "a column of labels instead of OUTPUTS=, HARDWARE= the scene whose board took them.",
+        "a column of labels instead of OUTPUTS=, HARDWARE= the scene whose board took them, "
+        "NETWORK= a trained network that the scene is for.",
         (
             word("CSV", "readings.csv", default="", needed=True),
             word("OUTPUTS", "a,b", default=""),
             option("CLASSES", "gesture"),
             option("TO", "my-rig.toml"),
             HARDWARE,
+            option("NETWORK", "net.onnx"),
         ),
         "golden.commands.scene",
     ),

@@ -196,7 +196,31 @@ ONNX = {
         "w1: got object, expected real numbers",
     ),
     "complex": (onnx(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "another operator": (onnx({2: node("Elu", "b", "c")}), "operator Elu ('my'): not supported"),
+    "another operator": (onnx({2: node("Hardmax", "b", "c")}), "operator Hardmax ('my'): not supp"),
+    "a convolution": (
+        onnx({0: node("Conv", "x w1", "a")}),
+        "operator Conv ('my'): not supported: tactus is for dense networks and has no convolution",
+    ),
+    "a loop of operators": (
+        onnx({2: node("Loop", "b", "c")}),
+        "behind layer 1: operator Loop ('my'): not supported: .*none that keep a state",
+    ),
+    "a recurrent layer": (
+        onnx({2: node("LSTM", "b w1", "c")}),
+        "behind layer 1: operator LSTM ('my'): not supported: .*none that keep a state",
+    ),
+    "values that are no longer real": (
+        onnx({2: node("Cast", "b", "c", to=TensorProto.INT8)}),
+        "behind layer 1: operator Cast ('my'): to INT8, expected one of FLOAT, DOUBLE",
+    ),
+    "a slope that rises below 0": (
+        onnx({2: node("LeakyRelu", "b", "c", alpha=-0.5)}),
+        "behind layer 1: operator LeakyRelu ('my'): got the slope -0.5 below 0, expected 0 to 1",
+    ),
+    "a function without a value": (
+        onnx({2: node("Celu", "b", "c", alpha=0.0)}),
+        "operator Celu ('my'): got .*which has no finite value at x",
+    ),
     "a branch": (onnx({2: node("If", "b", "c")}), "operator If ('my'): not supported, expected"),
     "of another domain": (
         onnx({2: node("Tanh", "b", "c", domain="a")}),

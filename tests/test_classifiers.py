@@ -12,7 +12,7 @@ from onnx import TensorProto, helper, numpy_helper
 from golden.finding import OK
 from golden.input_error import InputError
 from golden.network_files.held import Ending
-from golden.network_files.network_file import ending_of, load_network, write_network
+from golden.network_files.network_file import held_in, load_network, write_network
 from golden.rig.check import networks_there
 from golden.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
@@ -33,7 +33,7 @@ def test_a_classifier_from_scikit_learn(name: str) -> None:
     """A pipeline of a StandardScaler and an MLPClassifier, with and without ZipMap."""
     shape, ending = FILES[name]
     path = DATA / f"{name}.onnx"
-    assert ending_of(path) == ending
+    assert held_in(path).ending == ending
     network = load_network(path, (3, 0, shape[-1]))
     assert network.shape == shape
     with np.load(path.with_suffix(".npz")) as recorded:
@@ -126,20 +126,20 @@ def test_the_network_ends_in_front_of_what_tells_the_class(tmp_path: Path, name:
     path = classifier(tmp_path, tail, outputs, width)
     found, expected = load_network(path, (3, 5, width)), NETWORKS[width]
     assert all(np.array_equal(getattr(found, n), getattr(expected, n)) for n in ("w2", "b2"))
-    assert ending_of(path) == ending
+    assert held_in(path).ending == ending
 
 
 def test_a_sigmoid_alone_is_the_probability_that_it_was(tmp_path: Path) -> None:
     path = classifier(tmp_path, [node("Sigmoid", "v", "p")], "p", 1)
     assert load_network(path, (3, 0, 1)).activations == ("tanh", "sigmoid")
-    assert ending_of(path) is None
+    assert held_in(path).ending is None
 
 
 @pytest.mark.parametrize("form", ["npz", "mat"])
 def test_other_files_have_no_classes(tmp_path: Path, form: str) -> None:
     path = tmp_path / f"net.{form}"
     write_network(path, NETWORKS[1])
-    assert ending_of(path) is None
+    assert held_in(path).ending is None
 
 
 REFUSED = {

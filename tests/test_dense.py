@@ -14,9 +14,9 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
-from golden.engine.exact import error_bounds
+from golden.engine.bounds import error_bounds
 from golden.engine.formats import RESULT
-from golden.engine.layers import first_values, planned
+from golden.engine.quantise import first_values, planned
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp, tanh
@@ -358,9 +358,9 @@ def test_no_sum_saturates_and_a_bit_more_would(kind: str) -> None:
     signs = np.concatenate([weights > 0, weights < 0])
     codes = np.where(signs, SIGNAL.high, SIGNAL.low)
     sums = SIGNAL.to_real(codes) @ weights.T + network.layers[0].biases
-    assert np.abs(sums).max() * 2**first.result.frac <= RESULT.high + 1
-    assert np.abs(sums).max() * 2**first.result.frac > 0.9 * reach
-    assert second.result.frac <= first.result.frac
+    assert np.abs(sums).max() * 2**first.layer.result.frac <= RESULT.high + 1
+    assert np.abs(sums).max() * 2**first.layer.result.frac > 0.9 * reach
+    assert second.layer.result.frac <= first.layer.result.frac
 
 
 def test_sums_that_no_format_holds_are_refused() -> None:

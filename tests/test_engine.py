@@ -29,10 +29,11 @@ from golden.engine.formats import (
 )
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
-from golden.engine.layers import graph_of
 from golden.engine.listing import listing
+from golden.engine.neurons import graph_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import Instruction, Program, assemble
+from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Fix
@@ -159,7 +160,8 @@ def test_lean_leaves_out_steps(pipeline: Pipeline) -> None:
     mlp = random_mlp((3, 4, 2), 1.0, 1)
     mlp.w2[:, -1] = 0
     mlp.w1[:, 0] = 0
-    lean, full = (schedule(graph_of("single", [mlp], kind), pipeline) for kind in (True, False))
+    whole = integer_networks("single", [mlp])
+    lean, full = (schedule(graph_of(whole, kind), pipeline) for kind in (True, False))
     # Of a node its bias, three samples and tanh; of three others a sample each; two weights.
     assert len(used(full)) - len(used(lean)) == (1 + 3 + 2) + 3 + 2
 
@@ -272,7 +274,7 @@ def test_the_program_holds_what_was_scheduled(graph: Graph, pipeline: Pipeline) 
 def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
     mlp = random_mlp((2, 1, 1), 1.0, 1)
     mlp.w1[0] = [100.0, -100.0]
-    (hidden, *_) = graph_of("single", [mlp]).neurons
+    (hidden, *_) = graph_of(integer_networks("single", [mlp])).neurons
     most = 1 << (WIDTH - 1)
     for source, weight in ((0, 100), (1, -100)):
         parts = [term.weight for term in hidden.terms if term.source == source]

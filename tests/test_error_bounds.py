@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
-from golden.engine.exact import error_bounds
+from golden.engine.bounds import error_bounds
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.precision import SIGNAL

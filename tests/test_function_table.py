@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.dense import Dense, DenseNetwork, Trained, network_of
-from golden.engine.exact import exact
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
 from golden.engine.graph import Kind
@@ -25,9 +24,11 @@ from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.network_files.network_file import write_network
 from golden.networks.engine import Engine
+from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import load_scene
+from golden.scene.saturation import saturating
 from tb.common.cases import random_network, write_scene
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
@@ -156,8 +157,7 @@ def test_the_program_computes_the_graph(shape, kinds, options) -> None:
     for lean in (True, False):
         engine = Engine.of([network(shape, kinds)], Settings(options=options, lean=lean))
         codes = samples(shape[0])
-        width = options.get("segment_width", 9)
-        assert np.array_equal(engine.process(codes), exact(engine.graph, width, codes))
+        assert np.array_equal(engine.process(codes), exact(engine, codes))
 
 
 @pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
@@ -218,7 +218,7 @@ def test_tables_that_take_too_much_memory_are_refused() -> None:
 
 
 def test_an_image_is_for_tanh() -> None:
-    with pytest.raises(InputError, match="reload: got True for a network with softsign, expected"):
+    with pytest.raises(InputError, match="image needs the functions softsign, there is tanh"):
         Engine.of([network((2, 3, 1), ("table:softsign",))], Settings(options={"reload": True}))
 
 
@@ -260,6 +260,46 @@ def test_points_are_read(tmp_path: Path) -> None:
     assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]
 
 
+def test_points_come_from_a_file(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
+    (tmp_path / "valve.csv").write_text("x,y,why\n-1,0.5,1\n0,1.25,1\n2,0,1\n")
+    text = path.read_text()
+    path.write_text(re.sub(r"gaussian = .*", 'bell = { points = "valve.csv" }', text))
+    scene = load_scene(str(path))
+    (member,) = scene.members
+    assert [function.name for function in member.functions] == ["softsign", "bell"]
+    assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
+    assert tmp_path / "valve.csv" in scene.files
+
+
+@pytest.mark.parametrize(("function", "reach"), [(GELU, 20.0), (BELL, None), (POINTS, None)])
+def test_sums_beyond_a_table_are_named(tmp_path: Path, function: Function, reach) -> None:
+    """A function that is level there loses nothing."""
+    first = Dense(
+        np.array([[0.0, 0.0], [1.0, 1.0]]),
+        np.array([20.0, 0.0]),
+        f"table:{function.name}",
+        functions=(function,) * 2,
+    )
+    dense = network_of([first, Dense(np.array([[0.01, 0.1]]), np.zeros(1))])
+    path = write_scene(
+        tmp_path,
+        "own",
+        "exact",
+        [dense],
+        activation="precise",
+        design="engine",
+        functions=(GELU, BELL),
+    )
+    text = path.read_text()
+    points = (
+        f"points = {{ x = {[x for x, _ in POINTS.points]}, y = {[y for _, y in POINTS.points]} }}"
+    )
+    path.write_text(text.replace("[network.functions]", f"[network.functions]\n{points}"))
+    expected = "own.npz: layer 1: sums reach 20 in 12 of 12 recorded frames; beyond -8 and 8 gelu"
+    assert saturating(load_scene(str(path))) == ([f"{expected} keeps its value"] if reach else [])
+
+
 FAULTS = {
     'softsign = "x / (1 + abs(x"': r"functions.softsign: got 'x / \(1 \+ abs\(x', expected an expr",
     'softsign = "log(x)"': r"functions.softsign: got 'log\(x\)', which has no finite value at x = ",
@@ -267,9 +307,14 @@ FAULTS = {
     "softsign = \"__import__('os').getcwd()\"": r'softsign: got "__import__\(.os.\).getcwd\(\)", ',
     'softsign = "sin(x, x)"': r"softsign: got 'sin\(x, x\)', expected numbers",
     'softsign = "9 ** 9 ** 9 ** 9 * x"': "which has no finite value",
-    'softsign = ""': "network.functions.softsign: got '', expected an expression of x, or points",
-    "softsign = 3": "network.functions.softsign: got 3, expected an expression of x, or points",
-    "softsign = { x = [0, 1] }": r"functions.softsign: got {'x': \[0, 1\]}, expected an expression",
+    'softsign = ""': "network.functions.softsign: got '', expected an expression of x, points",
+    "softsign = 3": "network.functions.softsign: got 3, expected an expression of x, points",
+    "softsign = { x = [0, 1] }": "functions.softsign: got x, expected x and y, or points alone",
+    'softsign = { x = [0, 1], points = "a.csv" }': "functions.softsign: got x, points, expected x",
+    "softsign = { z = [0, 1] }": r"functions.softsign: got {'z': \[0, 1\]}, expected an expression",
+    'softsign = { points = "none.csv" }': "none.csv: no such file",
+    'softsign = { points = "own.csv" }': "own.csv: no column 'x'",
+    'softsign = { points = "" }': "functions.softsign.points: got '', expected",
     "softsign = { x = [0, 1], y = [1] }": "softsign.y: got .1., expected two or more numbers",
     "softsign = { x = [0, 1], y = [1, 2, 3] }": "softsign: y: got 3 numbers, expected 2, one for",
     "softsign = { x = [1, 0], y = [1, 2] }": r"softsign: x: got \[1.0, 0.0\], expected two or mor",

@@ -14,7 +14,9 @@ from scipy.io import savemat
 from golden.commands.network import main as convert
 from golden.input_error import InputError
 from golden.mlp import Mlp
+from golden.network_files.functions import EXPRESSIONS
 from golden.network_files.network_file import load_network, write_network
+from golden.networks.engine import Engine
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from tb.common.cases import random_mlp, write_scene
@@ -213,12 +215,59 @@ def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> N
     assert np.allclose(load_network(path, SHAPE).process(x), expected, atol=1e-5)
 
 
+OPERATORS = [
+    *(node(kind, "b", "c") for kind in EXPRESSIONS),
+    node("Gelu", "b", "c", approximate="tanh"),
+    node("Elu", "b", "c", alpha=0.5),
+    node("Celu", "b", "c", alpha=2.0),
+    node("Selu", "b", "c", alpha=1.5, gamma=-0.5),
+    node("HardSigmoid", "b", "c", alpha=0.25, beta=0.375),
+]
+
+
+@pytest.mark.parametrize(
+    "operator", OPERATORS, ids=lambda n: f"{n.op_type}{[a.name for a in n.attribute]}"
+)
+def test_an_operator_that_becomes_a_table(tmp_path: Path, operator) -> None:
+    """No sum leaves the range of a table here, so that the network is that of the file."""
+    mlp = random_mlp(SHAPE, 0.5, 1)
+    path = graph(tmp_path, [*KERAS[:2], operator, *KERAS[3:]], constants(mlp))
+    x = np.random.default_rng(1).uniform(-1, 1, (20, 3))
+    # The reference computes Celu and others in the precision of their input.
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    network = load_network(path, SHAPE)
+    assert network.activations == (f"table:{operator.op_type.lower()}",)
+    assert np.abs(x @ mlp.w1.T + mlp.b1).max() < 8
+    assert np.allclose(network.process(x), expected, atol=1e-6)
+    # The engine has it as a table.
+    codes = SIGNAL.quantise(x)[0]
+    found = Engine.of([network]).process(codes)
+    assert np.abs(SIGNAL.to_real(found) - np.clip(expected, -1, 1)).max() < 2e-3
+
+
+def test_an_operator_with_two_kinds_of_attributes_is_two_functions(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 0.5, 1)
+    nodes = [
+        *KERAS[:2],
+        node("Elu", "b", "c", alpha=0.5),
+        node("MatMul", "c w3", "e"),
+        node("Elu", "e", "f", alpha=2.0),
+        node("MatMul", "f w2", "y"),
+    ]
+    path = graph(tmp_path, nodes, constants(mlp) | {"w3": np.eye(5) - 0.5})
+    network = load_network(path, (3, 0, 2))
+    assert network.activations == ("table:elu", "table:elu_2")
+    x = np.random.default_rng(1).uniform(-1, 1, (20, 3))
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    assert np.allclose(network.process(x), expected, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (
-            {2: node("Elu", "b", "c")},
-            r"behind layer 1: operator Elu \('my_Elu'\): not supported, expected one of",
+            {2: node("Hardmax", "b", "c")},
+            r"behind layer 1: operator Hardmax \('my_Hardmax'\): not supported, expected one of",
         ),
         ({1: node("Add", "a a", "b")}, "operator Add .* expected constants beside 'a'"),
         ({2: node("Tanh", "a", "c")}, "operator Tanh .* expected a chain without branches"),

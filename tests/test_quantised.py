@@ -20,9 +20,9 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.dense import DenseNetwork
-from golden.engine.codes import engine_codes, file_codes
 from golden.engine.graph import Graph
-from golden.engine.layers import graph_of
+from golden.engine.neurons import graph_of
+from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
 from golden.network_files.network_file import load_network, write_network
 from golden.networks.engine import Engine
@@ -30,7 +30,7 @@ from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
-from golden.scene.quantised import quantised_lines
+from golden.scene.quantised import file_codes, quantised_lines
 from golden.scene.scale import Scale, on_signals
 from tb.common.cases import random_network, write_scene
 
@@ -207,6 +207,12 @@ def as_output(values: np.ndarray) -> np.ndarray:
     return np.clip(np.floor(values * 2**SIGNAL.frac + 0.5), SIGNAL.low, SIGNAL.high)
 
 
+def hidden_codes(network: DenseNetwork, codes: np.ndarray) -> list[np.ndarray]:
+    """The codes of each hidden layer in whole numbers."""
+    (whole,) = integer_networks("single", [network])
+    return whole.hidden_codes(codes)
+
+
 @settings(max_examples=30)
 @given(plan=plans())
 def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan) -> None:
@@ -220,7 +226,7 @@ def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan)
     units = [Scale(factor=plan.unit)] * plan.shape[0], [Scale(factor=plan.units[-1])]
     network, expected = on_signals(held, *units), expected / plan.units[-1]
     for ours, theirs in zip(
-        engine_codes(network, codes), file_codes(held, samples * plan.unit), strict=True
+        hidden_codes(network, codes), file_codes(held, samples * plan.unit), strict=True
     ):
         assert np.array_equal(ours, theirs)
     for option in ({}, {"multiplier": "serial"}):
@@ -322,7 +328,7 @@ def example(tmp_path: Path, **changed) -> Path:
 
 
 def graph(path: Path) -> Graph:
-    return graph_of("single", [load_network(path, (2, 0, 2))])
+    return graph_of(integer_networks("single", [load_network(path, (2, 0, 2))]))
 
 
 def test_what_hardware_an_exact_network_needs(tmp_path: Path) -> None:
@@ -481,7 +487,7 @@ def test_the_nearest_network_and_how_many_codes_differ(tmp_path: Path, monkeypat
     codes = codes_for(2, 2000)
     monkeypatch.setattr(Scene, "vectors", lambda self: SimpleNamespace(codes=codes))
     (network,), (held,) = scene.networks(), [member.load() for member in scene.members]
-    found = np.concatenate(list(engine_codes(network, codes)), axis=1)
+    found = np.concatenate(hidden_codes(network, codes), axis=1)
     expected = np.concatenate(list(file_codes(held, 4 * SIGNAL.to_real(codes))), axis=1)
     differ = (found != expected).sum()
     assert 0 < differ < 0.02 * found.size
@@ -507,7 +513,7 @@ def test_what_only_the_nearest_network_can_hold(tmp_path: Path, change: dict) ->
     first = replace(first, quantiser=replace(first.quantiser, **change))
     network = DenseNetwork((first, last))
     nearest = replace(first, quantiser=replace(first.quantiser, nearest=True))
-    found = list(engine_codes(DenseNetwork((nearest, last)), codes_for(2)))
+    found = hidden_codes(DenseNetwork((nearest, last)), codes_for(2))
     expected = list(file_codes(network, SIGNAL.to_real(codes_for(2))))
     assert np.abs(found[0] - expected[0]).max() <= 1
     assert len(np.unique(found[0])) > 5

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from golden.commands.predict import main as predict_main
 from golden.dense import Dense, DenseNetwork, network_of
-from golden.engine.exact import error_bounds, exact_sums
-from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.bounds import error_bounds
+from golden.engine.formats import WIDTH
+from golden.engine.integer_network import sample_words
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, met_by
 from golden.finding import OK, WARNING
 from golden.fixed import Codes
@@ -67,11 +68,11 @@ def test_what_no_format_holds_has_no_fraction_bits() -> None:
 def test_the_largest_magnitudes_are_those_of_the_words(kind: str) -> None:
     network, codes = wide((kind, kind)), quiet(24, 50)
     engine = of_frames(network, codes, lean=False)
-    for found, one in zip(met_by(network, SIGNAL.to_real(codes)), engine.graph.ranges, strict=True):
+    (whole,) = engine.integers
+    layers = zip(met_by(network, SIGNAL.to_real(codes)), engine.graph.ranges, strict=True)
+    for depth, (found, one) in enumerate(layers):
         words = [
-            abs(exact_sums(engine.graph, 9, frame)[place][1])
-            for frame in codes.tolist()
-            for place in one.places
+            abs(word) for words in sample_words(codes) for word in list(whole.run(words))[depth][1]
         ]
         assert one.fmt.to_real(max(words)) == pytest.approx(found, abs=0.02)
         assert one.met == found
@@ -114,15 +115,17 @@ def test_saturations_are_counted_and_part_of_the_twin(kind: str, multiplier: str
     ranges = [one for one in engine.graph.ranges if one.from_data]
     assert [one.layer for one in ranges] == list(found)
     assert "layer 1" in found
+    (whole,) = engine.integers
     for one in ranges:
-        expected = []
-        for frame in codes.tolist():
-            sums = exact_sums(engine.graph, 9, frame)
+        depth = int(one.layer.removeprefix("layer ")) - 1
+        layer, expected = whole.layers[depth], []
+        built = [engine.graph.neurons[place].name.split("node ")[1] for place in one.places]
+        nodes = [int(name.split()[0]) - 1 for name in built]
+        for frame in sample_words(codes):
             beyond = [
-                total >> DROPPED > one.fmt.high
-                or (total >> DROPPED < one.fmt.low and not engine.graph.neurons[place].relu)
-                for place in one.places
-                for total in [sums[place][0]]
+                layer.rounded(total) > one.fmt.high
+                or (layer.rounded(total) < one.fmt.low and not layer.rectifies)
+                for total in np.array(list(whole.run(frame))[depth][0])[nodes].tolist()
             ]
             expected.append(sum(beyond))
         assert found[one.layer].tolist() == expected

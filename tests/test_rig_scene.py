@@ -8,24 +8,35 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from jsonschema import Draft7Validator
+from onnx import TensorProto, helper, numpy_helper
 
+from golden.dense import Quantiser, layers_of, network_of
 from golden.finding import FAULT
+from golden.function import Function
 from golden.input_error import InputError
+from golden.network_files.held import Held
+from golden.network_files.network_file import write_network
 from golden.rig import readings
+from golden.rig.brought import Brought, brought
 from golden.rig.draft import weights
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import Scene, load_scene
+from golden.scene.saturation import saturating as scene_saturating
 from golden.scene.schema import EDITOR_SCHEMA
 from golden.table import read_csv_file, read_table
 from golden.training.scaling import scaled
+from tb.common.cases import random_network
 
 ROOT = Path(__file__).parents[1]
+BELL = Function("bell", "exp(-x * x)")
+node = helper.make_node
 RNG = np.random.default_rng(3)
 PLACE = RNG.uniform(0.1, 0.9, 60)
 FORCE = RNG.choice([0.2, 0.4, 0.6], 60)
@@ -48,6 +59,95 @@ def text_of(table: dict[str, object], sign: str = ",", point: str = ".") -> str:
         cells = (cell if isinstance(cell, str) else f"{cell:.4f}" for cell in row)
         lines.append(sign.join(cell.replace(".", point) for cell in cells))
     return "\n".join(lines) + "\n"
+
+
+NETWORKS = {
+    "tanh.npz": random_network((3, 4, 2), ("tanh",), 1.0, 1),
+    "relu.onnx": random_network((3, 6, 4, 2), ("relu", "sigmoid"), 1.0, 1),
+    "bell.npz": random_network((3, 4, 2), ("table:bell",), 1.0, 1, functions=(BELL,)),
+}
+
+
+@pytest.mark.parametrize("times", [1, 20])
+@pytest.mark.parametrize("name", ["tanh.npz", "relu.onnx"])
+def test_a_scene_for_a_network_from_elsewhere(tmp_path: Path, name: str, times: int) -> None:
+    """It computes what the file does, whatever the range of the readings."""
+    network, file = NETWORKS[name], tmp_path / "nets" / name
+    file.parent.mkdir()
+    layers = list(layers_of(network))
+    layers[0] = replace(layers[0], weights=layers[0].weights / times)
+    write_network(file, network_of(layers))
+    sensors = {key: times * np.asarray(TABLE[key]) for key in ("s1", "s2", "s3")}
+    results = network.process(np.column_stack([TABLE[key] for key in sensors]))
+    found = look(tmp_path, **sensors, force=results[:, 0], place=results[:, 1])
+    path = tmp_path / "mine.toml"
+    scene = write_scene(found, path, network=brought(file, found))
+    assert scene.describe() == ":".join(map(str, network.shape))
+    assert scene.arrangement == "single"
+    assert [member.weights_path for member in scene.members] == [file]
+    text = path.read_text()
+    kinds = [layer.activation for layer in layers[:-1]]
+    assert tomllib.loads(text)["network"]["activations"] == kinds
+    assert "[training]" not in text
+    assert ("FILL IN the ranges of your converter" in text) == (
+        times > 1 or np.abs(results).max() > 1
+    )
+    vectors = scene.vectors()
+    real = scene.in_units(scene.process_real(vectors.inputs))
+    assert np.abs(real - results).max() < 0.01
+    assert not scene_saturating(scene)
+    bit_true = scene.outputs_in_units(scene.twin().process(vectors.codes))
+    assert np.abs(bit_true - results).max() < 0.02
+
+
+def test_functions_of_the_file_are_not_named(tmp_path: Path) -> None:
+    made = [node("MatMul", ["x", "w1"], ["a"]), node("Gelu", ["a"], ["b"])]
+    made.append(node("MatMul", ["b", "w2"], ["y"]))
+    weights_ = {"w1": np.eye(3, 4), "w2": np.full((4, 2), 0.1)}
+    ends = [[helper.make_tensor_value_info(n, TensorProto.DOUBLE, [None, 3])] for n in "xy"]
+    tensors = [numpy_helper.from_array(v, k) for k, v in weights_.items()]
+    file = tmp_path / "gelu.onnx"
+    graph = helper.make_graph(made, "test", *ends, tensors)
+    file.write_bytes(helper.make_model(graph).SerializeToString())
+    found = look(tmp_path)
+    scene = write_scene(found, tmp_path / "mine.toml", network=brought(file, found))
+    (network,) = scene.networks()
+    assert layers_of(network)[0].activation == "table:gelu"
+    assert "activations" not in (tmp_path / "mine.toml").read_text()
+
+
+def test_the_range_of_a_quantised_network_is_a_power_of_two() -> None:
+    held = Held({}, ("relu",), quantisers=(Quantiser(0.25, 0, 0, 15),))
+    network = Brought(Path("net.onnx"), held)
+    for values, factor in (([-3.0, 1.0], 4.0), ([0.0, 4.0], 8.0), ([-0.3, 0.2], 0.5)):
+        assert network.range_of(np.array(values)) == (0.0, factor)
+    offset, factor = replace(network, held=Held({})).range_of(np.array([100.0, 1000.0]))
+    assert (offset, factor) == (550.0, 500.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "outputs", "message"),
+    [
+        ((2, 4, 2), "force,place", "got a network of 2 inputs, expected 3, one for each sensor of"),
+        ((3, 4, 1), "force,place", "got a network of 1 outputs, expected 2, one for each output"),
+        ((4, 4, 2), "force,place", "idle is left out: "),
+    ],
+)
+def test_a_network_for_other_columns_is_refused(tmp_path: Path, shape, outputs, message) -> None:
+    file = tmp_path / "net.npz"
+    write_network(file, random_network(shape, ("tanh",), 1.0, 1))
+    found = look(tmp_path, outputs, idle=np.zeros(60))
+    with pytest.raises(InputError, match=f"net.npz: .*{message}"):
+        brought(file, found)
+
+
+def test_a_scene_that_cannot_name_the_network_is_not_written(tmp_path: Path) -> None:
+    file = tmp_path / "bell.npz"
+    write_network(file, NETWORKS["bell.npz"])
+    found = look(tmp_path)
+    with pytest.raises(InputError, match=r"no function 'bell', expected it in \[network"):
+        write_scene(found, tmp_path / "mine.toml", network=brought(file, found))
+    assert not (tmp_path / "mine.toml").exists()
 
 
 def look(folder: Path, outputs: str = "force,place", **changed: object) -> Survey:

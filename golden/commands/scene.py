@@ -12,6 +12,7 @@ from golden.files import check_file, check_writable
 from golden.finding import refuse
 from golden.input_error import InputError
 from golden.rig import class_counts, sensors_tell
+from golden.rig.brought import brought
 from golden.rig.survey import survey
 from golden.rig.write_scene import check_sensors, names_of, write_scene
 from golden.scene import load_scene
@@ -27,6 +28,7 @@ def main() -> None:
     )
     parser.add_argument("--classes", help="instead: a column of labels to be told apart")
     parser.add_argument("--hardware", help="scene whose board recorded the readings")
+    parser.add_argument("--network", type=Path, help="trained network that the scene is for")
     parser.add_argument("--to", type=Path, help="the scene's file; by default named as the CSV")
     arguments = parser.parse_args()
     if not arguments.csv:
@@ -45,6 +47,11 @@ def main() -> None:
             f"CLASSES={arguments.classes}: got OUTPUTS={arguments.outputs} too, expected one of "
             "both: columns of numbers, or a column of labels"
         )
+    if arguments.network and arguments.hardware:
+        raise InputError(
+            f"NETWORK={arguments.network}: got HARDWARE={arguments.hardware} too, expected one of "
+            "both: the scale of the network, or that of the hardware"
+        )
     found = survey(recording, outputs, arguments.classes or "")
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))
@@ -55,8 +62,9 @@ def main() -> None:
     hardware = load_scene(arguments.hardware) if arguments.hardware else None
     if hardware:
         check_sensors(found, hardware)
+    network = brought(arguments.network, found) if arguments.network else None
     would(f"write {path}")
-    scene = write_scene(found, path, hardware)
+    scene = write_scene(found, path, hardware, network)
     for finding in class_counts.findings(scene):
         print(finding)
     count = len(scene.members)
@@ -64,7 +72,8 @@ def main() -> None:
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
     print("\n".join(map(str, sensors_tell.findings(scaled(scene)))))
     argument = f"SCENE={shlex.quote(str(path))}"
-    print(f"next: make check {argument}, then make train {argument} and make vhdl {argument}")
+    train = "" if network else f"make train {argument} and "
+    print(f"next: make check {argument}, then {train}make vhdl {argument}")
 
 
 if __name__ == "__main__":

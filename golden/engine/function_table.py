@@ -37,9 +37,9 @@ from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.real import Real
 
-# The binary point of a function is chosen with segments of this width, so that it does not depend
-# on the width that a scene chooses.
-_WIDTH = 9
+# Bits of q within a segment, where hardware chooses none. The binary point of a function is always
+# chosen with this width, so that it does not depend on what hardware chooses.
+SEGMENT_WIDTH = 9
 # Steps of the search for the best slope, each of which leaves two thirds of an interval.
 _STEPS = 30
 # The places in a segment at which the search looks at a line, besides the segment's end.
@@ -125,11 +125,13 @@ def format_of(function: Function) -> Fix:
             f"function {function.name}: got values that reach {reach:g}, expected {_MOST} at most"
         )
     # With this one no slope is cut off, so that fewer fraction bits can only be worse.
-    steepest = np.abs(_lines(function, _WIDTH)[0]).max() * 2.0**DROPPED
+    steepest = np.abs(_lines(function, SEGMENT_WIDTH)[0]).max() * 2.0**DROPPED
     least = most
     while least and steepest * 2.0**least > _MOST + 1:
         least -= 1
-    tables = [_fitted(function, _WIDTH, Fix(WIDTH, frac)) for frac in range(most, least - 1, -1)]
+    tables = [
+        _fitted(function, SEGMENT_WIDTH, Fix(WIDTH, frac)) for frac in range(most, least - 1, -1)
+    ]
     return min(tables, key=lambda table: table.error).result
 
 

@@ -33,6 +33,11 @@ class Kind(IntEnum):
 LOOKED_UP = (Kind.INTERCEPT, Kind.DISTANCE)
 
 
+def start_of(output: bool) -> int:
+    """The value at which every sum of an engine starts, of outputs or of others."""
+    return 1 << (DROPPED - 1 + (OUTPUT_SHIFT if output else 0))
+
+
 @dataclass(frozen=True)
 class Term:
     """One product of a sum.
@@ -97,7 +102,7 @@ class Neuron:
     @property
     def start(self) -> int:
         """The value at which the sum starts: half a unit of the result, or of an output."""
-        return 1 << (DROPPED - 1 + (OUTPUT_SHIFT if self.output else 0))
+        return start_of(self.output)
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from golden.dense import Dense
-from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.formats import WIDTH
+from golden.engine.integer_network import Rounding
 from golden.fixed import Fix
 from golden.input_error import InputError
 
 # At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2
+# Halves are rounded away from 0 only where no code is below it, so upwards.
+ROUNDINGS = {"even": Rounding.EVEN, "away": Rounding.UP, "floor": Rounding.DOWN}
 # What a scene may say where an exact network is not possible.
 OR_NEAREST = ', or network.quantised = "nearest"'
 
@@ -36,10 +39,7 @@ class Grid:
         Format of the words, which are differences from the lowest code.
     cut : int
         How many of the lowest bits of a word are 0.
-    even : bool
-        Whether a sum half way between two codes becomes the even one.
-    down : bool
-        Whether a sum becomes the code below it, and not the nearest one.
+    rounding : Rounding
     lowest : Fraction
         The value of the lowest code.
     factor : Fraction
@@ -50,22 +50,15 @@ class Grid:
 
     result: Fix
     cut: int
-    even: bool
-    down: bool
+    rounding: Rounding
     lowest: Fraction
     factor: Fraction = Fraction(1)
     nearest: bool = False
 
     @property
     def high(self) -> int:
-        """The word of the highest code."""
-        return (1 << (WIDTH - 1)) - (1 << self.cut)
-
-    @property
-    def start(self) -> int:
-        """The start value of a sum for its rounding, without the half unit that every sum has."""
-        half = 1 << (DROPPED - 1)
-        return (0 if self.down else half << self.cut) - half
+        """The highest code, counted from the lowest."""
+        return (1 << (WIDTH - 1 - self.cut)) - 1
 
 
 def grid_of(layer: Dense) -> Grid | None:
@@ -112,8 +105,7 @@ def grid_of(layer: Dense) -> Grid | None:
     return Grid(
         Fix(WIDTH, frac),
         cut,
-        quantiser.rounding == "even",
-        quantiser.rounding == "floor",
+        ROUNDINGS[quantiser.rounding],
         (low - quantiser.zero) * step,
         step / scale,
         quantiser.nearest,

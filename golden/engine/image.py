@@ -6,6 +6,7 @@ from binascii import crc_hqx
 from dataclasses import dataclass, field, replace
 
 from golden.engine.formats import WIDTH
+from golden.engine.function_table import SEGMENT_WIDTH
 from golden.engine.graph import Graph
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program, assemble
@@ -55,7 +56,7 @@ class Sizes:
 
     program_words: int = 512
     operand_words: int = 128
-    segment_width: int = 9
+    segment_width: int = SEGMENT_WIDTH
     pipeline: Pipeline = field(default_factory=Pipeline)
     rectifies: bool = False
     cut: int = 0

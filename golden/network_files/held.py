@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from golden.dense import LEAK, Quantiser
+from golden.function import Function
 from golden.real import Real
 
 # The name or the number of a class.
@@ -44,6 +45,8 @@ class Held:
         The quantisers of the same layers; empty if there are none.
     ending : Ending or None
         What makes a class of the outputs, in the file of a classifier.
+    functions : tuple of Function
+        The functions that activations name and the file itself defines.
     """
 
     arrays: dict[str, Real]
@@ -51,6 +54,7 @@ class Held:
     leaks: tuple[float, ...] = ()
     quantisers: tuple[Quantiser | None, ...] = ()
     ending: Ending | None = None
+    functions: tuple[Function, ...] = ()
 
     @property
     def names(self) -> list[str]:

@@ -27,9 +27,9 @@ from golden.files import (
     replace_files,
     same_file,
 )
-from golden.function import Function, functions_of
+from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
-from golden.network_files.held import Ending, Held
+from golden.network_files.held import Held
 from golden.real import Real
 from golden.table import suggest
 
@@ -72,7 +72,7 @@ def load_network(
         Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0 as
         the only number of hidden nodes, any number of layers and nodes is accepted.
     functions : mapping of str to Function
-        The functions that an activation of the file may name.
+        The functions that an activation of the file may name, besides those that it defines.
 
     Raises
     ------
@@ -107,6 +107,7 @@ def load_network(
             f"{path}: hidden layers: got {len(held.activations)}, expected {len(hidden)} of a "
             f"{text} network"
         )
+    known = {**(functions or {}), **by_name(held.functions)}
     layers = []
     for n, activation in enumerate((*held.activations, "linear"), start=1):
         shapes = {f"w{n}": (widths[n], widths[n - 1]), f"b{n}": (widths[n],)}
@@ -115,15 +116,13 @@ def load_network(
         leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
         with naming(f"{path}: layer {n}"):
             arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
-            tables = functions_of(activation, widths[n], functions or {})
+            tables = functions_of(activation, widths[n], known)
             layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1), tables))
     return network_of(layers)
 
 
-def ending_of(path: Path) -> Ending | None:
-    """What makes a class of the outputs of the network at ``path``; None if nothing does.
-
-    The labels of a classifier are in it.
+def held_in(path: Path) -> Held:
+    """The content of the network file at ``path``.
 
     Raises
     ------
@@ -133,7 +132,7 @@ def ending_of(path: Path) -> Ending | None:
     form = _form(path)
     check_file(path)
     held: Held = form.read(path)
-    return held.ending
+    return held
 
 
 def _check_array(

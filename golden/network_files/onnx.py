@@ -7,7 +7,7 @@ of a classifier may stand.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,14 @@ import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
+from golden.cli import naming
 from golden.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
 from golden.files import reading
+from golden.function import TABLE, Function
 from golden.input_error import InputError
 from golden.mlp import shifted
 from golden.network_files import classifier, quantisers
+from golden.network_files.functions import EXPRESSIONS, function_of
 from golden.network_files.held import Held
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
@@ -54,6 +57,7 @@ OPERATORS = {
     "LeakyRelu": (1,),
     "PRelu": (2,),
     "Clip": (1, 2, 3),
+    **dict.fromkeys(EXPRESSIONS, (1,)),
     "Cast": (1,),
     "Identity": (1,),
     "Flatten": (1,),
@@ -72,6 +76,8 @@ REASONS = {
 ATTRIBUTES = {
     "alpha": ("f", AttributeProto.FLOAT),
     "beta": ("f", AttributeProto.FLOAT),
+    "gamma": ("f", AttributeProto.FLOAT),
+    "approximate": ("s", AttributeProto.STRING),
     "transA": ("i", AttributeProto.INT),
     "transB": ("i", AttributeProto.INT),
     "epsilon": ("f", AttributeProto.FLOAT),
@@ -115,6 +121,8 @@ class _Chain:
         self.first: tuple[Quantiser, Real, Real] | None = None
         # Whether what comes next are codes, until a DequantizeLinear.
         self.coded: Quantiser | None = None
+        # The functions of activations that are tables, by name.
+        self.functions: dict[str, Function] = {}
 
     def refuse(self, node: Any, reason: str) -> InputError:
         place = f"behind layer {len(self.layers)}: " if self.layers else ""
@@ -157,6 +165,14 @@ class _Chain:
         self.layers[-1].activation, self.layers[-1].leak = activation, leak
         self.activated = True
 
+    def look_up(self, node: Any, function: Function) -> None:
+        """A function of a table as the activation of the last layer."""
+        if self.functions.get(function.name, function) != function:
+            # The same operator with other attributes.
+            function = replace(function, name=f"{function.name}_{len(self.layers)}")
+        self.functions[function.name] = function
+        self.activate(node, TABLE + function.name, LEAK)
+
     def quantise(self, node: Any, quantiser: Quantiser) -> None:
         """The quantiser behind the last layer; of samples it becomes a layer of its own."""
         if self.first or (self.layers and self.layers[-1].quantiser):
@@ -198,10 +214,11 @@ class _Chain:
 def read(path: Path) -> Held:
     """The layers of a network that PyTorch, Keras or scikit-learn has exported.
 
-    The graph must be layers of Gemm or MatMul, each but the last followed by one of ``ACTIVATIONS``
-    or by none. Before and after each of these there may be Add, Sub, Mul, Div and Scaler with
-    constants, BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At
-    the end there may be what makes a class of the values; see ``golden.network_files.classifier``.
+    The graph must be layers of Gemm or MatMul, each but the last followed by one of
+    ``ACTIVATIONS``, by one that becomes a table (``golden.network_files.functions``), or by none.
+    Before and after each of these there may be Add, Sub, Mul, Div and Scaler with constants,
+    BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At the end
+    there may be what makes a class of the values; see ``golden.network_files.classifier``.
 
     Raises
     ------
@@ -262,6 +279,7 @@ def read(path: Path) -> Held:
         tuple(layer.leak for layer in layers[:-1]),
         tuple(layer.quantiser for layer in layers[:-1]),
         ending,
+        tuple(chain.functions.values()),
     )
 
 
@@ -339,6 +357,10 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
                 raise chain.refuse(node, f"got {slopes.size} slopes, expected one for all nodes")
             leak = float(slopes[0])
         chain.activate(node, ACTIVATIONS[node.op_type], leak)
+    elif node.op_type in EXPRESSIONS:
+        with naming(f"{chain.path}: operator {node.op_type} ({node.name!r})"):
+            function = function_of(node.op_type, attributes)
+        chain.look_up(node, function)
     elif node.op_type == "Cast":
         kinds = {number: name for name, number in TensorProto.DataType.items()}
         kind = kinds.get(attributes.get("to"), "nothing")

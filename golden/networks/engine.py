@@ -14,12 +14,13 @@ from golden.dense import Trained
 from golden.engine.formats import DROPPED, HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.function_table import joined, table_of
+from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
 from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
-from golden.engine.layers import graph_of
+from golden.engine.integer_network import IntegerNetwork
 from golden.engine.multiply_accumulate import MultiplyAccumulate
+from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
@@ -27,6 +28,7 @@ from golden.engine.plane_select import PlaneSelect
 from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
+from golden.engine.quantise import integer_networks
 from golden.engine.replay_memory import ReplayMemory
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.serial_accumulate import SerialAccumulate
@@ -70,6 +72,8 @@ class Engine(Design):
     program : Program
     acc_width : int
         Bits of the sum. All sums of the program fit in them.
+    integers : tuple of IntegerNetwork
+        The networks in whole numbers from which the graph was made.
     graph : Graph
         The graph from which the program was made.
     loaded : Image or None
@@ -96,6 +100,7 @@ class Engine(Design):
     )
     program: Program
     acc_width: int
+    integers: tuple[IntegerNetwork, ...]
     graph: Graph
     loaded: Image | None = None
     budget: int = 0
@@ -104,7 +109,11 @@ class Engine(Design):
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short", **settings.options}
+        chosen: dict[str, Any] = {
+            "segment_width": SEGMENT_WIDTH,
+            "pipeline": "short",
+            **settings.options,
+        }
         lean, budget = settings.lean, chosen.pop("clocks", 0)
         if budget:
             left = replace(settings, options=chosen)
@@ -119,14 +128,9 @@ class Engine(Design):
             raise InputError(
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
-        graph = graph_of(arrangement, networks, lean, settings.met)
+        integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
+        graph = graph_of(integers, lean)
         table = joined(graph.functions, chosen["segment_width"])
-        if graph.functions != (TANH,) and reload:
-            names = ", ".join(function.name for function in graph.functions)
-            raise InputError(
-                f"hardware.reload: got True for a network with {names}, expected False: what an "
-                "image is loaded into has the table of tanh alone"
-            )
         if lean and not reload:
             table = table.within(graph.reach(table))
         pipeline = Pipeline(int(depth == "deep"))
@@ -145,6 +149,7 @@ class Engine(Design):
         return cls(
             program,
             acc_width,
+            integers,
             graph,
             loaded,
             useless_nodes=graph.useless_nodes,
@@ -252,7 +257,8 @@ class Engine(Design):
         InputError
             When they do not fit, or when the program is part of the hardware.
         """
-        return image_of(graph_of(arrangement, networks, met=met), self._sizes)
+        integers = integer_networks(arrangement, networks, met, self._sizes.segment_width)
+        return image_of(graph_of(integers), self._sizes)
 
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""

@@ -10,7 +10,8 @@ from functools import singledispatch
 
 import numpy as np
 
-from golden.engine import exact as of_graph
+from golden.engine import bounds as of_engine
+from golden.engine.integer_network import evaluate
 from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
@@ -60,7 +61,7 @@ def exact(design: Design, frames: Codes) -> Codes:
 
 @exact.register
 def _(design: Engine, frames: Codes) -> Codes:
-    return of_graph.exact(design.graph, design.program.segment_width, frames)
+    return evaluate(design.integers, frames)
 
 
 @exact.register
@@ -111,7 +112,7 @@ def error_bounds(design: Design, mlp: Mlp, precision: Precision, sensors: int) -
 
 @error_bounds.register
 def _(design: Engine, mlp: Mlp, _precision: Precision, sensors: int) -> Real:
-    return of_graph.error_bounds(mlp, design.program.segment_width, sensors)
+    return of_engine.error_bounds(mlp, design.program.segment_width, sensors)
 
 
 @error_bounds.register

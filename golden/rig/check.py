@@ -21,7 +21,7 @@ from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
 from golden.function import by_name, functions_of
-from golden.network_files.network_file import check_targets, ending_of, write_network
+from golden.network_files.network_file import check_targets, held_in, write_network
 from golden.precision import SIGNAL
 from golden.rig import class_counts, readings, sensors_tell
 from golden.scene import Scene, scene_names
@@ -184,7 +184,7 @@ def networks_there(scene: Scene) -> list[Finding]:
 
 def _ending(path: Path) -> str:
     """What a classifier's file has behind the network, in words."""
-    ending = ending_of(path)
+    ending = held_in(path).ending
     if ending is None:
         return ""
     labels = f"; its classes are {', '.join(map(str, ending.labels))}" if ending.labels else ""

@@ -12,6 +12,7 @@ import numpy as np
 from golden.disturbance import MOST
 from golden.real import Real
 from golden.rig import readings
+from golden.rig.brought import Brought
 from golden.rig.survey import Survey
 from golden.scene import Scene
 from golden.scene.scale import AUTO
@@ -38,13 +39,27 @@ weights = {weights}
 design = "engine"
 # Sums are exact, and each layer rounds once.
 precision = "exact"
-
+{training}"""
+TRAINING = """
 [training]
 {search}
 # State the standard deviation of the noise that you expect on every reading, in its unit, and
 # networks are trained and chosen for this noise, which takes longer:
 # noise = {noise}
 {split}"""
+BROUGHT = """\
+# The network comes from elsewhere. Its layers are those of its file, and make train would overwrite
+# it: choose another name in weights before.
+hidden = {nodes}{activations}\
+"""
+RANGES = """\
+# The network in {name} takes readings in their units, but does not say which range they can have.
+# The hardware needs it: codes hold offset - factor to offset + factor. These ranges are {how}.
+# FILL IN the ranges of your converter, if you know them, for {names}.
+scale = {{ {pairs} }}
+"""
+OF_ROWS = "those of the\n# recorded rows, with a tenth to spare"
+POWERS = "powers\n# of two around the recorded rows, with which a quantised network can be exact"
 
 SEARCHED = """\
 # Every number of hidden nodes from 4 to 12 is trained from 8 random starts, in about a minute for
@@ -78,6 +93,7 @@ restarts = 8
 weight_decay = 0.03\
 """
 ONE_OUTPUT = "# One output, one network."
+ONE_FROM_ELSEWHERE = "# One network for all outputs, as the file has it."
 ONE_FOR_ALL = "# One network with an output for each class."
 SINGLE = """\
 {why}
@@ -122,13 +138,24 @@ split = "blocks"
 """
 
 
-def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
-    """The text of the scene at ``path``; with ``hardware``, for sensors that it reads."""
+def draft(
+    found: Survey, path: Path, hardware: Scene | None = None, network: Brought | None = None
+) -> str:
+    """The text of the scene at ``path``.
+
+    Parameters
+    ----------
+    found : Survey
+    path : Path
+    hardware : Scene, optional
+        Scene whose hardware reads the sensors.
+    network : Brought, optional
+        The network that the scene is for. It is not trained.
+    """
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
     group, targets = _positions(found), f"outputs = {_list(outputs)}"
-    one = SINGLE.format(why=ONE_FOR_ALL if found.classes else ONE_OUTPUT)
     named = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
     units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in named.items() if u)
     return TEMPLATE.format(
@@ -142,16 +169,67 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
         ),
         sensors=_list(list(found.sensors)),
         targets=CLASSES.format(name=_quoted(found.classes)) if found.classes else targets,
-        hidden=CLASS_NODES if found.classes else NODES,
-        search=CLASS_SEARCH if found.classes else SEARCHED,
+        hidden=_hidden(found, network),
         group_by=GROUP_BY.format(name=_quoted(group)) if group else "",
         full_scale=FULL_SCALE.format(pairs=pairs) if outputs else "",
-        scale=_read_by(found, hardware) if hardware else SCALE if found.beyond else "",
+        scale=_scale(found, hardware, network),
         units=UNITS.format(pairs=units) if units else "",
-        arrangement=CASCADE if len(outputs) > 1 else one,
-        weights=_list(weights(outputs, path)),
+        arrangement=_arrangement(found, network),
+        weights=_list(_files(found, path, network)),
+        training="" if network else _training(found, hardware),
+    )
+
+
+def _arrangement(found: Survey, network: Brought | None) -> str:
+    if network and not found.classes:
+        return SINGLE.format(why=ONE_FROM_ELSEWHERE)
+    if len(found.outputs) > 1:
+        return CASCADE
+    return SINGLE.format(why=ONE_FOR_ALL if found.classes else ONE_OUTPUT)
+
+
+def _files(found: Survey, path: Path, network: Brought | None) -> list[str]:
+    if network:
+        return [os.path.relpath(network.path, path.parent)]
+    return weights(list(found.outputs), path)
+
+
+def _hidden(found: Survey, network: Brought | None) -> str:
+    if network is None:
+        return CLASS_NODES if found.classes else NODES
+    nodes = network.shape[1:-1]
+    kinds = network.activations
+    return BROUGHT.format(
+        nodes=nodes[0] if len(nodes) == 1 else list(nodes),
+        activations=f"\nactivations = {_list(list(kinds))}" if kinds else "",
+    )
+
+
+def _training(found: Survey, hardware: Scene | None) -> str:
+    return TRAINING.format(
+        search=CLASS_SEARCH if found.classes else SEARCHED,
         noise=_noise(found, hardware),
         split=BLOCKS if found.interpolated else "",
+    )
+
+
+def _scale(found: Survey, hardware: Scene | None, network: Brought | None) -> str:
+    """The line of scales with its comment; empty where every column is within -1 and 1."""
+    if hardware:
+        return _read_by(found, hardware)
+    if network is None or not found.beyond:
+        return SCALE if found.beyond else ""
+    columns = found.sensors | found.outputs
+    wide = {n: network.range_of(v) for n, v in columns.items() if readings.beyond(n, v)}
+    pairs = [
+        f"{_key(name)} = {{ offset = {offset!r}, factor = {factor!r} }}"
+        for name, (offset, factor) in wide.items()
+    ]
+    return RANGES.format(
+        name=network.path.name,
+        how=POWERS if any(network.held.quantisers) else OF_ROWS,
+        names=", ".join(map(_key, wide)),
+        pairs=", ".join(pairs),
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from golden.files import replace_file
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
+from golden.rig.brought import Brought
 from golden.rig.draft import draft
 from golden.rig.survey import Survey
 from golden.scene import Scene, load_scene
@@ -42,7 +43,9 @@ def check_sensors(found: Survey, hardware: Scene) -> None:
         )
 
 
-def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Scene:
+def write_scene(
+    found: Survey, path: Path, hardware: Scene | None = None, network: Brought | None = None
+) -> Scene:
     """Write the scene, after a check that it can be read.
 
     Parameters
@@ -51,17 +54,23 @@ def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Sce
     path : Path
     hardware : Scene, optional
         Scene whose hardware has read the sensors, and will run the networks.
+    network : Brought, optional
+        The network that the scene is for.
 
     Raises
     ------
     InputError
-        When the file, or a network that it would name, already exists.
+        When the file, or a network that training would write, already exists, and when the scene
+        cannot name the network that is there.
     """
     with replace_file(path) as temporary:
-        temporary.write_text(draft(found, path, hardware), encoding="utf-8")
+        temporary.write_text(draft(found, path, hardware, network), encoding="utf-8")
         scene = load_scene(str(temporary))
         scaled(scene).vectors()
-        files = [path, *scene.weights_paths, *map(provenance_path, scene.weights_paths)]
+        if network:
+            scene.networks()
+        trained = [*scene.weights_paths, *map(provenance_path, scene.weights_paths)]
+        files = [path] if network else [path, *trained]
         for file in files:
             if file.exists() or file.is_symlink():
                 raise InputError(f"{file}: is there already; choose another name with TO=")

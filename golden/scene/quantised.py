@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from golden.dense import DenseNetwork
-from golden.engine.codes import engine_codes, file_codes
+from golden.dense import DenseNetwork, Trained, layers_of
+from golden.engine.quantise import integer_networks
+from golden.fixed import Codes
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene.scale import readings
 
 if TYPE_CHECKING:
@@ -33,11 +36,10 @@ def quantised_lines(scene: Scene) -> list[str]:
         if not quantised or member.inputs != len(scene.inputs):
             continue
         held, seen = member.load(), readings(SIGNAL.to_real(codes), scene.scales(scene.inputs))
+        (whole,) = integer_networks("single", [network])
         counts = [
             np.abs(ours - theirs)
-            for ours, theirs in zip(
-                engine_codes(network, codes), file_codes(held, seen), strict=True
-            )
+            for theirs, ours in zip(file_codes(held, seen), whole.hidden_codes(codes), strict=False)
         ]
         differ, every = sum((c > 0).sum() for c in counts), sum(c.size for c in counts)
         furthest = max(int(c.max(initial=0)) for c in counts)
@@ -50,3 +52,26 @@ def quantised_lines(scene: Scene) -> list[str]:
             + (f", by {furthest} at most: {where}" if differ else "")
         )
     return lines
+
+
+def file_codes(network: Trained, readings: Real) -> Iterator[Codes]:
+    """The codes of each hidden layer, shape (frames, nodes), as differences from the lowest code.
+
+    The network is evaluated node by node in double precision. The codes end at the first layer
+    without a quantiser.
+
+    Parameters
+    ----------
+    network : Mlp or DenseNetwork
+        As its file holds it.
+    readings : float array, shape (frames, inputs)
+    """
+    values = np.asarray(readings, dtype=np.float64)
+    for layer in layers_of(network):
+        values, _ = layer.activate(values @ layer.weights.T + layer.biases)
+        quantiser = layer.quantiser
+        if quantiser is None:
+            return
+        values = quantiser.process(values)
+        lowest = max(quantiser.low, quantiser.zero) if layer.activation == "relu" else quantiser.low
+        yield np.rint(values / quantiser.scale).astype(np.int64) + quantiser.zero - lowest

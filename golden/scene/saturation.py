@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from golden.dense import layers_of
 from golden.fixed import Codes
+from golden.function import LOW
 from golden.networks.engine import Engine
 
 if TYPE_CHECKING:
@@ -46,11 +48,39 @@ def saturating(scene: Scene) -> list[str]:
                 f"output {name!r} saturates in {count} {len(column)} recorded frames: its network "
                 f"gives up to {np.abs(column).max():.3g} times the range of the codes"
             )
-    return sentences + [
+    return [*sentences, *held(scene)] + [
         _counted(layer, counts, "recorded frames")
         for layer, counts in hidden_saturations(scene, vectors.codes).items()
         if counts.any()
     ]
+
+
+def held(scene: Scene) -> list[str]:
+    """A sentence for each layer whose sums leave a table whose function is not level there.
+
+    Recorded frames tell. Beyond the ends of its table a function keeps its value.
+    """
+    sentences = []
+    for member, network in zip(scene.members, scene.networks(), strict=True):
+        if not any(f.goes_on for layer in layers_of(network) for f in layer.functions):
+            continue
+        values = scene.inputs_of(network)
+        for number, layer in enumerate(layers_of(network), start=1):
+            sums = values @ layer.weights.T + layer.biases
+            goes_on = [function.goes_on for function in layer.functions]
+            beyond = (np.abs(sums) > -LOW) & goes_on if goes_on else np.zeros_like(sums, dtype=bool)
+            if beyond.any():
+                nodes = np.unique(np.nonzero(beyond)[1]).tolist()
+                names = dict.fromkeys(layer.functions[node].name for node in nodes)
+                sentences.append(
+                    f"{member.weights_path.name}: layer {number}: sums reach "
+                    f"{np.abs(sums[beyond]).max():.3g} in {beyond.any(axis=1).sum()} of "
+                    f"{len(sums)} recorded frames; beyond {LOW:g} and {-LOW:g} "
+                    f"{', '.join(names)} keeps its value"
+                )
+            values, _ = layer.activate(sums)
+            values = layer.quantiser.process(values) if layer.quantiser else values
+    return sentences
 
 
 def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:

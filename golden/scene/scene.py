@@ -140,9 +140,10 @@ class Scene:
 
     @property
     def files(self) -> list[Path]:
-        """All files that the scene reads: its own file, its networks and its data."""
+        """All files that the scene reads: its own, its networks, points of functions, and data."""
         provenance = [provenance_path(path) for path in self.weights_paths if self.auto]
-        return [self.path, *self.weights_paths, *provenance, *self.data_paths]
+        points = self.members[0].function_files
+        return [self.path, *self.weights_paths, *provenance, *points, *self.data_paths]
 
     @property
     def data_path(self) -> Path:
@@ -306,15 +307,20 @@ class Scene:
     def _met(self, network: Trained) -> tuple[float, ...]:
         """The largest magnitudes in the hidden layers of a network on the recorded frames.
 
-        Where a network reads outputs of earlier ones, the targets take their place, which these
-        outputs come near to. One hidden layer of tanh needs no range, and so no frames.
+        One hidden layer of tanh needs no range, and so no frames.
         """
-        if isinstance(network, Mlp):
-            return ()
+        return () if isinstance(network, Mlp) else met_by(network, self.inputs_of(network))
+
+    def inputs_of(self, network: Trained) -> Real:
+        """The inputs of a network in the recorded frames, as signals.
+
+        Where a network reads outputs of earlier ones, the targets take their place, which these
+        outputs come near to.
+        """
         vectors = self.vectors()
         earlier = network.shape[0] - len(self.inputs)
         inputs = [SIGNAL.to_real(vectors.codes), vectors.targets[:, :earlier]]
-        return met_by(network, np.concatenate(inputs, axis=1))
+        return np.concatenate(inputs, axis=1)
 
     def build(self, network: Trained, lean: bool = True) -> Design:
         """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""

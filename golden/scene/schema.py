@@ -37,11 +37,15 @@ DIGITS_TOLERANCE = 0.02
 # An engine's operand memory has so many words.
 MOST_HIDDEN = 1024
 
-_FUNCTION = "an expression of x, or points { x = [...], y = [...] }"
+_FUNCTION = (
+    "an expression of x, points { x = [...], y = [...] }, or the file of such, "
+    '{ points = "file.csv" }'
+)
 _PLACES = List(Number(finite=True), "two or more numbers", "a list of numbers", least=2)
 _POINTS = {
-    "x": Key(_PLACES, meaning="Where the points lie, from left to right."),
-    "y": Key(_PLACES, meaning="The value at each point."),
+    "x": Key(_PLACES, None, "Where the points lie, from left to right."),
+    "y": Key(_PLACES, None, "The value at each point."),
+    "points": Key(Text(some=True), None, "Instead: a CSV file with the columns x and y."),
 }
 NETWORK = Table(
     {
@@ -77,7 +81,8 @@ NETWORK = Table(
             Map(Alternatives((Text(some=True), Table(_POINTS, said=_FUNCTION)), _FUNCTION)),
             {},
             "Functions of x that `activations`, or those of the network file, can name. Each is an "
-            f"expression, or points `{{ x = , y = }}`. An expression holds {ALLOWED}.",
+            "expression, points `{ x = , y = }`, or `{ points = }` with the name of a CSV file "
+            f"whose columns x and y are the points. An expression holds {ALLOWED}.",
         ),
         "quantised": Key(
             Text(("exact", "nearest")),

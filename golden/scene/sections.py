@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column, with_units
 from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
-from golden.table import suggest
+from golden.table import read_table, suggest
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ class Member:
         Whether a quantised network may be rounded to what the hardware holds.
     functions : tuple of Function
         The functions that activations may name.
+    function_files : tuple of Path
+        The files from which the points of some of them come.
     """
 
     inputs: int
@@ -84,6 +87,7 @@ class Member:
     activations: tuple[str, ...] = ()
     nearest: bool = False
     functions: tuple[Function, ...] = ()
+    function_files: tuple[Path, ...] = ()
 
     @property
     def text(self) -> str:
@@ -409,7 +413,12 @@ def members(
     count = len(groups)
     hidden, weights = _listed(network["hidden"]), _listed(network["weights"])
     activations = tuple(network["activations"])
-    functions = _functions(network, hidden, path)
+    files = {
+        name: beside(path, f"network.functions.{name}.points", given["points"])
+        for name, given in network["functions"].items()
+        if isinstance(given, dict) and set(given) == {"points"}
+    }
+    functions = _functions(network, hidden, path, files)
     layers = _layers(hidden, activations, network["arrangement"], path)
     if data["classes"] and not layers and hidden != [0]:
         # Training for classes is that of networks whose layers the scene names.
@@ -425,10 +434,10 @@ def members(
                 f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
                 f"{network['arrangement']} has {one}"
             )
-    files = [beside(path, "network.weights", name) for name in weights]
-    for i, file in enumerate(files):
+    weights_files = [beside(path, "network.weights", name) for name in weights]
+    for i, file in enumerate(weights_files):
         for j in range(i):
-            if same_file(files[j], file):
+            if same_file(weights_files[j], file):
                 raise InputError(
                     f"{path}: network.weights: got {weights[j]!r} and {weights[i]!r}, which are "
                     "one file, expected a file for each network"
@@ -439,11 +448,12 @@ def members(
             inputs + i * cascade,
             hidden[i],
             tuple(groups[i]),
-            files[i],
+            weights_files[i],
             layers,
             activations,
             network["quantised"] == "nearest",
             functions,
+            tuple(files.values()),
         )
         for i in range(count)
     )
@@ -454,8 +464,10 @@ def _listed(value: Any) -> list[Any]:
     return value if isinstance(value, list) else [value]
 
 
-def _functions(network: dict[str, Any], hidden: list[int], path: Path) -> tuple[Function, ...]:
-    """The functions that a scene defines.
+def _functions(
+    network: dict[str, Any], hidden: list[int], path: Path, files: Mapping[str, Path]
+) -> tuple[Function, ...]:
+    """The functions that a scene defines, some of them by points in files.
 
     Raises
     ------
@@ -463,7 +475,8 @@ def _functions(network: dict[str, Any], hidden: list[int], path: Path) -> tuple[
         For a function that cannot be read, and for an activation that names none of them.
     """
     with naming(path):
-        found = tuple(read_function(*pair) for pair in network["functions"].items())
+        given = network["functions"] | {name: _points(file) for name, file in files.items()}
+        found = tuple(read_function(name, given[name]) for name in network["functions"])
     with naming(f"{path}: network.activations"):
         for n, activation in enumerate(network["activations"]):
             names = table_names(activation)
@@ -471,6 +484,12 @@ def _functions(network: dict[str, Any], hidden: list[int], path: Path) -> tuple[
             nodes = hidden[n] if n < len(hidden) and hidden[n] else len(names)
             functions_of(activation, nodes, by_name(found))
     return found
+
+
+def _points(file: Path) -> dict[str, list[float]]:
+    """The points in a CSV file."""
+    x, y = read_table(file, ["x", "y"]).T.tolist()
+    return {"x": x, "y": y}
 
 
 def _layers(

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from golden.engine.exact import tanh_codes
+from golden.engine.bounds import tanh_codes
 from golden.engine.formats import HIDDEN, RESULT
 from golden.engine.tanh_table import ENDS, fitted
 from golden.precision import SIGNAL

@@ -8,8 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from golden.dense import Dense, DenseNetwork, Quantiser
-from golden.engine.exact import error_bounds, exact_sums
-from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.bounds import error_bounds
+from golden.engine.formats import WIDTH
+from golden.engine.integer_network import IntegerLayer, sample_words
 from golden.engine.ranges import met_by
 from golden.fixed import Codes, signed_width
 from golden.networks.engine import Engine
@@ -55,13 +56,12 @@ def ends() -> Iterator[Row]:
         off = 0.0
         for signs in itertools.product((1.0, -1.0), repeat=3):
             for mixed in (False, True):
-                engine = Engine.of([_at_ends(kind, signs, mixed)])
+                network = _at_ends(kind, signs, mixed)
+                engine = Engine.of([network])
                 off = max(off, largest(engine.process(frames) - exact(engine, frames)))
-                sums = [
-                    total
-                    for frame in frames.tolist()
-                    for total, _ in exact_sums(engine.graph, SEGMENT_WIDTH, frame)
-                ]
+                # The sums of nodes that nothing uses count too.
+                engine = Engine.of([network], Settings(lean=False))
+                sums = [total for _, sums in _sums(engine, frames) for total in sums]
                 totals.append((signed_width(sums), engine.acc_width))
         case = f"{kind}, {kind}: all weights and biases at their ends"
         yield Row(MODEL, case, EQUAL, "codes off", off, 0)
@@ -90,9 +90,10 @@ def ties() -> Iterator[Row]:
     )
     engine = Engine.of([network])
     tied = sum(
-        total % (1 << DROPPED) == 0
-        for frame in frames.tolist()
-        for total, _ in exact_sums(engine.graph, SEGMENT_WIDTH, frame)[:3]
+        2 * total % (2 << layer.shift) == 1 << layer.shift
+        for layer, sums in _sums(engine, frames)
+        if layer.rectifies
+        for total in sums
     )
     case = f"relu: {tied} sums half way between two words"
     yield from _judged(network, case, frames)
@@ -158,15 +159,21 @@ def _judged(
 
 def _saturated(engine: Engine, frames: Codes) -> int:
     """How many hidden sums leave their words, in Python's integers."""
-    ranges, neurons = engine.graph.ranges, engine.graph.neurons
-    places = [place for one in ranges if one.from_data for place in one.places]
     count = 0
-    for frame in frames.tolist():
-        sums = exact_sums(engine.graph, SEGMENT_WIDTH, frame)
-        for place in places:
-            word = sums[place][0] >> DROPPED
-            count += word > MOST or (word < -MOST - 1 and not neurons[place].relu)
+    for layer, sums in _sums(engine, frames):
+        if layer.range and layer.range.from_data:
+            for total in sums:
+                code = layer.rounded(total)
+                count += code > MOST or (code < -MOST - 1 and not layer.rectifies)
     return count
+
+
+def _sums(engine: Engine, frames: Codes) -> Iterator[tuple[IntegerLayer, list[int]]]:
+    """The sums of each layer and frame of an engine of one network, in Python's integers."""
+    (network,) = engine.integers
+    for words in sample_words(frames):
+        for layer, (sums, _) in zip(network.layers, network.run(words), strict=True):
+            yield layer, sums
 
 
 def _rails(inputs: int) -> Codes:

@@ -1,0 +1,182 @@
+"""A network in whole numbers, from which engines are compiled, and its evaluation.
+
+A network in floating point is quantised into it, and a quantised one is read into it
+(``golden.engine.quantise``). Its evaluation is plain arithmetic in Python's integers, without a
+program, terms or accumulators. So it judges everything that is compiled from it.
+
+The words that pass from layer to layer have 18 bits. A layer adds up products of weights and words,
+rounds each sum to a code, clips the code, and shifts it left to the place of a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from operator import mul
+
+import numpy as np
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
+from golden.engine.function_table import table_of
+from golden.engine.ranges import Range
+from golden.fixed import Codes, Fix
+from golden.function import Function
+
+
+class Rounding(Enum):
+    """What the dropped bits of a sum do to its code."""
+
+    UP = "to the nearest code, halves up"
+    EVEN = "to the nearest code, halves to the even one"
+    DOWN = "to the code below"
+
+
+@dataclass(frozen=True)
+class IntegerLayer:
+    """One layer in whole numbers.
+
+    Parameters
+    ----------
+    weights : tuple of tuple of int
+        For each node a weight for each word that the layer takes.
+    starts : tuple of int
+        What the sum of each node begins with, in units of a product.
+    result : Fix
+        Format of the words that its codes become.
+    shift : int
+        How many of the lowest bits of a sum are dropped.
+    rounding : Rounding
+    low, high : int
+        The ends to which codes are clipped; a ReLU has 0 as its low end.
+    cut : int
+        How far a code is shifted left in its word. Only a layer with a quantiser shifts.
+    leaky : bool
+        Whether each node gives two words: its own, and 0 instead of a negative one.
+    functions : tuple of Function
+        The function of each node, whose value is the word that the node gives; empty for none.
+    range : Range or None
+        The range of a layer in which saturation would be an error.
+    """
+
+    weights: tuple[tuple[int, ...], ...]
+    starts: tuple[int, ...]
+    result: Fix
+    shift: int = DROPPED
+    rounding: Rounding = Rounding.UP
+    low: int = RESULT.low
+    high: int = RESULT.high
+    cut: int = 0
+    leaky: bool = False
+    functions: tuple[Function, ...] = ()
+    range: Range | None = None
+
+    @property
+    def nodes(self) -> int:
+        return len(self.starts)
+
+    @property
+    def rectifies(self) -> bool:
+        """Whether a sum below 0 becomes 0."""
+        return self.low == 0
+
+    def sums(self, words: Sequence[int]) -> list[int]:
+        """The sum of each node."""
+        return [
+            start + sum(map(mul, row, words))
+            for start, row in zip(self.starts, self.weights, strict=True)
+        ]
+
+    def rounded(self, total: int) -> int:
+        """The code of a sum, before it is clipped."""
+        code, rest = divmod(total, 1 << self.shift)
+        twice, whole = 2 * rest, 1 << self.shift
+        if self.rounding is Rounding.DOWN:
+            return code
+        halfway_up = self.rounding is Rounding.UP or code % 2 == 1
+        return code + (twice > whole or (twice == whole and halfway_up))
+
+    def code(self, total: int) -> int:
+        """The code of a sum."""
+        return max(self.low, min(self.high, self.rounded(total)))
+
+    def given(self, codes: Sequence[int], segment_width: int) -> list[int]:
+        """The words that the next layer takes."""
+        words = [code << self.cut for code in codes]
+        if self.leaky:
+            return [word for pair in ((w, max(0, w)) for w in words) for word in pair]
+        if self.functions:
+            pairs = zip(self.functions, words, strict=True)
+            return [looked_up(function, segment_width, word) for function, word in pairs]
+        return words
+
+
+@dataclass(frozen=True)
+class IntegerNetwork:
+    """A network in whole numbers.
+
+    Parameters
+    ----------
+    samples, earlier : int
+        How many samples it takes, and how many outputs of earlier networks behind them.
+    layers : tuple of IntegerLayer
+        The starts of the last one hold half a unit of an output, and its rounding is down. So an
+        output is the word without its lowest bits. Later networks take the whole word.
+    segment_width : int
+        Bits of a sum within a segment of the table of a function.
+    """
+
+    samples: int
+    earlier: int
+    layers: tuple[IntegerLayer, ...]
+    segment_width: int
+
+    def run(self, words: Sequence[int]) -> Iterator[tuple[list[int], list[int]]]:
+        """The sums and the codes of each layer, for the words of one frame."""
+        for layer in self.layers:
+            sums = layer.sums(words)
+            codes = [layer.code(total) for total in sums]
+            yield sums, codes
+            words = layer.given(codes, self.segment_width)
+
+    def hidden_codes(self, frames: Codes) -> list[Codes]:
+        """The codes of each hidden layer, shape (frames, nodes), for frames of samples alone."""
+        found = [[codes for _, codes in self.run(words)] for words in sample_words(frames)]
+        return [np.array(codes) for codes in list(zip(*found, strict=True))[:-1]]
+
+
+def sample_words(frames: Codes) -> list[list[int]]:
+    """The words of the samples of each frame."""
+    found: list[list[int]] = (np.asarray(frames, dtype=np.int64) << SAMPLE_SHIFT).tolist()
+    return found
+
+
+def evaluate(networks: Sequence[IntegerNetwork], frames: Codes) -> Codes:
+    """Output codes of networks on the same samples, shape (frames, outputs).
+
+    Parameters
+    ----------
+    networks : sequence of IntegerNetwork
+        Each may take outputs of those before it.
+    frames : int64 array, shape (frames, samples)
+    """
+    found = []
+    for words in sample_words(frames):
+        outputs: list[int] = []
+        for network in networks:
+            *_, (_, codes) = network.run([*words, *outputs[: network.earlier]])
+            outputs += codes
+        found.append([word >> OUTPUT_SHIFT for word in outputs])
+    return np.array(found)
+
+
+def looked_up(function: Function, segment_width: int, q: int) -> int:
+    """The word of a function of the word q, from its table."""
+    table = table_of(function, segment_width)
+    span, segments = 1 << segment_width, len(table.slopes) // (1 + table.both)
+    segment = min((q if q >= 0 else -q - 1) // span, segments - 1)
+    if table.both and q < 0:
+        segment += segments
+    one = 1 << DROPPED if q >= 0 else -(1 << DROPPED)
+    total = table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
+    return max(RESULT.low, min(RESULT.high, (total + (1 << (DROPPED - 1))) >> DROPPED))

@@ -1,0 +1,368 @@
+"""Makes a trained network one in whole numbers: codes of weights, and a format per layer.
+
+A layer with a quantiser gets codes with which it is exact, or is refused. All other numbers become
+the nearest codes.
+
+A sum before tanh saturates at -8 and 8, where tanh is flat, so its format is the same for every
+network. Sums before other functions that are tables have this format too. Behind a ReLU or a linear
+layer saturation would be an error. So the words of such a layer have the most fraction bits with
+which none of its sums can overflow, whatever the samples are. The bounds of each sum follow from
+the bounds of its operands, in whole numbers. Where these bounds waste bits, and recorded frames are
+known, the range is that of the frames with a margin (``golden.engine.ranges``).
+
+Two activations need no hardware of their own. ``sigmoid(q) = 1/2 + tanh(q / 2) / 2`` needs half of
+the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - leak) relu(q)`` needs
+two words per node, both of which the next layer takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from golden.cli import naming
+from golden.dense import Trained, layers_of
+from golden.engine.formats import (
+    DROPPED,
+    HIDDEN,
+    OUTPUT_SHIFT,
+    RESULT,
+    SAMPLE,
+    SAMPLE_SHIFT,
+    WIDTH,
+    coeff_frac,
+)
+from golden.engine.function_table import SEGMENT_WIDTH, format_of
+from golden.engine.grid import OR_NEAREST, Grid, grid_of
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork, Rounding
+from golden.engine.ranges import ENOUGH, Range, frac_of
+from golden.fixed import Fix
+from golden.function import TANH, Function
+from golden.input_error import InputError
+from golden.precision import SIGNAL
+
+# The least and the largest word.
+_LOW, _HIGH = RESULT.low, RESULT.high
+# Half a unit of an output, in units of a product.
+_HALF_OUTPUT = 1 << (DROPPED + OUTPUT_SHIFT - 1)
+
+
+@dataclass(frozen=True)
+class Value:
+    """A word that a layer takes as an operand.
+
+    Parameters
+    ----------
+    node : int
+        The input of the layer to which it belongs. A node with leaky ReLU has two words.
+    factor : Fraction
+        The factor by which the weights of that input are multiplied.
+    fmt : Fix
+    low, high : int
+        The least and the largest code.
+    earlier : bool
+        Whether it is an output of an earlier network.
+    """
+
+    node: int
+    factor: Fraction
+    fmt: Fix
+    low: int
+    high: int
+    earlier: bool = False
+
+
+@dataclass(frozen=True)
+class Exact:
+    """One layer of a network, with numbers that are not rounded.
+
+    Parameters
+    ----------
+    activation : str
+        "table", "relu", "leaky_relu", "hard_tanh" or "linear".
+    leak : Fraction
+    weights : list of list of Fraction
+        A list for each node, with a weight for each node of the layer before.
+    biases : list of Fraction
+    grid : Grid or None
+        The grid of a layer with a quantiser.
+    functions : tuple of Function
+        Of a "table", the function of each node.
+    output : bool
+        Whether it is the last layer.
+    """
+
+    activation: str
+    leak: Fraction
+    weights: list[list[Fraction]]
+    biases: list[Fraction]
+    grid: Grid | None
+    functions: tuple[Function, ...]
+    output: bool
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One layer on its way into whole numbers.
+
+    Parameters
+    ----------
+    exact : Exact
+    layer : IntegerLayer
+    values : list of Value
+        The words that the next layer takes.
+    """
+
+    exact: Exact
+    layer: IntegerLayer
+    values: list[Value]
+
+
+def exact_layers(network: Trained) -> list[Exact]:
+    """The layers of a network, with sigmoid replaced by tanh.
+
+    Behind a quantiser, words are differences from the lowest code. The biases of the next layer
+    compensate for that.
+
+    Raises
+    ------
+    InputError
+        See ``grid_of``.
+    """
+    found: list[Exact] = []
+    halved = False
+    layers = layers_of(network)
+    for number, layer in enumerate(layers, start=1):
+        weights = [[Fraction(w) for w in row] for row in layer.weights.tolist()]
+        biases = [Fraction(b) for b in layer.biases.tolist()]
+        if halved:
+            weights = [[w / 2 for w in row] for row in weights]
+            biases = [b + sum(row) for b, row in zip(biases, weights, strict=True)]
+        halved = layer.activation == "sigmoid"
+        if halved:
+            weights = [[w / 2 for w in row] for row in weights]
+            biases = [b / 2 for b in biases]
+        before = found[-1].grid if found else None
+        if before:
+            weights = [[w / before.factor for w in row] for row in weights]
+            lowest = before.lowest
+            biases = [b + lowest * sum(row) for b, row in zip(biases, weights, strict=True)]
+        with naming(f"layer {number}"):
+            grid = grid_of(layer)
+        if grid:
+            weights = [[w * grid.factor for w in row] for row in weights]
+            biases = [b * grid.factor for b in biases]
+        functions = layer.functions
+        if layer.activation in ("tanh", "sigmoid"):
+            functions = (TANH,) * layer.nodes
+        kind = "table" if functions else layer.activation
+        output = number == len(layers)
+        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid, functions, output))
+    return found
+
+
+def first_values(samples: int, earlier: int) -> list[Value]:
+    """The operands of the first layer of a network: samples, and outputs of earlier networks."""
+    ends = SIGNAL.low << SAMPLE_SHIFT, SIGNAL.high << SAMPLE_SHIFT
+    one = Fraction(1)
+    found = [Value(k, one, SAMPLE, *ends) for k in range(samples)]
+    more = range(samples, samples + earlier)
+    return found + [Value(k, one, RESULT, _LOW, _HIGH, earlier=True) for k in more]
+
+
+def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[Planned]:
+    """Every layer of a network whose inputs are ``values``, in codes and formats.
+
+    ``met`` is what ``met_by`` finds on recorded frames; without it every range is from bounds.
+
+    Raises
+    ------
+    InputError
+        When the sums of a layer are too large for any format, and see ``grid_of`` and ``_codes``.
+    """
+    found: list[Planned] = []
+    for number, exact in enumerate(exact_layers(network), start=1):
+        with naming(f"layer {number}"):
+            layer = _layer(exact, values, met[number - 1] if met and not exact.output else 0.0)
+        values = _given(exact, layer, values)
+        found.append(Planned(exact, layer, values))
+    return found
+
+
+def integer_networks(
+    arrangement: str,
+    networks: Sequence[Trained],
+    met: Sequence[Sequence[float]] = (),
+    segment_width: int = SEGMENT_WIDTH,
+) -> tuple[IntegerNetwork, ...]:
+    """Trained networks in whole numbers.
+
+    Parameters
+    ----------
+    arrangement : str
+        "single", "multiple" or "cascade".
+    networks : sequence of Mlp or DenseNetwork
+    met : sequence of sequences of float
+        For each network what ``met_by`` finds on recorded frames; empty where there are none.
+    segment_width : int
+        Bits of a sum within a segment of the table of a function.
+
+    Notes
+    -----
+    A later network of a cascade reads the word of an output, to which half a unit of the output's
+    last place is added. The biases of that network subtract it again.
+    """
+    samples = networks[0].shape[0]
+    found: list[IntegerNetwork] = []
+    for network, reached in zip(networks, met or [()] * len(networks), strict=True):
+        before = sum(one.layers[-1].nodes for one in found) if arrangement == "cascade" else 0
+        plan = planned(network, first_values(samples, before), reached)
+        layers = tuple(one.layer for one in plan)
+        found.append(IntegerNetwork(samples, before, layers, segment_width))
+    return tuple(found)
+
+
+def _layer(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
+    """One layer, in the format that its activation and its operands ask for."""
+    if exact.grid:
+        return _coded(exact, exact.grid.result, values)
+    if exact.functions:
+        return _coded(exact, HIDDEN, values)
+    if exact.output or exact.activation == "hard_tanh":
+        return _coded(exact, RESULT, values)
+    return _ranged(exact, values, met)
+
+
+def _ranged(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
+    """The codes of a layer in which saturation would be an error; see ``golden.engine.ranges``.
+
+    Raises
+    ------
+    InputError
+        When the sums are too large for any format.
+    """
+    for frac in range(WIDTH - 1, -1, -1):
+        layer = _coded(exact, Fix(WIDTH, frac), values)
+        low, high = _ends(layer, values)
+        most = max(*high, -min(low))
+        if min(low) >= _LOW and max(high) <= _HIGH:
+            break
+    else:
+        frac = -1
+    bound = most / 2.0 ** max(frac, 0)
+    known = frac_of(met, WIDTH) if met else -1
+    if known > frac and met * 2.0**frac < 1 << ENOUGH:
+        fmt = Fix(WIDTH, known)
+        return replace(_coded(exact, fmt, values), range=Range(fmt, bound, met, True))
+    if frac < 0:
+        raise InputError(f"got sums that reach {most:g}, expected {_HIGH} at most")
+    return replace(layer, range=Range(layer.result, bound, met, False))
+
+
+def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
+    """The codes of a layer, for one format of its words.
+
+    The start of a sum has the unit of a word, except in a layer with a quantiser, which needs it
+    whole.
+
+    Raises
+    ------
+    InputError
+        When a code of a layer with a quantiser is no whole number, and must not be rounded.
+    """
+    grid = exact.grid
+    fracs = [coeff_frac(result, value.fmt) for value in values]
+    scales = [v.factor * Fraction(2) ** frac for v, frac in zip(values, fracs, strict=True)]
+    weights = [
+        [row[v.node] * scale for v, scale in zip(values, scales, strict=True)]
+        for row in exact.weights
+    ]
+    lowest = grid.lowest if grid else 0
+    starts = [(bias - lowest) * Fraction(2) ** (result.frac + DROPPED) for bias in exact.biases]
+    if grid and not grid.nearest:
+        _check_whole("weights", [weight for row in weights for weight in row])
+        _check_whole("biases", starts)
+    codes = tuple(tuple(map(_near, row)) for row in weights)
+    unit = 1 if grid else 1 << DROPPED
+    begun = []
+    for row, start in zip(codes, starts, strict=True):
+        # An earlier output comes with half a unit of its last place added; see ``evaluate``.
+        moved = sum(code for code, value in zip(row, values, strict=True) if value.earlier)
+        half = moved << (OUTPUT_SHIFT - 1)
+        begun.append(_near((start - half) / unit) * unit + _HALF_OUTPUT * exact.output)
+    layer = IntegerLayer(
+        codes,
+        tuple(begun),
+        result,
+        rounding=Rounding.DOWN if exact.output else Rounding.UP,
+        low=0 if exact.activation == "relu" else _LOW,
+        leaky=exact.activation == "leaky_relu",
+        functions=exact.functions,
+    )
+    return layer if grid is None else _on_grid(layer, grid)
+
+
+def _on_grid(layer: IntegerLayer, grid: Grid) -> IntegerLayer:
+    """A layer whose codes are those of a quantiser, less the lowest of them."""
+    return replace(
+        layer,
+        shift=DROPPED + grid.cut,
+        rounding=grid.rounding,
+        low=0,
+        high=grid.high,
+        cut=grid.cut,
+    )
+
+
+def _check_whole(what: str, codes: list[Fraction]) -> None:
+    """Refuse codes that are no whole numbers.
+
+    Raises
+    ------
+    InputError
+    """
+    broken = [code for code in codes if code.denominator != 1]
+    if broken:
+        worst = max(broken, key=lambda code: abs(code - _near(code)))
+        raise InputError(
+            f"{len(broken)} of {len(codes)} {what} would be rounded, such as {float(worst):.7g} to "
+            f"{_near(worst)} of the smallest step; expected scales of weights, samples and "
+            "quantisers whose ratios are powers of two, those of the sums no less than "
+            f"1/{1 << DROPPED} of that of the quantiser behind them{OR_NEAREST}"
+        )
+
+
+def _near(value: Fraction) -> int:
+    """The nearest whole number, with halves rounded up."""
+    return int((2 * value + 1) // 2)
+
+
+def _ends(layer: IntegerLayer, values: Sequence[Value]) -> tuple[list[int], list[int]]:
+    """The least and the largest code of each node, if codes had unlimited width."""
+    low, high = [], []
+    for start, codes in zip(layer.starts, layer.weights, strict=True):
+        both = [(c * v.low, c * v.high) for c, v in zip(codes, values, strict=True)]
+        low.append(layer.rounded(start + sum(map(min, both))))
+        high.append(layer.rounded(start + sum(map(max, both))))
+    if layer.rectifies:
+        low, high = ([max(0, end) for end in ends] for ends in (low, high))
+    return low, high
+
+
+def _given(exact: Exact, layer: IntegerLayer, values: Sequence[Value]) -> list[Value]:
+    """The words that a layer gives to the next layer."""
+    found = []
+    one = Fraction(1)
+    for node, (low, high) in enumerate(zip(*_ends(layer, values), strict=True)):
+        ends = max(low, layer.low), min(high, layer.high)
+        if exact.grid:
+            found.append(Value(node, one, layer.result, 0, exact.grid.high << layer.cut))
+        elif layer.functions:
+            found.append(Value(node, one, format_of(layer.functions[node]), _LOW, _HIGH))
+        elif layer.leaky:
+            found.append(Value(node, exact.leak, layer.result, *ends))
+            found.append(Value(node, 1 - exact.leak, layer.result, 0, max(0, ends[1])))
+        else:
+            found.append(Value(node, one, layer.result, *ends))
+    return found

@@ -1,0 +1,91 @@
+"""A network from elsewhere, for which a scene is drafted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from golden.function import TABLE
+from golden.input_error import InputError
+from golden.network_files.held import Held
+from golden.network_files.network_file import held_in
+from golden.real import Real
+from golden.rig.survey import Survey, labels_in
+
+# The part of the recorded range that a drafted range leaves on either side.
+SPARE = 0.1
+
+
+@dataclass(frozen=True)
+class Brought:
+    """A network file, and what a scene must say about it.
+
+    Parameters
+    ----------
+    path : Path
+    held : Held
+    """
+
+    path: Path
+    held: Held
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Inputs, the hidden nodes of each layer, and outputs."""
+        arrays, names = self.held.arrays, self.held.names
+        return (np.shape(arrays["w1"])[1], *(np.size(arrays[name]) for name in names[1::2]))
+
+    @property
+    def activations(self) -> tuple[str, ...]:
+        """The activations that a scene can name; none where the file has functions of its own."""
+        kinds = self.held.activations
+        return () if any(kind.startswith(TABLE) for kind in kinds) else kinds
+
+    def range_of(self, values: Real) -> tuple[float, float]:
+        """The offset and the factor of a scale whose range holds some values.
+
+        A quantised network is exact with powers of two.
+        """
+        low, high = float(values.min()), float(values.max())
+        if any(self.held.quantisers):
+            return 0.0, 2.0 ** math.ceil(math.log2(max(abs(low), abs(high)) * (1 + 2.0**-13)))
+        half = (1 + SPARE) * (high - low) / 2
+        digits = 1 - math.floor(math.log10(half))
+        step = 10.0**-digits
+        factor = math.ceil(half / step) * step
+        return round((low + high) / 2, digits), round(factor, max(digits, 0))
+
+
+def brought(path: Path, found: Survey) -> Brought:
+    """The network at ``path``, for the columns of a recording.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, or has another number of inputs or outputs than there are
+        sensors, and outputs or labels.
+    """
+    network = Brought(path, held_in(path))
+    missing = [name for name in network.held.names if name not in network.held.arrays]
+    if missing or np.ndim(network.held.arrays["w1"]) != 2:
+        raise InputError(f"{path}: got no network, expected arrays {', '.join(network.held.names)}")
+    inputs, *_, outputs = network.shape
+    if inputs != len(found.sensors):
+        left = "".join(f"; {name} is left out: {why}" for name, why in found.left_out.items())
+        raise InputError(
+            f"{path}: got a network of {inputs} inputs, expected {len(found.sensors)}, one for "
+            f"each sensor of {found.recording.path}, {', '.join(found.sensors)}{left}"
+        )
+    wanted = (
+        len(set(labels_in(found.recording, found.classes))) if found.classes else len(found.outputs)
+    )
+    one_of_two = found.classes and (outputs, wanted) == (1, 2)
+    if outputs != wanted and not one_of_two:
+        what = f"label of {found.classes}" if found.classes else "output"
+        raise InputError(
+            f"{path}: got a network of {outputs} outputs, expected {wanted}, one for each {what}"
+        )
+    return network
