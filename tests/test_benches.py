@@ -37,7 +37,7 @@ LEFT = (
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
     *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
-    *("hybrid-winner", "winner-past", "winner-converter", "winner-uart"),
+    *("hybrid-winner", "winner-past", "winner-converter", "winner-uart", "least-winner-axis"),
 )
 # So are these of cases whose other blocks are simulated in every run.
 LEFT_OF = {

@@ -26,7 +26,14 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
-WINNERS = ("winner", "winner-past", "winner-reload", "winner-instrument", "winner-uart")
+WINNERS = (
+    "winner",
+    "winner-axis",
+    "winner-past",
+    "winner-reload",
+    "winner-instrument",
+    "winner-uart",
+)
 # These have a profile beside the outputs; single values; frames further apart than their length;
 # networks of different depth; slots; slots behind AXI4-Stream; an engine that is loaded first;
 # frames without outputs, which are the past of others; a converter on an SPI; a converter with a

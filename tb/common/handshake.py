@@ -30,7 +30,7 @@ async def exchange(
         Whether a new element is offered, and whether results are taken, in each clock.
     resets : bool array
     """
-    ports = ["rst", *PORTS, "frame_error"]
+    ports = ["rst", *PORTS, *(["m_axis_tuser"] if bench.twin.decides else []), "frame_error"]
     read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
     driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
     clock, *writes = (writer(bench.dut, name) for name in driven)
@@ -77,6 +77,11 @@ def check_kept(bench: Bench, recording: Recording) -> None:
     waits = np.setdiff1d(waits, recording.resets())
     waits = waits[waits + 1 < recording.clocks]
     bench.compare("m_axis_tvalid kept", np.isin(waits + 1, offered), np.ones(len(waits), bool))
+    closing = np.isin(waits, recording.rows("m_axis_tlast"))
+    if bench.twin.decides:
+        rows = waits[closing]
+        now, then = (recording.unsigned("m_axis_tuser", rows + late) for late in (0, 1))
+        bench.compare("m_axis_tuser kept", then, now)
     for port in ("m_axis_tdata", "m_axis_tlast"):
         now, then = recording.unsigned(port, waits), recording.unsigned(port, waits + 1)
         bench.compare(f"{port} kept", then, now)

@@ -49,7 +49,5 @@ def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:
     recorded = read_recorded(scene).targets[:, [scene.outputs.index(name) for name in targets]]
     ranges = np.ptp(recorded, axis=0)
     asked = np.array([float(value) for value in targets.values()])
-    far = (recorded - asked) / np.where(
-        ranges > 0, ranges, 1.0
-    )
+    far = (recorded - asked) / np.where(ranges > 0, ranges, 1.0)
     return int(np.argmin((far**2).sum(axis=1)))

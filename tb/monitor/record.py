@@ -37,10 +37,11 @@ def asked_for(scene: Scene) -> list[str]:
     return [scene.classes] if scene.labels else list(scene.outputs)
 
 
-def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
+def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[Placement]]:
     """The names of the outputs, and the placement in each row of a CSV.
 
-    A column holds numbers, or labels of which none is a number.
+    A column holds numbers, or labels of which none is a number. Those whose names are in
+    ``numbers`` hold numbers.
 
     Raises
     ------
@@ -53,6 +54,7 @@ def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
     for place, name in enumerate(table.names):
         column = table.column(name)
         labels = len(column.odd) == len(placements) and all(row[place] for row in placements)
+        labels = labels and name not in numbers
         if not labels and (text := column.fault(path)):
             found.append(fault(text))
     refuse(found)
@@ -297,7 +299,7 @@ def main() -> None:
         labels = Path(arguments.labels)
         if same_file(labels, to):
             raise InputError(f"TO={to}: is read, expected another file")
-        outputs, placements = labels_of(labels)
+        outputs, placements = labels_of(labels, board.scene.outputs)
         check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
     would(f"record readings from {arguments.port} into {to}")
     with (

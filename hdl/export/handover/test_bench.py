@@ -6,6 +6,7 @@ from string import Template
 
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.uart_transmitter import BYTE_BITS
+from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.port import Port
 from hdl.export.handover.example import vhdl_map, vhdl_signals
@@ -154,11 +155,10 @@ _DECIDED_VARIABLES = """\
         variable decided, right: natural := 0;
 """
 _DECIDED = Template("""
-            if winner_valid = '1'$limit then
+            if $valid then
                 if decided < $due then
-                    if winner_index = to_unsigned(winners(2 * decided), winner_index'length)
-                        and winner_margin
-                        = to_unsigned(winners(2 * decided + 1), winner_margin'length)
+                    if to_integer($index) = winners(2 * decided)
+                        and to_integer($margin) = winners(2 * decided + 1)
                     then
                         right := right + 1;
                     else
@@ -214,9 +214,15 @@ def _decided(design: Network) -> str:
     """The VHDL that checks the winner in each clock; empty where there is none."""
     if not design.argmax:
         return ""
-    # An instrument goes on after the last frame.
-    limit = f" and decided < {due(design)}" if design.stream in ("converter", "spi") else ""
-    return _DECIDED.substitute(due=due(design), limit=limit)
+    valid, index, margin = "winner_valid = '1'", "winner_index", "winner_margin"
+    if design.stream == "axi_stream":
+        valid = "taking and m_axis_tvalid = '1' and m_axis_tlast = '1'"
+        index = f"m_axis_tuser({TUSER_HALF - 1} downto 0)"
+        margin = f"m_axis_tuser({2 * TUSER_HALF - 1} downto {TUSER_HALF})"
+    elif design.stream in ("converter", "spi"):
+        # An instrument goes on after the last frame.
+        valid += f" and decided < {due(design)}"
+    return _DECIDED.substitute(due=due(design), valid=valid, index=index, margin=margin)
 
 
 def _load(design: Network) -> str:

@@ -48,9 +48,7 @@ def write_handover(
         benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
         results = design.process(samples)
         winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
-        texts[benches[0]] = vectors(
-            name, top, samples, results, design.past, design.image, winners
-        )
+        texts[benches[0]] = vectors(name, top, samples, results, design.past, design.image, winners)
         texts[benches[1]] = test_bench(name, design, ports)
     description = (
         f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "
