@@ -153,7 +153,8 @@ def packet_sender(
         A packet reports those that came since the packet before; they exist only with
         ``spec.reload``.
     winner : Stream
-        ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``.
+        ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``. Then a
+        frame is complete with its winner, and the latency counts from there.
     profile : Group
         ``valid``, ``x``, ``y`` and ``last`` of load_profile; it is empty where none is drawn.
     out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
@@ -162,9 +163,9 @@ def packet_sender(
 
     Notes
     -----
-    Latency 2 clocks from the last output of a frame, or from its winner with ``spec.decides``, to
-    the first byte. A packet has ``spec.layout.packet_bytes`` bytes. One goes without a new frame
-    when the line has been free for ``spec.patience`` clocks. Reset forgets everything.
+    Latency 2 clocks from the last output of a frame to the first byte. A packet has
+    ``spec.layout.packet_bytes`` bytes. One goes without a new frame when the line has been free for
+    ``spec.patience`` clocks. Reset forgets everything.
     """
     layout, last_wait = spec.layout, spec.patience - 1
     size = layout.packet_bytes
