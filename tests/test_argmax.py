@@ -103,7 +103,6 @@ REFUSED = [
         replace(ADDER_GRAPH, activation="gradient", design="parallel"),
         "got 'parallel' with argmax, expected engine or hybrid, because argmax takes",
     ),
-    (replace(ENGINE, interface="axi_stream"), "got 'axi_stream' with argmax, expected stream"),
     (replace(ENGINE, shapes=[(3, 4, 1)]), "hardware.argmax: got true for 1 output, expected false"),
 ]
 

@@ -98,6 +98,17 @@ def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) ->
     assert (frames - 1) * design.interval < held <= frames * design.interval
 
 
+def test_the_winner_is_the_tuser_of_the_last_output(tmp_path: Path) -> None:
+    design = CASES["winner-axis"].scene(tmp_path, "winner-axis").twin()
+    outputs = [[0, 5, -3, 5, 1], [-8192, -8192, -8192, -8192, 8191]]
+    assert design.winners(outputs).tolist() == [1, (16383 << 16) + 4]
+    plain = CASES["axis"].scene(tmp_path, "axis").twin()
+    assert "m_axis_tuser" not in {port.name for port in plain.ports}
+    assert design.latency == plain.latency + 1
+    with pytest.raises(InputError, match="axis_network: looks for no largest output"):
+        plain.winners(outputs)
+
+
 @pytest.mark.parametrize("depth", [1, 2, 3, 8])
 def test_the_memory_keeps_order_and_loses_nothing(depth: int) -> None:
     clk, rst = flag(), reset()

@@ -44,7 +44,7 @@ LEFT = (
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
     *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
-    *("hybrid-winner", "winner-past", "winner-converter", "winner-uart"),
+    *("hybrid-winner", "winner-past", "winner-converter", "winner-uart", "least-winner-axis"),
     *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
     *("least-graph", "polynomial-short"),

@@ -26,14 +26,23 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
+WINNERS = (
+    "winner",
+    "winner-axis",
+    "winner-past",
+    "winner-reload",
+    "winner-instrument",
+    "winner-uart",
+)
 # These have a profile beside the outputs; single values; frames further apart than their length;
 # networks of different depth; slots; slots behind AXI4-Stream; an engine that is loaded first;
-# frames without outputs, which are the past of others; a converter on an SPI; and a converter with
-# a serial line over which the engine is loaded.
+# frames without outputs, which are the past of others; a converter on an SPI; a converter with a
+# serial line over which the engine is loaded; and the largest output behind each of these kinds.
 OTHERS = (
     *("drawn", "least", "wide", "pade-parallel", "three", "chain"),
     *("axis", "axis-chain", "one-sensor", "rails-reload"),
     *("past", "past-instrument", "converter", "uart"),
+    *WINNERS,
 )
 
 
@@ -106,7 +115,9 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
     scene = scenes[name]
     result = simulate(library, scene.twin().entity)
     frames = len(scene.vectors().codes)
-    assert counts(result) == [(frames, frames)] * 2, result.stdout + result.stderr
+    text = result.stdout + result.stderr
+    assert counts(result) == [(frames, frames)] * 2, text
+    assert text.count(f"{frames} of {frames} winners match") == 2 * (name in WINNERS), text
     assert result.returncode == 0
 
 
@@ -126,6 +137,14 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
         ),
         ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
         ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
+        ("winner", "readout.vhd", r"out_index => winner_index", "out_index => open"),
+        ("winner-past", "argmax.vhd", r"low < \w*margin", "low <= 0"),
+        (
+            "winner-uart",
+            "uart_instrument.vhd",
+            r"winner_index <= \w+",
+            "winner_index <= (others => '0')",
+        ),
         # The results are right, but frames are refused or flagged.
         (
             "wide",

@@ -102,6 +102,21 @@ def test_a_frame_between_two_packets_is_counted_alone() -> None:
     assert told[1:] == [(1, 4, (-10,), (-10,), ("line_error",)), (2, 4, (-10,), (-10,), ())]
 
 
+def test_a_frame_is_complete_with_its_winner() -> None:
+    twin = PacketSender(1, 2, points=0, reload=False, patience=1000, decides=True)
+    columns = quiet_columns(twin, 200)
+    columns["result_valid"][[4, 5]] = columns["result_last"][5] = 1
+    columns["result_data"][[4, 5]] = [-3, 8]
+    columns["winner_valid"][6] = columns["winner_index"][6] = 1
+    columns["winner_margin"][6] = 11
+    sending = twin.process(columns, np.zeros(200), byte_clocks=4)
+    assert sending.begins == [7]
+    (frame,) = sending.frames
+    assert (frame.count, frame.outputs, frame.winner) == (1, (-3, 8), (1, 11))
+    with pytest.raises(InputError, match="got outputs=1, expected 2 or more"):
+        PacketSender(1, 1, points=0, reload=False, patience=9, decides=True)
+
+
 def test_a_payload_that_is_too_long_is_refused() -> None:
     with pytest.raises(InputError, match="expected 255 at most"):
         PacketSender(120, 10, points=0, reload=False, patience=10)

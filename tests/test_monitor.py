@@ -33,7 +33,7 @@ from tb.monitor.__main__ import main
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
-from tb.monitor.monitor import HEAD, Monitor
+from tb.monitor.monitor import HEAD, Monitor, csv_columns
 from tb.monitor.server import Server
 from tb.monitor.told import PAUSE
 from tb.monitor.twin_board import TwinBoard
@@ -177,10 +177,17 @@ class Still:
         self.monitor.listen(self.wire, lambda: next(ends))
         return [text.partition(" ")[2] for text in self.said[before:]]
 
-    def packet(self, number: int, *flags: str, count: int = 0, point: int = 0) -> bytes:
+    def packet(
+        self,
+        number: int,
+        *flags: str,
+        count: int = 0,
+        point: int = 0,
+        winner: tuple[int, int] = (0, 0),
+    ) -> bytes:
         layout = self.board.layout
         zeros = (0,) * layout.inputs, (0,) * layout.outputs
-        return layout.to_bytes(Frame(number, flags, count, *zeros, (point, 0, 0)))
+        return layout.to_bytes(Frame(number, flags, count, *zeros, (point, 0, 0), winner))
 
 
 def test_a_fault_is_told_once_and_again_after_a_while(scene: Scene) -> None:
@@ -220,6 +227,23 @@ def test_flags_silence_and_a_point_too_many_are_told(scene: Scene) -> None:
     assert not still.monitor.state()["flags"][0]["lit"]
     assert still.bring(still.packet(2, count=1)) == ["packets come again"]
     assert still.monitor.state()["line"] == "packets"
+
+
+def test_the_largest_output_is_told_by_name(scene: Scene, tmp_path: Path) -> None:
+    """A scene without classes names its output."""
+    still = Still(replace(scene, argmax=True))
+    assert csv_columns(still.board)[-2:] == ["largest", "margin"]
+    assert still.monitor.state()["decision"] == [
+        {"name": "largest", "text": ""},
+        {"name": "margin", "text": ""},
+    ]
+    still.bring(still.packet(0, count=1, winner=(2, 16383)))
+    assert [d["text"] for d in still.monitor.state()["decision"]] == ["width", "16383"]
+    assert ", largest width, margin 16383, load 0" in still.monitor.line()
+    (line,) = still.bring(still.packet(1, count=2, winner=(4, 1)))
+    assert line.startswith("the largest output is number 4, expected 0 to 3: the board runs")
+    assert [d["text"] for d in still.monitor.state()["decision"]] == ["", "1"]
+    assert Still(scene).monitor.state()["decision"] == []
 
 
 def test_packets_without_frames_are_not_taken_for_frames(scene: Scene) -> None:
@@ -479,13 +503,13 @@ def test_the_command_ends_with_what_it_saw(
 
 def test_the_page_of_the_documentation_has_every_line(scene: Scene) -> None:
     """It has no other lines. Numbers, names of ports and texts after three dots may differ."""
-    still = Still(scene)
+    still = Still(replace(scene, argmax=True))
     said = [
         "the line was cut: the device is gone; waiting for /dev/ttyUSB0",
         *Tally(1, 1, 1, 1, Counter({(2, 1): 2, (1, 1): 2}))
         .faults(Tally(), still.board.layout)
         .values(),
-        *still.bring(still.packet(0, *FLAGS, point=99)),
+        *still.bring(still.packet(0, *FLAGS, point=99, winner=(9, 0))),
     ]
     still.now += 3
     said += still.bring(b"")

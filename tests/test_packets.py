@@ -31,18 +31,28 @@ def test_a_frame_byte_by_byte() -> None:
     assert found == b"\xa5" + body + bitwise(body).to_bytes(2, "big")
 
 
+def test_a_winner_stands_behind_the_outputs() -> None:
+    frame = Frame(7, (), 1, (-1,), (8191, -8192), (40, 1, -2), (1, 16383))
+    found = FrameLayout(1, 2, drawn=True, decides=True).to_bytes(frame)
+    body = bytes.fromhex("11 11 07 00 0001 ffff 1fff e000 01 3fff 28 0001 fffe")
+    assert found == b"\xa5" + body + bitwise(body).to_bytes(2, "big")
+
+
 @pytest.mark.parametrize("drawn", [False, True])
-def test_what_is_sent_is_what_is_read(drawn: bool) -> None:
+@pytest.mark.parametrize("decides", [False, True])
+def test_what_is_sent_is_what_is_read(drawn: bool, decides: bool) -> None:
     draw = random.Random(1)
     for _ in range(100):
-        layout = FrameLayout(draw.randrange(2, 9), draw.randrange(1, 5), drawn)
+        layout = FrameLayout(draw.randrange(2, 9), draw.randrange(1, 5), drawn, decides)
         samples, outputs = (
             tuple(draw.randrange(-8192, 8192) for _ in range(count))
             for count in (layout.inputs, layout.outputs)
         )
         point = (draw.randrange(256), draw.randrange(-8192, 8192), -5) if drawn else None
         flags = tuple(name for name in FLAGS if draw.random() < 0.5)
-        frame = Frame(draw.randrange(256), flags, draw.randrange(65536), samples, outputs, point)
+        numbers = draw.randrange(256), flags, draw.randrange(65536)
+        winner = (draw.randrange(5), draw.randrange(1 << 14)) if decides else None
+        frame = Frame(*numbers, samples, outputs, point, winner)
         packet = layout.to_bytes(frame)
         assert len(packet) == layout.packet_bytes
         assert layout.from_payload(frame.number, packet[4:-2]) == frame

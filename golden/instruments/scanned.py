@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
+from golden.layers.argmax import Argmax
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network
 from golden.port import Port
@@ -71,6 +72,10 @@ class Scanned(Network):
     @property
     def past(self) -> int:
         return self.readout.past
+
+    @property
+    def argmax(self) -> Argmax | None:
+        return self.readout.argmax
 
     @property
     def input_controller(self) -> FrameJudge:

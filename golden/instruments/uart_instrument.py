@@ -107,6 +107,7 @@ class UartInstrument(ConverterInstrument):
             profile.ramp.points if profile else 0,
             self.reload,
             self.interval,
+            self.readout.decides,
         )
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.layers.argmax import Argmax
 from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
 from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.precision import SIGNAL
@@ -47,10 +48,11 @@ class Sending:
 class PacketSender(Block):
     """Sends the frames of an instrument as packets (ours; see ``golden.link.packets``).
 
-    A frame is complete with its last output. If the line is free then, a packet with the frame is
-    sent; otherwise the frame is only counted. A packet is also sent when the line has been free for
-    ``patience`` clocks. It carries the newest samples and the outputs that are held, and is what a
-    computer sees while the converter or an image is missing.
+    A frame is complete with its last output or, where the largest output is told, with that. If the
+    line is free then, a packet with the frame is sent; otherwise the frame is only counted. A
+    packet is also sent when the line has been free for ``patience`` clocks. It carries the newest
+    samples and the outputs that are held, and is what a computer sees while the converter or an
+    image is missing.
 
     Parameters
     ----------
@@ -62,6 +64,8 @@ class PacketSender(Block):
         Whether frames can be refused, and whether images and bytes of the line can be wrong.
     patience : int
         Clocks without a packet after which one is sent.
+    decides : bool
+        Whether a packet carries index and margin of the largest output.
 
     Raises
     ------
@@ -76,6 +80,7 @@ class PacketSender(Block):
     points: int
     reload: bool
     patience: int
+    decides: bool = False
 
     def __post_init__(self) -> None:
         for name, least, most in (
@@ -87,11 +92,16 @@ class PacketSender(Block):
             got = getattr(self, name)
             if not least <= got <= most:
                 raise InputError(f"{self.entity}: got {name}={got}, expected {least} to {most}")
-        _ = self.layout
+        _ = self.layout, self.argmax
 
     @property
     def layout(self) -> FrameLayout:
-        return FrameLayout(self.inputs, self.outputs, bool(self.points))
+        return FrameLayout(self.inputs, self.outputs, bool(self.points), self.decides)
+
+    @property
+    def argmax(self) -> Argmax | None:
+        """What finds the largest output in front of this block, where a packet carries it."""
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -100,6 +110,7 @@ class PacketSender(Block):
             input_port("image_error", "the last image was not valid"),
             input_port("line_error", "a byte without a stop bit came; high for one clock"),
         )
+        winner = self.argmax.result_ports("winner") if self.argmax else ()
         drawn = (
             input_port("profile_valid", "`profile_x` and `profile_y` hold a new point"),
             input_port("profile_x", "i_p", SIGNAL),
@@ -114,6 +125,7 @@ class PacketSender(Block):
             input_port("result_valid", "`result_data` holds an output"),
             input_port("result_data", "output y", SIGNAL),
             input_port("result_last", "the output is the last of the frame"),
+            *(replace(port, direction="in") for port in winner),
             input_port("converter_error", "no frame leaves the reader"),
             *(errors if self.reload else ()),
             *(drawn if self.points else ()),
@@ -128,11 +140,12 @@ class PacketSender(Block):
         return (
             State("byte of a packet that a reset cuts", range(size)),
             *([State("point", range(self.points))] if self.points else []),
+            *([State("index", range(self.outputs))] if self.decides else []),
         )
 
     @property
     def latency(self) -> int:
-        """Clocks from the last output of a frame to the first byte."""
+        """Clocks from what completes a frame, its last output or its winner, to the first byte."""
         return 2
 
     @property
@@ -190,6 +203,7 @@ class _State:
         self.samples = [0] * twin.inputs
         self.outputs = [0] * twin.outputs
         self.at = {"sample": 0, "result": 0, "profile": 0}
+        self.winner = (0, 0)
         self.point, self.wanted = (0, 0, 0), 0
         # The flags that were set since the packet before, and whether a frame was refused since the
         # frame before.
@@ -218,6 +232,10 @@ class _State:
         self.refused = not self.complete and (self.refused or bool(now.get("frame_error")))
         self._catch(now, "sample", self.samples)
         self.complete = self._catch(now, "result", self.outputs)
+        if self.twin.decides:
+            self.complete = bool(now["winner_valid"])
+            if self.complete:
+                self.winner = (now["winner_index"], now["winner_margin"])
         self.count = (self.count + self.complete) % (1 << 8 * COUNT_BYTES)
         if now.get("profile_valid"):
             number = self.at["profile"]
@@ -236,6 +254,7 @@ class _State:
             tuple(self.samples),
             tuple(self.outputs),
             self.point if self.twin.points else None,
+            self.winner if self.twin.decides else None,
         )
 
     def _catch(self, now: dict[str, int], name: str, words: list[int]) -> bool:

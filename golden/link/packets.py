@@ -7,7 +7,8 @@ numbers are sent with their highest byte first.
     image:  SYNC, VERSION IMAGE, length (2 bytes), the bytes of the image
 
 The payload of a frame consists of a byte of flags, the number of frames that the network has
-computed (16 bits), the samples, the outputs and, where a profile is drawn, one of its points: its
+computed (16 bits), the samples and the outputs. Where the largest output is looked for, its index
+(1 byte) and its margin (16 bits, unsigned) follow; where a profile is drawn, one of its points: its
 number (1 byte), i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
 polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
 check. An image has its own check (``golden.engine.image``).
@@ -60,6 +61,8 @@ class Frame:
         The values as codes.
     point : tuple of int or None
         Number, i_p and f(i_p) of a point of the profile.
+    winner : tuple of int or None
+        Index and margin of the largest output.
     """
 
     number: int
@@ -68,6 +71,7 @@ class Frame:
     samples: tuple[int, ...]
     outputs: tuple[int, ...]
     point: tuple[int, int, int] | None = None
+    winner: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,8 @@ class FrameLayout:
     inputs, outputs : int
     drawn : bool
         Whether the instrument draws a profile.
+    decides : bool
+        Whether it looks for the largest output.
 
     Raises
     ------
@@ -89,6 +95,7 @@ class FrameLayout:
     inputs: int
     outputs: int
     drawn: bool = False
+    decides: bool = False
 
     def __post_init__(self) -> None:
         if self.payload_bytes > MOST_PAYLOAD:
@@ -100,7 +107,8 @@ class FrameLayout:
     @property
     def payload_bytes(self) -> int:
         point = (1 + 2 * CODE_BYTES) * self.drawn
-        return 1 + COUNT_BYTES + (self.inputs + self.outputs) * CODE_BYTES + point
+        winner = (1 + CODE_BYTES) * self.decides
+        return 1 + COUNT_BYTES + (self.inputs + self.outputs) * CODE_BYTES + winner + point
 
     @property
     def packet_bytes(self) -> int:
@@ -111,6 +119,10 @@ class FrameLayout:
         payload = bytearray([sum(1 << FLAGS.index(name) for name in frame.flags)])
         payload += frame.count.to_bytes(COUNT_BYTES, "big")
         payload += b"".join(map(_code, (*frame.samples, *frame.outputs)))
+        if self.decides:
+            assert frame.winner is not None, "a layout with the largest output has a winner"
+            index, margin = frame.winner
+            payload += bytes([index]) + margin.to_bytes(CODE_BYTES, "big")
         if self.drawn:
             assert frame.point is not None, "a layout with a profile has a point"
             number, x, y = frame.point
@@ -125,7 +137,10 @@ class FrameLayout:
         count = int.from_bytes(payload[1:at], "big")
         end = at + (self.inputs + self.outputs) * CODE_BYTES
         codes = _codes(payload[at:end])
-        point = None
+        point, winner = None, None
+        if self.decides:
+            at, end = end, end + 1 + CODE_BYTES
+            winner = (payload[at], int.from_bytes(payload[at + 1 : end], "big"))
         if self.drawn:
             x, y = _codes(payload[end + 1 :])
             point = (payload[end], x, y)
@@ -136,6 +151,7 @@ class FrameLayout:
             codes[: self.inputs],
             codes[self.inputs :],
             point,
+            winner,
         )
 
 

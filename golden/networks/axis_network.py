@@ -9,14 +9,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
+from golden.layers.argmax import Argmax
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
-from golden.port import CLOCK, RESET, Port, input_port, output_port
+from golden.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
 from golden.precision import SIGNAL
 
 # AXI4-Stream carries whole bytes.
 BYTES = (SIGNAL.width + 7) // 8
 TDATA = Fix(8 * BYTES, SIGNAL.frac)
+# TUSER holds the index of the largest output in its lower half, and the margin in its upper half.
+TUSER_HALF = 16
+TUSER = Unsigned(2 * TUSER_HALF)
 
 # Clocks of a result in the FIFO of the output: one into the memory, and one out of it.
 FIFO_CLOCKS = 2
@@ -33,11 +38,26 @@ class AxisNetwork(Network):
     ----------
     network : Network
         A network whose outputs are a stream.
+    decides : bool
+        Whether the last output of a frame carries index and margin of the largest one as TUSER.
+
+    Raises
+    ------
+    InputError
+        When one output alone is to decide.
     """
 
     block = "axis_network"
     stream = "axi_stream"
     network: Network
+    decides: bool = False
+
+    def __post_init__(self) -> None:
+        _ = self.argmax
+
+    @property
+    def argmax(self) -> Argmax | None:
+        return Argmax(SIGNAL, self.outputs) if self.decides else None
 
     @property
     def inputs(self) -> int:
@@ -72,12 +92,30 @@ class AxisNetwork(Network):
             input_port("m_axis_tready", "a valid output is accepted in this clock"),
             output_port("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
             output_port("m_axis_tlast", "the output is the last of the frame"),
+            *(
+                [
+                    output_port(
+                        "m_axis_tuser",
+                        "with `m_axis_tlast`: number of the largest output, from 0, in bits 0 to "
+                        f"{TUSER_HALF - 1}, and by how many codes it exceeds the second largest, "
+                        "above",
+                        TUSER,
+                    )
+                ]
+                if self.decides
+                else []
+            ),
             frame_error("of the wrong length"),
         )
 
     @property
+    def storing(self) -> int:
+        """Clocks from an output of the network to the same output behind the memory."""
+        return FIFO_CLOCKS + (self.argmax.latency if self.argmax else 0)
+
+    @property
     def latency(self) -> int:
-        return self.slots + self.network.latency + FIFO_CLOCKS
+        return self.slots + self.network.latency + self.storing
 
     @property
     def frames_under_way(self) -> int:
@@ -85,15 +123,15 @@ class AxisNetwork(Network):
 
         This many frames keep the network busy while nobody waits. From a frame's last sample until
         the clock in which another frame may take its place there are ``slots``, the clocks to the
-        last output and 2 clocks.
+        last output and ``storing``.
         """
-        clocks = self.slots + self.network.output_clocks[-1] + 2
+        clocks = self.slots + self.network.output_clocks[-1] + self.storing
         return -(-clocks // self.interval)
 
     @property
     def output_clocks(self) -> tuple[int, ...]:
         """The clocks of the outputs when neither side waits."""
-        return tuple(self.slots + FIFO_CLOCKS + c for c in self.network.output_clocks)
+        return tuple(self.slots + self.storing + c for c in self.network.output_clocks)
 
     @property
     def slots(self) -> int:
@@ -121,10 +159,28 @@ class AxisNetwork(Network):
         return self.network.core
 
     def parts(self) -> tuple[Block, ...]:
-        return (self.network,)
+        return (self.network, *([self.argmax] if self.argmax else []))
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(frames)
+
+    def winners(self, outputs: ArrayLike) -> Codes:
+        """``m_axis_tuser`` at the last output of each frame.
+
+        Parameters
+        ----------
+        outputs : array_like of int, shape (..., outputs)
+            The results of ``process``.
+
+        Raises
+        ------
+        InputError
+            See ``Argmax.process``. Also for a network that does not decide.
+        """
+        if self.argmax is None:
+            raise InputError(f"{self.entity}: looks for no largest output")
+        index, margin = self.argmax.process(outputs)
+        return (margin << TUSER_HALF) + index
 
     def process_stream(
         self, data: ArrayLike, last: ArrayLike

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.layers.argmax import Argmax
 from golden.layers.frame_judge import FrameJudge
 from golden.port import CLOCKED, Port, group, input_port, output_port
 from golden.precision import SIGNAL
@@ -110,6 +111,11 @@ class Network(Block):
     def core(self) -> Network:
         """The network without a front end, a readout or another interface around it."""
         return self
+
+    @property
+    def argmax(self) -> Argmax | None:
+        """What finds the largest output of a frame, where there are ports of it."""
+        return None
 
     @property
     def scanner(self) -> ScanSequencer | None:

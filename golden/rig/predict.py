@@ -21,7 +21,8 @@ from golden.scene.labels import decided, margins
 from golden.scene.saturation import hidden_saturations, range_lines
 from golden.table import CsvFile, suggest
 
-MARGIN, DISTANCE, OUTSIDE, REASON = "margin", "distance", "outside", "reason"
+LARGEST, MARGIN = "largest", "margin"
+DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
 NO_PAST = "no whole past"
 
 
@@ -91,10 +92,18 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     return Prediction(outputs, codes, distances, reasons, ranges)
 
 
+def decision_columns(scene: Scene) -> list[str]:
+    """The names of the columns of a decision: what the largest output stands for, and its margin.
+
+    Without classes the largest output stands for nothing but itself.
+    """
+    return [f"{scene.classes}_predicted" if scene.labels else LARGEST, MARGIN]
+
+
 def result_columns(scene: Scene) -> list[str]:
     """The names of the columns of results: an output each, or the class and its margin."""
     if scene.labels:
-        return [f"{scene.classes}_predicted", MARGIN]
+        return decision_columns(scene)
     return [f"{name}_predicted" for name in scene.outputs]
 
 

@@ -54,7 +54,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     if not scene.window.plain:
         network = Windowed(network, scene.window)
     if scene.interface == "axi_stream":
-        return AxisNetwork(network)
+        return AxisNetwork(network, scene.argmax)
     drawn = scene.visualisation
     # Outputs are held for whoever looks at an instrument or at a profile.
     holds = drawn is not None or scene.front_end is not None

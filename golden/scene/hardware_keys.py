@@ -64,7 +64,9 @@ HARDWARE = Table(
             "far the second largest is below it, and when both are there "
             "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
             "for. It is for two outputs or more, and for designs whose outputs come one after the "
-            "other, which are `engine` and `hybrid`, with any front end but without `axi_stream`.",
+            "other, which are `engine` and `hybrid`, with any front end. Behind `axi_stream` both "
+            "numbers are `m_axis_tuser` of the last output "
+            "([axis_network](blocks/axis_network.md)).",
         ),
         "multiplier": Key(
             Text(("dsp", "serial")),

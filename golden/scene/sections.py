@@ -265,11 +265,6 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
             "expected stream"
         )
-    if hardware["argmax"] and framed:
-        raise InputError(
-            f"{path}: hardware.interface: got 'axi_stream' with argmax, expected stream: the ports "
-            "of the largest output have no handshake"
-        )
     count = len(values["data"]["outputs"])
     if hardware["argmax"] and count < 2:
         raise InputError(

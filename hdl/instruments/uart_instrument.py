@@ -30,6 +30,19 @@ def show_profile(inner, profile):
 
 
 @block
+def show_winner(inner, winner):
+    """``winner`` is ``inner``. It is made of output ports, which VHDL cannot read."""
+
+    @always_comb
+    def show():
+        winner.valid.next = inner.valid
+        winner.index.next = inner.index
+        winner.margin.next = inner.margin
+
+    return show
+
+
+@block
 def slow_profile(clk, rst, profile, dac, *, design: UartInstrument):
     """One point of each profile as densities of ones; the next profile gives the next point."""
     points, density = design.readout.load_profile.ramp.points, design.pulse_density
@@ -99,7 +112,7 @@ def uart_instrument(
     broken, unsound, wrong = flag(), flag(), flag()
     byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
     packets = Stream(valid=byte_valid, data=byte_data, ready=byte_ready)
-    load, image, drawn = Group(), Group(), Group()
+    load, image, drawn, decided = Group(), Group(), Group(), Stream()
     # Without a reload no frame is refused, and nothing comes over the line.
     told = {}
     parts = []
@@ -107,6 +120,10 @@ def uart_instrument(
     if spec.readout.load_profile is not None:
         drawn = Stream(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
         parts.append(show_profile(drawn, profile))
+    if spec.readout.argmax is not None:
+        index, margin = spec.readout.argmax.index_fmt, spec.readout.argmax.margin_fmt
+        decided = Stream(valid=flag(), index=unsigned(index.width), margin=unsigned(margin.width))
+        parts.append(show_winner(decided, winner))
     if spec.analogue:
         parts.append(slow_profile(clk, rst, drawn, dac, design=spec))
     if spec.reload:
@@ -146,7 +163,7 @@ def uart_instrument(
             results,
             frame_error=broken,
             held=held,
-            winner=winner,
+            winner=decided,
             profile=drawn,
             load=load,
             image=image,
@@ -160,6 +177,7 @@ def uart_instrument(
             packets,
             converter_error=missing,
             **told,
+            winner=decided,
             profile=drawn,
             spec=spec.packet_sender,
         ),

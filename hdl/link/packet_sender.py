@@ -41,6 +41,26 @@ def keep_frame(clk, rst, in_: Stream, words):
 
 
 @block
+def keep_winner(clk, rst, winner: Stream, index, margin_high, margin_low):
+    """Index and margin of the latest winner as bytes, and 0 before the first one."""
+    width = len(winner.margin)
+    margin = unsigned(width)
+
+    @always_seq(clk.posedge, reset=rst)
+    def keep():
+        if winner.valid:
+            index.next = winner.index
+            margin.next = winner.margin
+
+    @always_comb
+    def split():
+        margin_low.next = margin[8:]
+        margin_high.next = margin[width:8]
+
+    return keep, split
+
+
+@block
 def since_packet(clk, rst, begins, event, told):
     """``told`` is high if ``event`` has come since the last packet, or comes in this clock."""
     seen = flag()
@@ -115,6 +135,7 @@ def packet_sender(
     frame_error=None,
     image_error=None,
     line_error=None,
+    winner: Stream = None,
     profile=None,
     spec: PacketSender,
 ):
@@ -131,6 +152,9 @@ def packet_sender(
     frame_error, image_error, line_error : bool
         A packet reports those that came since the packet before; they exist only with
         ``spec.reload``.
+    winner : Stream
+        ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``. Then a
+        frame is complete with its winner, and the latency counts from there.
     profile : Group
         ``valid``, ``x``, ``y`` and ``last`` of load_profile; it is empty where none is drawn.
     out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
@@ -158,11 +182,21 @@ def packet_sender(
     check, following = Signal(intbv(preset, min=0, max=1 << 16)), unsigned(16)
     shown = unsigned(8)
 
-    @always_seq(clk.posedge, reset=rst)
-    def note():
-        complete.next = result.valid and result.last
-        if result.valid and result.last:
-            count.next = count + 1
+    if spec.decides:
+
+        @always_seq(clk.posedge, reset=rst)
+        def note():
+            complete.next = winner.valid
+            if winner.valid:
+                count.next = count + 1
+
+    else:
+
+        @always_seq(clk.posedge, reset=rst)
+        def note():
+            complete.next = result.valid and result.last
+            if result.valid and result.last:
+                count.next = count + 1
 
     @always_comb
     def look():
@@ -259,6 +293,11 @@ def packet_sender(
     words = [half for pair in halves for half in pair]
     if spec.points:
         words.insert(-4, point)
+    if spec.decides:
+        told = [unsigned(8) for _ in range(3)]
+        parts.append(keep_winner(clk, rst, winner, *told))
+        behind_outputs = 2 * (spec.inputs + spec.outputs)
+        words[behind_outputs:behind_outputs] = told
     fresh += words
     line = [unsigned(8) for _ in fresh]
     parts += [

@@ -1,15 +1,16 @@
 """AXI4-Stream around a network, so that whatever stands before or behind it can make it wait."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block, concat
 
-from golden.networks.axis_network import AxisNetwork
+from golden.networks.axis_network import TUSER_HALF, AxisNetwork
 from golden.precision import SIGNAL
-from hdl.common.delay import connect
-from hdl.common.fifo import fifo
+from hdl.common.delay import connect, delay
+from hdl.common.fifo import fifo, turn
 from hdl.common.lookup import hardware
 from hdl.common.past import past_whole
 from hdl.common.signals import Stream, fixed, flag, unsigned
 from hdl.common.stream import position
+from hdl.layers.argmax import argmax
 
 
 @block
@@ -154,6 +155,58 @@ def credit(clk, rst, done, left, full, *, frames: int):
 
 
 @block
+def tell_winner(clk, rst, results: Stream, later: Stream, left, tuser, *, design: AxisNetwork):
+    """``tuser`` is the winner of the frame whose last output was fetched most recently.
+
+    ``later`` are the results a clock later, in which the winner of a frame comes with its last
+    output. So both are in their memories in the same clock, and ``left``, in which the last output
+    is fetched, fetches the winner too. There is a word for each frame under way.
+    """
+    index_fmt, margin_fmt = design.argmax.index_fmt, design.argmax.margin_fmt
+    index_width, width = index_fmt.width, index_fmt.width + margin_fmt.width
+    margin_end = TUSER_HALF + margin_fmt.width
+    last_addr = design.frames_under_way - 1
+    decided, index, margin = flag(), unsigned(index_width), unsigned(margin_fmt.width)
+    winners = [unsigned(width) for _ in range(design.frames_under_way)]
+    told = unsigned(width)
+    write_addr, read_addr = (unsigned(max(1, last_addr.bit_length())) for _ in range(2))
+
+    @always(clk.posedge)
+    def wait_for_winner():
+        later.data.next = results.data
+
+    @always(clk.posedge)
+    def write():
+        if decided:
+            winners[write_addr].next = concat(margin, index)
+
+    # A receiver reads it with every output, also with those before the first winner.
+    @always_seq(clk.posedge, reset=rst)
+    def read():
+        if left:
+            told.next = winners[read_addr]
+
+    @always_comb
+    def show():
+        tuser.next = 0
+        tuser.next[index_width:] = told[index_width:]
+        tuser.next[margin_end:TUSER_HALF] = told[width:index_width]
+
+    return (
+        argmax(
+            clk, rst, results, Stream(valid=decided, index=index, margin=margin), spec=design.argmax
+        ),
+        delay(clk, rst, results.valid, later.valid, clocks=1),
+        wait_for_winner,
+        write,
+        read,
+        show,
+        turn(clk, rst, decided, write_addr, stop=last_addr),
+        turn(clk, rst, left, read_addr, stop=last_addr),
+    )
+
+
+@block
 def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec: AxisNetwork):
     """A packet of samples in, a packet of outputs out, either side may wait.
 
@@ -164,6 +217,9 @@ def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec:
         data are the sample, and the upper two are ignored.
     m_axis_tvalid, m_axis_tready, m_axis_tdata, m_axis_tlast : bool, bool, signed Fix(16,13), bool
         The outputs, sign-extended.
+    m_axis_tuser : unsigned 32 bits
+        Index and margin of the largest output, with ``m_axis_tlast``; it exists only with
+        ``spec.decides``.
     frame_error : bool
         It is high for one clock for each frame of the wrong length, which yields no packet.
     spec : AxisNetwork
@@ -193,11 +249,15 @@ def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec:
     samples = Stream(valid=valid, data=data, last=last)
     done, left, full = flag(), flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
-    # This stays open, because the outputs of a frame are counted where they leave.
+    # Only argmax needs this, because the outputs of a frame are counted where they leave.
     result_last = flag()
     results = Stream(valid=result_valid, data=result, last=result_last)
     fetch, word = flag(), fixed(SIGNAL)
     fetched = Stream(valid=m_axis.tvalid, data=word, ready=m_axis.tready)
+    stored, told = results, []
+    if spec.argmax is not None:
+        stored = Stream(valid=flag(), data=fixed(SIGNAL))
+        told = tell_winner(clk, rst, results, stored, left, m_axis.tuser, design=spec)
     place = unsigned(outputs.bit_length())
     closing = flag()
     # The first frames only serve later ones as past frames, so nothing leaves for them.
@@ -234,11 +294,12 @@ def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec:
         hardware(spec.network)(
             clk, rst, samples, results, frame_error=frame_error, spec=spec.network
         ),
-        fifo(clk, rst, results, fetched, fetch=fetch, depth=frames * outputs),
+        fifo(clk, rst, stored, fetched, fetch=fetch, depth=frames * outputs),
         look,
         position(clk, rst, Stream(valid=fetch, last=left), place, stop=outputs),
         close,
         show,
         credit(clk, rst, yields, left, full, frames=frames),
         past,
+        told,
     )

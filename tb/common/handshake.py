@@ -11,6 +11,9 @@ from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, w
 
 PORTS = [f"{side}_axis_{name}" for side in "sm" for name in ("tvalid", "tready", "tdata", "tlast")]
 
+# Where the largest output is told, with the last one of a frame.
+TUSER = "m_axis_tuser"
+
 
 async def exchange(
     bench: Bench,
@@ -30,7 +33,8 @@ async def exchange(
         Whether a new element is offered, and whether results are taken, in each clock.
     resets : bool array
     """
-    ports = ["rst", *PORTS, "frame_error"]
+    told = [port.name for port in bench.twin.ports if port.name == TUSER]
+    ports = ["rst", *PORTS, *told, "frame_error"]
     read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
     driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
     clock, *writes = (writer(bench.dut, name) for name in driven)
@@ -77,6 +81,11 @@ def check_kept(bench: Bench, recording: Recording) -> None:
     waits = np.setdiff1d(waits, recording.resets())
     waits = waits[waits + 1 < recording.clocks]
     bench.compare("m_axis_tvalid kept", np.isin(waits + 1, offered), np.ones(len(waits), bool))
+    closing = np.isin(waits, recording.rows("m_axis_tlast"))
+    if TUSER in recording.columns:
+        rows = waits[closing]
+        now, then = (recording.unsigned(TUSER, rows + late) for late in (0, 1))
+        bench.compare(f"{TUSER} kept", then, now)
     for port in ("m_axis_tdata", "m_axis_tlast"):
         now, then = recording.unsigned(port, waits), recording.unsigned(port, waits + 1)
         bench.compare(f"{port} kept", then, now)

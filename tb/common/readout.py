@@ -52,6 +52,15 @@ def check_winner(bench: Bench, recording: Recording, readout) -> None:
     bench.compare("winner_margin", got, margin, clock=at, outputs=frames)
 
 
+def winner_columns(recording: Recording, start: int) -> dict[str, np.ndarray]:
+    """The ports of the winner as columns from clock ``start`` on, 0 where there is none."""
+    at = recording.rows("winner_valid")
+    columns = {name: np.zeros(recording.clocks - start, dtype=np.int64) for name in WINNER}
+    for name, column in columns.items():
+        column[at - start] = recording.unsigned(name, at)
+    return columns
+
+
 def check_held(bench: Bench, recording: Recording) -> None:
     """Check that each output is held, from the end of its frame to the next output of its kind."""
     ends, codes = frames_out(bench, recording)

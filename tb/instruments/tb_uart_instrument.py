@@ -209,10 +209,14 @@ def check_results(bench, recording, runs, frames, ends):
 
 
 def check_shown(bench, recording, result):
-    """Check the held outputs at the end of each frame, and winner and profile of every frame."""
+    """Check the held outputs at the end of each frame, and winner and profile of every frame.
+
+    Returns the columns of winner and profile, which the packets carry too.
+    """
     twin, shown = bench.twin, bench.twin.readout
     if shown.decides:
         readout.check_winner(bench, recording, shown)
+    winner = readout.winner_columns(recording, RESET_CLOCKS) if shown.decides else {}
     held = np.zeros((recording.clocks, twin.outputs), dtype=np.int64)
     known, place, words = np.zeros(recording.clocks, dtype=bool), 0, [None] * twin.outputs
     clears = set(recording.resets().tolist())
@@ -229,7 +233,7 @@ def check_shown(bench, recording, result):
     for i in range(twin.outputs):
         bench.compare(f"held_{i}", recording.signed(f"held_{i}", rows), held[rows, i], clock=rows)
     if shown.load_profile is None:
-        return {}
+        return winner
     ends = np.flatnonzero(result[2]) + RESET_CLOCKS
     ends = ends[(ends + 1 < recording.clocks) & recording.undisturbed(ends, ends)]
     assert known[ends + 1].all(), "a profile is drawn of outputs that never came"
@@ -242,7 +246,7 @@ def check_shown(bench, recording, result):
     for name in ("profile_x", "profile_y"):
         columns[name][points - RESET_CLOCKS] = recording.signed(name, points)
     columns["profile_last"][recording.rows("profile_last") - RESET_CLOCKS] = 1
-    return columns
+    return winner | columns
 
 
 def check_line(bench, recording, columns):
@@ -291,18 +295,18 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
     if rx is not None:
         flags, runs = loaded(bench, recording, valid, last, ends)
     result = check_results(bench, recording, runs, seen, ends)
-    profile = check_shown(bench, recording, result)
+    told = check_shown(bench, recording, result)
     rows = np.arange(RESET_CLOCKS, recording.clocks)
-    given = twin.dac(profile, recording.unsigned("rst", rows)) if dac else ()
+    given = twin.dac(told, recording.unsigned("rst", rows)) if dac else ()
     for port, bits in zip(dac, given, strict=True):
         bench.compare(port, recording.unsigned(port, rows), bits, clock=rows)
     columns = dict(
         zip(("sample_valid", "sample_data", "sample_last"), (valid, data, last), strict=True)
     )
     columns |= dict(zip(("result_valid", "result_data", "result_last"), result, strict=True))
-    columns |= {"converter_error": recording.unsigned("converter_error", rows)} | flags | profile
+    columns |= {"converter_error": recording.unsigned("converter_error", rows)} | flags | told
     sending = check_line(bench, recording, columns)
-    return recording, timeline, runs, ends, profile, sending
+    return recording, timeline, runs, ends, told, sending
 
 
 @cocotb.test()

@@ -1,9 +1,9 @@
 """packet_sender against its twin.
 
 Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
-Drives: samples, outputs, points of a profile and flags at random clocks, often and seldom; a line
-that takes bytes at once, slowly, or not at all; so many packets that their number wraps around;
-resets in each byte of a packet.
+Drives: samples, outputs, winners, points of a profile and flags at random clocks, often and seldom;
+a line that takes bytes at once, slowly, or not at all; so many packets that their number wraps
+around; resets in each byte of a packet.
 Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
 their numbers in order.
 Does not prove: that more than a few hundred frames are counted right; their count has 16 bits.
@@ -15,9 +15,9 @@ import numpy as np
 from golden.link.packets import FRAME_HEADER, SYNC, check_of
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.small import UARTS, WINNER_UART
 
-CASES = UARTS
+CASES = UARTS | {"winner-line": WINNER_UART}
 FAULTS = [
     (r"\(complete \|\| \(waited == \d+\)\)", "(complete)"),
     (r"waited == \d+", "waited == 20"),
@@ -59,6 +59,19 @@ def frames_of(rng, length, right, chance):
     return valid, data, np.where(valid, last, rng.integers(0, 2, length))
 
 
+def winners_of(bench, length, chance):
+    """Columns of the largest output, whose indices and margins are those of any frame."""
+    argmax, rng = bench.twin.argmax, bench.rng
+    most = argmax.margin_fmt.last
+    margin = rng.integers(0, most + 1, length)
+    margin = np.where(rng.random(length) < 1 / 8, rng.choice([0, most], length), margin)
+    return {
+        "winner_valid": (rng.random(length) < chance / bench.twin.outputs).astype(np.int64),
+        "winner_index": rng.integers(0, bench.twin.outputs, length),
+        "winner_margin": margin,
+    }
+
+
 def drive_for(bench, length, chance, ready):
     """The columns of every input."""
     twin, rng = bench.twin, bench.rng
@@ -77,6 +90,8 @@ def drive_for(bench, length, chance, ready):
         last = (place % twin.points == twin.points - 1) & (valid == 1)
         drive |= {"profile_valid": valid, "profile_x": x, "profile_last": last.astype(np.int64)}
         drive["profile_y"] = rng.permutation(x)
+    if twin.decides:
+        drive |= winners_of(bench, length, chance)
     flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
     # Frames are rare enough that packets without a new frame follow a refused frame.
     flagged = max(chance, 0.02) / 8
@@ -119,6 +134,8 @@ def read(bench, recording, rows, seen, expected):
     bench.compared += len(frames)
     if bench.twin.points:
         bench.visit("point", np.array([frame.point[0] for frame in frames]))
+    if bench.twin.decides:
+        bench.visit("index", np.array([frame.winner[0] for frame in frames]))
     return frames
 
 

@@ -13,7 +13,7 @@ from golden.progress import CLEAR
 from tb.monitor.board import MOST_BAUD, board_of
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.load import load
-from tb.monitor.monitor import HEAD, Monitor
+from tb.monitor.monitor import Monitor, csv_columns
 from tb.monitor.ports import open_line
 from tb.monitor.server import Server
 
@@ -63,7 +63,7 @@ def main() -> None:
         line = stack.enter_context(open_line(arguments.port, arguments.baud, board))
         csv = None
         if arguments.to:
-            csv = stack.enter_context(GrowingCsv(arguments.to, [*HEAD, *board.columns]))
+            csv = stack.enter_context(GrowingCsv(arguments.to, csv_columns(board)))
         if line.simulated and board.instrument.reload:
             print("the simulated board is being loaded", flush=True)
             load(line, board)

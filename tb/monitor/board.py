@@ -9,10 +9,11 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
+from golden.layers.argmax import Argmax
 from golden.link.packets import Frame, FrameLayout
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.rig.predict import decimals
+from golden.rig.predict import decimals, decision_columns
 from golden.scene import Scene, load_scene
 from golden.scene.scale import readings
 
@@ -74,6 +75,29 @@ class Board:
     @property
     def columns(self) -> tuple[str, ...]:
         return (*self.scene.sensors, *self.scene.outputs)
+
+    @cached_property
+    def decision_columns(self) -> list[str]:
+        """The names of what ``decision`` gives; none if nothing is decided.
+
+        Packets carry a decision if the hardware has ``argmax``. Otherwise it follows from the
+        outputs, if the scene has classes.
+        """
+        decides = self.layout.decides or self.scene.labels
+        return decision_columns(self.scene) if decides else []
+
+    def decision(self, frame: Frame) -> list[str]:
+        """The label that a frame is decided for, and the margin in codes, as texts.
+
+        Without classes the label is the name of an output. It is empty if the scene has no such
+        label, because then the board runs something else.
+        """
+        if not self.decision_columns:
+            return []
+        count = len(self.scene.outputs)
+        index, margin = frame.winner or Argmax(SIGNAL, count).process(frame.outputs[:count])
+        labels = self.scene.labels or self.scene.outputs
+        return [labels[index] if index < count else "", str(margin)]
 
     @cached_property
     def decimals(self) -> list[int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import termios
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Protocol
 
@@ -23,7 +24,7 @@ class Simulated(Protocol):
 
     port: str
 
-    def place(self, targets: dict[str, float]) -> None:
+    def place(self, targets: Mapping[str, str | float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
 
 

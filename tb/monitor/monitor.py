@@ -27,12 +27,18 @@ SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
 _COUNTS = 1 << 16
+NO_DECISION = ["", ""]
 FLAG_TEXTS = {
     "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
     "frame_error": "a frame was refused: none is computed before an image is loaded",
     "image_error": "an image was cut on its way, or is not for this hardware",
     "line_error": "the board received a byte without a stop bit: another baud rate, or noise",
 }
+
+
+def csv_columns(board: Board) -> list[str]:
+    """The columns of a recording."""
+    return [*HEAD, *board.columns, *board.decision_columns]
 
 
 class Monitor:
@@ -44,7 +50,7 @@ class Monitor:
     say : callable
         Called with each line for a terminal.
     csv : GrowingCsv, optional
-        A file to which every frame is appended.
+        A file to which every frame is appended, with ``csv_columns``.
     clock : callable
         Gives a time in seconds.
     """
@@ -100,6 +106,8 @@ class Monitor:
                 self._flagged[flag] += 1
             if frame.point:
                 self._take_point(frame.point)
+            if frame.winner:
+                self._judge_winner(frame.winner[0])
             last = frame
         for flag in FLAGS:
             if self._lit[flag] == now and self.told.due(flag):
@@ -128,10 +136,23 @@ class Monitor:
                 "board runs the hardware of another scene",
             )
 
+    def _judge_winner(self, index: int) -> None:
+        count = len(self.board.scene.outputs)
+        if index >= count and self.told.due("winner"):
+            self.told.tell(
+                "winner",
+                f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
+                "the networks of another scene",
+            )
+
     def _rows(self, frames: list[Frame], values: Real, now: float) -> list[Sequence[object]]:
         seconds = f"{now - self._began:.3f}"
         return [
-            [seconds, frame.number, frame.count, " ".join(frame.flags), *self.board.texts(row)]
+            [
+                *(seconds, frame.number, frame.count, " ".join(frame.flags)),
+                *self.board.texts(row),
+                *self.board.decision(frame),
+            ]
             for frame, row in zip(frames, values, strict=True)
         ]
 
@@ -185,9 +206,19 @@ class Monitor:
         packets, _ = self.rates()
         shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
         if self._line in ("packets", "idle"):
+            shown += [f"{item['name']} {item['text']}" for item in self._decision()]
             texts = self.board.texts(self._values)[len(self.board.scene.sensors) :]
             shown += [f"{n} {t}" for n, t in zip(self.board.scene.outputs, texts, strict=True)]
         return ", ".join(shown)
+
+    def _decision(self) -> list[dict[str, str]]:
+        """The newest decision, by name."""
+        board, newest = self.board, self._newest
+        texts = board.decision(newest) if newest else NO_DECISION
+        return [
+            {"name": name, "text": text}
+            for name, text in zip(board.decision_columns, texts, strict=False)
+        ]
 
     def state(self) -> dict[str, Any]:
         """Everything that the page shows."""
@@ -216,6 +247,7 @@ class Monitor:
         return {
             "scene": scene.name,
             "line": self._line,
+            "decision": self._decision(),
             "sensors": sensors,
             "outputs": outputs,
             "course": [[round(t - now, 3), *values] for t, values in self._course],

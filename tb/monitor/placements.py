@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.scene import Scene
+from golden.scene.labels import one_hot
 from golden.scene.scale import signals
 from golden.scene.vectors import read_recorded
 
@@ -18,14 +21,25 @@ def samples_of(scene: Scene) -> Codes:
     return SIGNAL.quantise(signals(sensors, scene.scales(scene.sensors)), "readings")[0]
 
 
-def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
+def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:
     """The recorded row whose outputs are nearest to these; each counts in parts of its range.
+
+    With classes it is the first row of the label that is given for their column.
 
     Raises
     ------
     InputError
-        When the recording has no such output.
+        When the recording has no such output, or no such label.
     """
+    if scene.labels and scene.classes in targets:
+        label = str(targets[scene.classes])
+        if label not in scene.labels:
+            raise InputError(
+                f"{scene.path}: data.classes: got no row of {label!r}, expected one of "
+                f"{', '.join(scene.labels)}: a simulated board can only be touched as in its "
+                "recording"
+            )
+        targets = dict(zip(scene.outputs, one_hot([label], scene.labels)[0].tolist(), strict=True))
     for name in targets:
         if name not in scene.outputs:
             raise InputError(
@@ -34,5 +48,6 @@ def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
             )
     recorded = read_recorded(scene).targets[:, [scene.outputs.index(name) for name in targets]]
     ranges = np.ptp(recorded, axis=0)
-    far = (recorded - np.array(list(targets.values()))) / np.where(ranges > 0, ranges, 1.0)
+    asked = np.array([float(value) for value in targets.values()])
+    far = (recorded - asked) / np.where(ranges > 0, ranges, 1.0)
     return int(np.argmin((far**2).sum(axis=1)))

@@ -32,17 +32,33 @@ SETTLE = 2
 Placement = tuple[str, ...]
 
 
-def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
+def asked_for(scene: Scene) -> list[str]:
+    """The columns that say what a reading is of: the column of classes, or every output."""
+    return [scene.classes] if scene.labels else list(scene.outputs)
+
+
+def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[Placement]]:
     """The names of the outputs, and the placement in each row of a CSV.
+
+    A column holds numbers, or labels of which none is a number. Those whose names are in
+    ``numbers`` hold numbers.
 
     Raises
     ------
     InputError
-        See ``read_csv_file``. Also when a cell is no number.
+        See ``read_csv_file``. Also when a cell is empty, or no number in a column of numbers.
     """
     table = read_csv_file(path)
-    refuse([fault(text) for name in table.names if (text := table.column(name).fault(path))])
-    return list(table.names), [tuple(cell.strip() for cell in row) for row in table.rows]
+    placements = [tuple(cell.strip() for cell in row) for row in table.rows]
+    found = []
+    for place, name in enumerate(table.names):
+        column = table.column(name)
+        labels = len(column.odd) == len(placements) and all(row[place] for row in placements)
+        labels = labels and name not in numbers
+        if not labels and (text := column.fault(path)):
+            found.append(fault(text))
+    refuse(found)
+    return list(table.names), placements
 
 
 def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
@@ -64,22 +80,36 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
     ------
     InputError
         For every column that has no name or that of a sensor and, with a simulated board, for every
-        column that is no output.
+        column that is no output and not that of the classes.
     """
     found = []
+    known = asked_for(scene)
     for number, name in enumerate(names, 1):
         if not name:
             found.append(fault(f"{path}: column {number} has no name, expected that of an output"))
         elif name in scene.sensors:
             text = f"got a sensor of {scene.path}, which is read, expected an output"
             found.append(fault(f"{path}: column {name!r}: {text}"))
-        elif simulated and name not in scene.outputs:
+        elif simulated and name not in known:
             text = (
-                f"got no output of {scene.path}, expected one of {', '.join(scene.outputs)}: a "
+                f"got no output of {scene.path}, expected one of {', '.join(known)}: a "
                 "simulated board can only be touched at placements of its recording"
             )
-            found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, scene.outputs)}"))
+            found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, known)}"))
     refuse(found)
+
+
+def read_label(line: str, names: Sequence[str]) -> Placement:
+    """The label that was typed.
+
+    Raises
+    ------
+    InputError
+        When it contains a comma, which no label of one word or more needs.
+    """
+    if "," in line:
+        raise InputError(f"got {line.strip()!r}, expected one {names[0]}, without a comma")
+    return (line.strip(),)
 
 
 def read_placement(line: str, outputs: Sequence[str]) -> Placement:
@@ -104,7 +134,10 @@ def read_placement(line: str, outputs: Sequence[str]) -> Placement:
 
 
 def typed(
-    outputs: Sequence[str], ask: Callable[[str], str], say: Callable[[str], None]
+    outputs: Sequence[str],
+    ask: Callable[[str], str],
+    say: Callable[[str], None],
+    read: Callable[[str, Sequence[str]], Placement] = read_placement,
 ) -> Iterator[Placement]:
     """The placements that are typed, until an empty line or the end of the input."""
     say(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
@@ -116,7 +149,7 @@ def typed(
         if not line.strip():
             return
         try:
-            placement = read_placement(line, outputs)
+            placement = read(line, outputs)
         except InputError as error:
             say(str(error))
             continue
@@ -241,8 +274,7 @@ def simulated_ask(
     rows = iter(placements)
 
     def ask(_: str) -> str:
-        values = dict(zip(outputs, map(float, next(rows)), strict=True))
-        simulated.place(values)
+        simulated.place(dict(zip(outputs, next(rows), strict=True)))
         return ""
 
     return ask
@@ -262,12 +294,12 @@ def main() -> None:
     board = board_of(arguments.scene)
     to = Path(arguments.to)
     refuse_there(to)
-    outputs, placements = list(board.scene.outputs), None
+    outputs, placements = asked_for(board.scene), None
     if arguments.labels:
         labels = Path(arguments.labels)
         if same_file(labels, to):
             raise InputError(f"TO={to}: is read, expected another file")
-        outputs, placements = labels_of(labels)
+        outputs, placements = labels_of(labels, board.scene.outputs)
         check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
     would(f"record readings from {arguments.port} into {to}")
     with (
@@ -277,7 +309,8 @@ def main() -> None:
         ask: Callable[[str], str] = asked
         interrupted = False
         if placements is None:
-            source = typed(outputs, ask, print)
+            read = read_label if board.scene.labels else read_placement
+            source = typed(outputs, ask, print, read)
         else:
             if line.simulated:
                 ask = simulated_ask(line.simulated, placements, outputs)

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import tty
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -161,6 +162,6 @@ class SimulatedBoard:
         if ended:
             raise RuntimeError(f"the simulation ended by itself:\n{log}")
 
-    def place(self, targets: dict[str, float]) -> None:
+    def place(self, targets: Mapping[str, str | float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
         os.write(self._orders, f"{nearest_row(self.scene, targets)}\n".encode())

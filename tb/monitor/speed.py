@@ -25,7 +25,7 @@ from tb.monitor.board import Board, board_of
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
 from tb.monitor.load import load
-from tb.monitor.monitor import HEAD, Monitor
+from tb.monitor.monitor import Monitor, csv_columns
 from tb.monitor.ports import SIMULATED, open_line
 from tb.monitor.server import Server
 from tb.monitor.twin_board import TwinBoard
@@ -51,7 +51,7 @@ def packets_a_second(
         csv = None
         if recorded:
             folder = Path(stack.enter_context(TemporaryDirectory()))
-            csv = stack.enter_context(GrowingCsv(folder / "a.csv", [*HEAD, *board.columns]))
+            csv = stack.enter_context(GrowingCsv(folder / "a.csv", csv_columns(board)))
         monitor = Monitor(board, print, csv)
         ends = threading.Event()
         if page:

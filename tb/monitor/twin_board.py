@@ -12,6 +12,7 @@ import select
 import threading
 import time
 import tty
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,8 +20,10 @@ import numpy as np
 
 from golden.engine.image import Image
 from golden.fixed import Codes
+from golden.layers.argmax import Argmax
 from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
 from golden.networks.engine import Engine
+from golden.precision import SIGNAL
 from golden.scene import Scene
 from tb.monitor.board import Board
 from tb.monitor.placements import nearest_row, samples_of
@@ -84,7 +87,7 @@ class TwinBoard:
         """Run as if the image of the scene had been loaded."""
         self._runs = True
 
-    def place(self, targets: dict[str, float]) -> None:
+    def place(self, targets: Mapping[str, str | float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
         self._row = nearest_row(self.scene, targets)
 
@@ -118,6 +121,10 @@ class TwinBoard:
         # If an image has fewer outputs, the other ones stay as they are after a reset.
         self._outputs: Codes = np.zeros((len(outputs), self.layout.outputs), dtype=np.int64)
         self._outputs[:, : outputs.shape[1]] = outputs
+        # One output has no winner.
+        self._winners: Codes = np.zeros((len(outputs), 2), dtype=np.int64)
+        if outputs.shape[1] > 1:
+            self._winners = np.stack(Argmax(SIGNAL, outputs.shape[1]).process(outputs), axis=1)
         if self._visualisation:
             results = self._outputs[:, list(self._visualisation.results)]
             self._ramp, self._profile = self._visualisation.load_profile.process(results)
@@ -149,7 +156,11 @@ class TwinBoard:
         flags = (*["frame_error"] * (not self._runs), *["image_error"] * self._error)
         samples = tuple(self._samples[row].tolist())
         outputs = tuple((self._outputs[row] * self._runs).tolist())
-        return Frame(number % 256, flags, computed % 65536, samples, outputs, point)
+        winner = None
+        if self.layout.decides:
+            index, margin = (self._winners[row] * self._runs).tolist()
+            winner = (index, margin)
+        return Frame(number % 256, flags, computed % 65536, samples, outputs, point, winner)
 
     def _exchange(self, line: bytes) -> bytes:
         """Send what the line takes, take what has come, and return what is still to be sent."""

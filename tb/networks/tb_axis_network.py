@@ -6,9 +6,9 @@ among good frames.
 Drives: elements as fast as the block takes them; with random pauses on either side and on both;
 with the output blocked until nothing more enters; with random resets; and from the AXI4-Stream
 source to the sink of cocotbext-axi, which pause at random.
-Checks: every transfer, its ``tlast`` and ``frame_error`` bit for bit; that no frame is lost or
-mixed with another; that an offered result stays until it is taken. The bench also measures the
-clocks of a frame.
+Checks: every transfer, its ``tlast``, the winner with it and ``frame_error`` bit for bit; that no
+frame is lost or mixed with another; that an offered result stays until it is taken. The bench also
+measures the clocks of a frame.
 Does not prove: anything about the network inside, which has a bench of its own.
 """
 
@@ -47,6 +47,9 @@ CASES = {
         activation="precise",
         window=Window(((0, 1, 3), (0,))),
     ),
+    # Frames that follow each other closely, and the winner of a frame with the last of two outputs.
+    "winner-axis": replace(AXIS, hardware="argmax = true", spread=4.0),
+    "least-winner-axis": replace(AXIS, shapes=[(3, 2, 2)], hardware="argmax = true", spread=4.0),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
 }
 FAULTS = [
@@ -98,6 +101,11 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
         if epoch < len(ends) - 1:
             results, closes = results[: len(out)], closes[: len(out)]
         bench.compare("m_axis_tdata", recording.signed("m_axis_tdata", out), results)
+        if twin.decides:
+            frames = results[: len(results) // twin.outputs * twin.outputs]
+            closing = out[: len(frames)][twin.outputs - 1 :: twin.outputs]
+            told = recording.unsigned("m_axis_tuser", closing)
+            bench.compare("m_axis_tuser", told, twin.winners(frames.reshape(-1, twin.outputs)))
         bench.compare("m_axis_tlast", np.isin(out, recording.rows("m_axis_tlast")), closes)
         errors += list(rows[twin.input_controller.process(ended, rows).error] + 1)
     bench.compare("clocks of frame_error", recording.rows("frame_error"), np.array(errors))
@@ -231,6 +239,10 @@ async def axi_models(dut):
             got = await with_timeout(sink.recv(), 100, "us")
             codes = np.array(got.tdata)
             bench.compare("frame", codes - ((codes >> 15) << 16), expected)
+            if bench.twin.decides:
+                # The sink gives one number if it is that of all outputs.
+                told = np.atleast_1d(got.tuser)[-1:]
+                bench.compare("m_axis_tuser", told, bench.twin.winners(expected[np.newaxis]))
             came += 1
         await with_timeout(source.wait(), 100, "us")
         await ClockCycles(dut.clk, bench.latency + 100)

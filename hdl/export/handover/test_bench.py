@@ -6,6 +6,7 @@ from string import Template
 
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.uart_transmitter import BYTE_BITS
+from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.port import Port
 from hdl.export.handover.example import vhdl_map, vhdl_signals
@@ -80,7 +81,7 @@ $refused$check
             complete := complete and matched = $due and received = $due and refused = 0;
             received := 0;
             matched := 0;
-        end procedure tell;
+$judged        end procedure tell;
 
         procedure send_frame(frame: natural; gaps: boolean) is
             variable pause: natural := 0;
@@ -148,6 +149,33 @@ _LOAD_LINE = Template("""\
             idle($rest);
 """)
 
+# The winner of a frame comes behind its last output, and before that of the next frame.
+_DECIDED_VARIABLES = """\
+        -- Frames whose largest output was told, and those for which index and margin are right.
+        variable decided, right: natural := 0;
+"""
+_DECIDED = Template("""
+            if $valid then
+                if decided < $due then
+                    if to_integer($index) = winners(2 * decided)
+                        and to_integer($margin) = winners(2 * decided + 1)
+                    then
+                        right := right + 1;
+                    else
+                        report "the winner of frame " & natural'image(decided) & " differs"
+                            severity warning;
+                    end if;
+                end if;
+                decided := decided + 1;
+            end if;""")
+_JUDGED = Template("""\
+            report natural'image(right) & " of " & natural'image($due) & " winners match, "
+                & how severity note;
+            complete := complete and right = $due and decided = $due;
+            decided := 0;
+            right := 0;
+""")
+
 _REFUSED = """\
             if frame_error = '1' then
                 refused := refused + 1;
@@ -159,9 +187,8 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """The text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
     clocks = design.output_clocks[-1]
-    # The held outputs are on the stream, too, and decide the winner. Neither the profile nor a line
-    # is recorded.
-    unused = ("held_", "winner_", "profile_", "dac_", "tx")
+    # The held outputs are on the stream, too. Neither the profile nor a line is recorded.
+    unused = ("held_", "profile_", "dac_", "tx")
     used = [port for port in ports if not port.name.startswith(unused)]
     left_open = tuple(port.name for port in ports if port not in used)
     return _TEXT.substitute(
@@ -170,9 +197,10 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
         settle=clocks + 3 * design.outputs * (clocks // design.interval + 2),
         signals=vhdl_signals(used),
         map=vhdl_map(ports, left_open),
-        variables=style.variables,
+        variables=style.variables + (_DECIDED_VARIABLES if design.argmax else ""),
         refused=_REFUSED if "frame_error" in {port.name for port in ports} else "",
-        check=style.check(design),
+        check=style.check(design) + _decided(design),
+        judged=_JUDGED.substitute(due=due(design)) if design.argmax else "",
         first=style.passes[0],
         second=style.passes[1],
         send=style.send(design),
@@ -180,6 +208,21 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
         quiet="            rx <= '1';\n" if "rx" in {port.name for port in ports} else "",
         load=_load(design),
     )
+
+
+def _decided(design: Network) -> str:
+    """The VHDL that checks the winner in each clock; empty where there is none."""
+    if not design.argmax:
+        return ""
+    valid, index, margin = "winner_valid = '1'", "winner_index", "winner_margin"
+    if design.stream == "axi_stream":
+        valid = "taking and m_axis_tvalid = '1' and m_axis_tlast = '1'"
+        index = f"m_axis_tuser({TUSER_HALF - 1} downto 0)"
+        margin = f"m_axis_tuser({2 * TUSER_HALF - 1} downto {TUSER_HALF})"
+    elif design.stream in ("converter", "spi"):
+        # An instrument goes on after the last frame.
+        valid += f" and decided < {due(design)}"
+    return _DECIDED.substitute(due=due(design), valid=valid, index=index, margin=margin)
 
 
 def _load(design: Network) -> str:

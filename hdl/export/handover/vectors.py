@@ -30,7 +30,7 @@ $samples
     constant results: codes(0 to $last_result) := (
 $results
     );
-
+$winners
 end package ${top}_vectors;
 """)
 
@@ -48,8 +48,22 @@ $bytes
 """)
 
 
+_WINNERS = Template("""
+    -- Index and margin of the largest output of each frame.
+    constant winners: codes(0 to $last) := (
+$winners
+    );
+""")
+
+
 def vectors(
-    scene: str, top: str, samples: Codes, results: Codes, past: int = 0, image: bytes = b""
+    scene: str,
+    top: str,
+    samples: Codes,
+    results: Codes,
+    past: int = 0,
+    image: bytes = b"",
+    winners: Codes | None = None,
 ) -> str:
     """The text of the package ``<top>_vectors``.
 
@@ -59,7 +73,12 @@ def vectors(
     past : int
     image : bytes
         The image that is loaded before the first frame; empty where none is.
+    winners : Codes, shape (frames - past, 2), optional
+        Index and margin of the largest output of each frame, where the hardware gives them.
     """
+    decided = ""
+    if winners is not None:
+        decided = _WINNERS.substitute(last=winners.size - 1, winners=_table(winners))
     return _TEXT.substitute(
         scene=scene,
         top=top,
@@ -72,6 +91,7 @@ def vectors(
         samples=_table(samples),
         results=_table(results),
         image=_image(image),
+        winners=decided,
     )
 
 

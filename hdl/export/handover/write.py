@@ -46,9 +46,9 @@ def write_handover(
         most = max(design.past + 1, min(FRAMES, CLOCKS // design.interval))
         samples = np.concatenate(scene.vectors().recordings)[:most]
         benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
-        texts[benches[0]] = vectors(
-            name, top, samples, design.process(samples), design.past, design.image
-        )
+        results = design.process(samples)
+        winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+        texts[benches[0]] = vectors(name, top, samples, results, design.past, design.image, winners)
         texts[benches[1]] = test_bench(name, design, ports)
     description = (
         f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "

@@ -112,6 +112,8 @@ def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
         # Any network can have this interface, but no shipped scene has it.
         if design.area == "networks" and design.stream == "serial" and not design.image:
             tops.append(AxisNetwork(design))
+            if design.outputs > 1:
+                tops.append(AxisNetwork(design, decides=True))
         for top in tops:
             for block in walk(top):
                 twins = found.setdefault(block.block, {name: [] for name in PRECISIONS})
