@@ -179,7 +179,7 @@ class Bench:
         A test that does not use ``play`` must pass its recording through here.
         """
         for port, words in recording.columns.items():
-            self.coverage.stood(port, words[RESET_CLOCKS:])
+            self.coverage.count_port(port, words[RESET_CLOCKS:])
         self._check_cleared(recording)
         self.played.append((driven_digest(recording, self.inputs), recording.looked))
         if self.configuration["trace"]:

@@ -43,6 +43,17 @@ SENSORS = 3
 # Of a converter that takes the nearest code, and of the mean that it takes away.
 ROUNDED = 2.0**-SIGNAL.frac / np.sqrt(6)
 
+NOTES = {
+    "past": "The figures are errors by equation 6.6, in floating point. They are measured on "
+    f"releases from {ANGLES[1]:g} and {ANGLES[2]:g} degrees, of which the worse one is shown; a "
+    f"release from {ANGLES[0]:g} degrees trains. One network with {HIDDEN} hidden nodes has all "
+    f"outputs. It is trained on {ROWS} rows, and as many rows between them decide when training "
+    "stops. 'Least squares' is the linear function of the same samples that fits the training run "
+    "best. 'Wiener' is the linear function of every sample since the oldest of them that has the "
+    "least error under the noise, which it knows. 'Words' is the size of the memory that stores "
+    "the samples.",
+}
+
 
 @dataclass(frozen=True)
 class Case:
@@ -118,12 +129,7 @@ def past(seed: int) -> Table:
             "Wiener %",
         ],
         rows,
-        f"Equation 6.6 in floating point on releases from {ANGLES[1]:g} and {ANGLES[2]:g} degrees, "
-        f"the worse of the two; trained on one from {ANGLES[0]:g} degrees. One network of {HIDDEN} "
-        f"hidden nodes for all outputs, on {ROWS} rows and chosen by as many. Least squares: the "
-        "linear function of the same samples that fits the training run. Wiener: the one of every "
-        "sample since the oldest of them that errs least under the noise, which it knows. Words: "
-        "of the memory that keeps the samples.",
+        NOTES["past"],
     )
 
 
