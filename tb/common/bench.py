@@ -85,7 +85,7 @@ class Recording:
 
 
 def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
-    """A cocotb test of those twins alone for which something holds; of others it is no test."""
+    """Make a function a cocotb test, but only for the twins for which ``applies`` is true."""
 
     def chosen(test: Test) -> Test:
         given = os.environ.get(CONFIGURATION)

@@ -21,9 +21,9 @@ from tb.monitor.messages import Messages
 
 # The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")
-# The course of the outputs is shown for so many seconds, with one point for each so many seconds.
+# The page shows the outputs of the last ``SHOWN_SECONDS``, with a point every ``POINT_SECONDS``.
 SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
-# A rate is counted over so many seconds, or over so many arrivals where arrivals are rarer.
+# A rate is counted over ``RATE_SECONDS``, or over ``RATE_ARRIVALS`` if arrivals are rarer.
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
 _COUNTS = 1 << 16

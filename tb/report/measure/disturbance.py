@@ -25,7 +25,8 @@ MEANING = (
     "readings. Sizes are standard deviations. Those of noise and offsets are in the unit of the "
     "readings, so that 0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise "
     "differs from reading to reading, and the drift of gain or offset from sensor to sensor. All "
-    f"rows are drawn repeatedly, until there are {FRAMES:,} frames or more, each with a drift of its own."
+    f"rows are drawn repeatedly, until there are {FRAMES:,} frames or more, each with a drift of "
+    "its own."
 )
 
 
