@@ -191,7 +191,7 @@ class Scene:
         return self._networks
 
     def mlps(self) -> list[Mlp]:
-        """The same, for what is about networks of one hidden layer of tanh.
+        """The networks, for callers that only handle one hidden layer of tanh.
 
         Raises
         ------
@@ -303,8 +303,8 @@ class Scene:
     def _met(self, network: Trained) -> tuple[float, ...]:
         """The largest magnitudes in the hidden layers of a network on the recorded frames.
 
-        Where a network reads outputs of earlier ones, the targets take their place, which these
-        outputs come near to. One hidden layer of tanh needs no range, and so no frames.
+        If a network reads outputs of earlier networks, the targets are used in their place, because
+        these outputs come near to them. One hidden layer of tanh needs no range, and so no frames.
         """
         if isinstance(network, Mlp):
             return ()
