@@ -18,10 +18,12 @@ from golden.training.task import task_for
 from tb.report.measure.table import Cell, Table
 
 SCENE = "digit"
-RESTARTS = 3  # a search has hundreds of candidates: what is measured here is no better than that
+# A search has hundreds of candidates, so shipped networks are at least as good as these.
+RESTARTS = 3
 HIDDEN = 10
 FOLDS = 2
-DRAWS = 10  # of the noise, for each row that is measured
+# How often noise is drawn for each row that is measured.
+DRAWS = 10
 
 # All loads have different weights, so a weight identifies a load.
 SPLITS: dict[str, dict[str, Any]] = {
@@ -29,8 +31,10 @@ SPLITS: dict[str, dict[str, Any]] = {
     "placements": {"split": "blocks", "split_by": ("load",)},
     "loads": {"split": "groups", "split_by": ("load",)},
 }
-TRAINED_FOR = 0.0005  # noise, in volts, unless a table says otherwise
-EXPECTED = 0.002  # what every error is measured with, beside as recorded
+# Noise in volts: that for which networks are trained, unless a table says otherwise, and that with
+# which every error is measured, besides the error as recorded.
+TRAINED_FOR = 0.0005
+EXPECTED = 0.002
 NOISES = (0.0, 0.0005, 0.001, 0.002)
 
 NOTES = {

@@ -38,7 +38,8 @@ Rows = NDArray[np.int64]
 Read = Callable[[Real, np.random.Generator], Real]
 
 FRAMES = 2000
-SPLITS = 4  # of the digit, of which nothing but its recording is true
+# New touches of the digit do not exist, so several splits of its recording take their place.
+SPLITS = 4
 FALSE_ALARMS = (0.005, 0.01, 0.02, 0.05)
 AT = 0.01
 NEAREST, WHITENED, STATE = "nearest row", "nearest, whitened", "state"

@@ -38,9 +38,10 @@ DELAYS = (
 NOISES = (0.0, NOISE, 2 * NOISE)
 RATES = (RATE / 2, RATE, 2 * RATE)
 HIDDEN, STEPS, PATIENCE, WEIGHT_DECAY = 7, 80, 40, 1e-6
-ROWS = 250  # of the training run, and as many in between to validate
+# The rows of the training run that train. As many rows between them validate.
+ROWS = 250
 SENSORS = 3
-# Of a converter that takes the nearest code, and of the mean that it takes away.
+# The noise of a converter that gives the nearest code, and of the mean that is subtracted.
 ROUNDED = 2.0**-SIGNAL.frac / np.sqrt(6)
 
 NOTES = {
