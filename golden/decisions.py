@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from golden.fixed import Codes
 from golden.scene import Scene
 from golden.scene.labels import decided, margins
-from golden.scene_errors import held_out_rows, told
+from golden.scene_errors import held_out_rows, provenances
 
 Numbers = NDArray[np.int64]
 
@@ -90,10 +90,10 @@ def decisions_of(scene: Scene) -> Decisions:
     )
 
 
-def shown(scene: Scene, every: Decisions) -> tuple[Decisions, str]:
-    """Of the decisions on all rows those that say most, and which rows these are of.
+def held_out_or_all(scene: Scene, every: Decisions) -> tuple[Decisions, str]:
+    """The decisions on held-out rows, or on all rows if none are known to be held out.
 
-    They are those on held-out rows, or those on all rows if no held-out rows are known.
+    The text says which rows these are.
     """
     held = held_out_rows(scene)
     if held is not None:
@@ -102,11 +102,11 @@ def shown(scene: Scene, every: Decisions) -> tuple[Decisions, str]:
 
 
 def held_out_line(scene: Scene, every: Decisions) -> str:
-    """Of the decisions on all rows those on held-out rows, as text."""
+    """A text about the decisions on held-out rows, which are some of ``every``."""
     held = held_out_rows(scene)
     if held is not None:
         return every.take(held).text
-    stories = told(scene)
+    stories = provenances(scene)
     if stories is None:
         return "unknown: not trained here"
     wrong = stories[0].get("test_wrong_percent")
@@ -119,7 +119,7 @@ def held_out_line(scene: Scene, every: Decisions) -> str:
 
 
 def table_lines(found: Decisions) -> list[str]:
-    """The confusion matrix as lines of text, with what is right of each class."""
+    """The confusion matrix as lines of text, with the part of each class that is right."""
     counts = found.confusion
     wide = max(6, *map(len, found.labels))
     lines = [" ".join(f"{text:>{wide}}" for text in ("", *found.labels, "right"))]
@@ -131,9 +131,9 @@ def table_lines(found: Decisions) -> list[str]:
 
 
 def lines_of(scene: Scene) -> list[str]:
-    """What the decisions of a scene are, as lines of text."""
+    """The lines that describe the decisions of a scene."""
     every = decisions_of(scene)
-    found, rows = shown(scene, every)
+    found, rows = held_out_or_all(scene, every)
     return [
         f"decisions                 {every.text}",
         f"decisions, held out       {held_out_line(scene, every)}",

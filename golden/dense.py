@@ -1,4 +1,4 @@
-"""Networks of any depth in floating point: dense layers, each with an activation of its own."""
+"""Networks of any depth in floating point, made of dense layers with an activation each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks that arguments of the float models are in their domain; else an InputError says why."""
+"""Checks that the arguments of floating-point models are inside their ranges."""
 
 from __future__ import annotations
 

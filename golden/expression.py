@@ -57,7 +57,7 @@ ALLOWED = f"numbers, x, pi, e, + - * / **, brackets, a if x < b else c, and {_CA
 
 
 def evaluate(text: str, x: Real) -> Real:
-    """The values of an expression at ``x``; where it has none, NaN or infinity.
+    """The values of an expression at ``x``. Where it is not defined they are NaN or infinity.
 
     Raises
     ------

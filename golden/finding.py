@@ -10,6 +10,8 @@ from golden.cli import BETWEEN
 from golden.input_error import InputError
 
 OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
+# How many names a message shows.
+MOST_NAMES = 5
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def refuse(findings: Sequence[Finding]) -> None:
         raise InputError(BETWEEN.join(found))
 
 
-def several(names: Sequence[str], most: int = 5) -> str:
+def several(names: Sequence[str]) -> str:
     """A list of names for a message; if there are many, only the first ones are shown."""
-    shown = ", ".join(map(repr, names[:most]))
-    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
+    shown = ", ".join(map(repr, names[:MOST_NAMES]))
+    more = len(names) - MOST_NAMES
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -16,8 +16,8 @@ from golden.precision import EXACT, SIGNAL
 from golden.real import Real
 from golden.table import suggest
 
-# An activation that begins with it goes on with the name of a function, or with a name for each
-# node, between commas.
+# An activation that is a table begins with this text. The name of a function follows, or a name for
+# each node, separated by commas.
 TABLE = "table:"
 # The format of the sum that a function takes. Sums beyond it saturate.
 FMT = EXACT.hidden_fmt
@@ -47,8 +47,8 @@ class Function:
     Raises
     ------
     InputError
-        For a name that is none, for an expression that is none, for points that do not go from left
-        to right, and for a function that is not finite everywhere.
+        For an invalid name or expression, for points that do not go from left to right, and for a
+        function that is not finite everywhere.
     """
 
     name: str

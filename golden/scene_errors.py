@@ -22,7 +22,7 @@ HELD_OUT = "bit-true, held out"
 UNKNOWN = "unknown: not trained here"
 
 # The split of a provenance that does not mention any, since there was no other kind at the time.
-UNTOLD = {"split": "random", "split_by": "", "block_rows": 0, "window": ""}
+BEFORE_SPLITS = {"split": "random", "split_by": "", "block_rows": 0, "window": ""}
 
 # With 50,000 frames the mean error differs by one per cent from one seed to another.
 FRAMES = 50_000
@@ -32,10 +32,10 @@ SEED = 1
 NOISE = 0.002
 
 
-def told(scene: Scene) -> list[dict[str, Any]] | None:
+def provenances(scene: Scene) -> list[dict[str, Any]] | None:
     """The provenance of each network of the scene.
 
-    None if a network came from elsewhere, or was trained on other data or with another split.
+    It is None if a network came from elsewhere, or was trained on other data or with another split.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
         read = read_provenance(member.weights_path)
         if read is None:
             return None
-        story = UNTOLD | read
+        story = BEFORE_SPLITS | read
         shape = ":".join(str(n) for n in network.shape)
         story.setdefault("rows", expected["rows"])
         if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
@@ -60,9 +60,9 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
 def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
     """Rows that neither trained nor chose any network of the scene.
 
-    None if that is unknown, see ``told``, or if a network was trained further on all rows.
+    None if that is unknown, see ``provenances``, or if a network was trained further on all rows.
     """
-    stories = told(scene)
+    stories = provenances(scene)
     if stories is None or any(story.get("refit") for story in stories):
         return None
     return split_of(scene).test
@@ -72,12 +72,12 @@ def held_out_means(scene: Scene) -> list[float] | None:
     """Mean error of each output, in percent, on rows that the networks have not seen.
 
     For networks that were trained further on all rows, it comes from their provenance, and is the
-    error of networks trained without these rows. None if it is unknown, see ``told``.
+    error of networks trained without these rows. None if it is unknown, see ``provenances``.
     """
     found = scene_errors(scene).get(HELD_OUT)
     if found is not None:
         return [error.mean for error in found]
-    stories = told(scene)
+    stories = provenances(scene)
     if stories is None:
         return None
     means: dict[str, float] = {}

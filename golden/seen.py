@@ -1,4 +1,4 @@
-"""Finds the inputs of a block inside a design while frames run through it, with twins only."""
+"""Finds the inputs that a block inside a design gets while frames run through the twins."""
 
 from __future__ import annotations
 

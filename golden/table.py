@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.files import check_file, reading, replace_file
 from golden.input_error import InputError
 
-# What spreadsheets write between cells instead of a comma.
+# The signs that spreadsheets write between cells instead of a comma.
 FOREIGN = {";": "a semicolon", "\t": "a tab", "|": "a bar"}
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
 
@@ -43,11 +43,11 @@ class Column:
 
     @property
     def numeric(self) -> bool:
-        """Whether it is meant to hold numbers: half of its cells or more do."""
+        """Whether the column is meant to hold numbers, which is assumed if half of its cells do."""
         return 2 * len(self.odd) <= len(self.values)
 
     def fault(self, path: Path) -> str:
-        """What keeps a column of numbers from being one; empty where nothing does."""
+        """A message about the first cell that is no number; empty if there is none."""
         if not self.odd:
             return ""
         line, text = self.odd[0]
@@ -69,9 +69,9 @@ class CsvFile:
     ----------
     path : Path
     names : tuple of str
-        The header, blanks around the names taken off.
+        The header, without blanks around the names.
     lines : tuple of int
-        Where each row stands in the file.
+        The line of each row in the file.
     rows : tuple of tuple of str
     """
 
@@ -109,14 +109,14 @@ class CsvFile:
 
 
 def read_csv_file(path: Path) -> CsvFile:
-    """Read a CSV file: UTF-8, comma separated, the first line the names of the columns.
+    """Read a CSV file in UTF-8 with commas, whose first line names the columns.
 
     Raises
     ------
     InputError
         When there is no such file, or it cannot be read.
         For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
-        a name that stands twice, or rows of another length than the header.
+        a name that occurs twice, or rows that are longer or shorter than the header.
     """
     found = _read(path)
     found.refuse_numbers()
@@ -154,7 +154,7 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
 
 
 def read_texts(path: Path, column: str) -> tuple[str, ...]:
-    """Read the texts in a column of a CSV file, blanks around them taken off.
+    """Read the texts in a column of a CSV file, without blanks around them.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def _read(path: Path) -> CsvFile:
     return _parsed(path, data)
 
 
-# A scene's recordings are asked for again and again, for other columns.
+# The answer is kept, because the recordings of a scene are read again for other columns.
 @lru_cache(maxsize=16)
 def _parsed(path: Path, data: bytes) -> CsvFile:
     text = _text(path, data)
@@ -270,7 +270,7 @@ def _text(path: Path, data: bytes) -> str:
 
 
 def _refuse_separator(path: Path, text: str) -> None:
-    """A header of one cell in which another sign stands is a table of another kind."""
+    """Refuse a table whose cells are separated by another sign than a comma."""
     header = next((line for line in text.splitlines() if line.strip()), "")
     if len(next(csv.reader([header]), [])) > 1:
         return

@@ -1,5 +1,4 @@
-"""``make check``: looks for everything that can be wrong with a scene, with a line for each "
-"check."""
+"""``make check``: looks for everything that can be wrong with a scene, and prints each check."""
 
 from __future__ import annotations
 

@@ -73,9 +73,9 @@ def word(
     return Argument(name, example, default=default, needed=needed)
 
 
-def option(name: str, example: str = "", needed: bool = False) -> Argument:
+def option(name: str, example: str = "") -> Argument:
     """A variable whose ``NAME=x`` becomes ``--name=x``."""
-    return Argument(name, example, f"--{name.lower()}=", needed=needed)
+    return Argument(name, example, f"--{name.lower()}=")
 
 
 def flag(name: str) -> Argument:

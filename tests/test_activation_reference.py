@@ -10,20 +10,13 @@ from golden.activation.reference import (
     inverse,
     inverse_fraction,
     pade_fraction,
-    plain_regression,
     rho_regression,
     stable_below,
-    tanh_exponential,
     taylor,
 )
 from golden.input_error import InputError
 
 Q = np.linspace(-3, 3, 601)
-
-
-def test_tanh_by_exponentials() -> None:
-    assert tanh_exponential(Q) == pytest.approx(np.tanh(Q), abs=1e-15)
-    assert tanh_exponential([-1e6, 0.0, 1e6]).tolist() == [-1, 0, 1]
 
 
 def test_taylor_is_the_cut_series() -> None:
@@ -53,14 +46,6 @@ def test_stability_limits_of_rho(rho: float, limit: float) -> None:
 def test_a_rho_that_never_settles_is_refused() -> None:
     with pytest.raises(InputError, match=r"rho: got 0.5, expected above 0.5"):
         stable_below(0.5)
-
-
-def test_the_plain_regression_is_that_with_rho_1() -> None:
-    """They are the same except for the start, which is t = A d."""
-    assert plain_regression(Q, 9) == pytest.approx(rho_regression(Q, 1.0, 9))
-    inside = np.abs(Q) < 1.4
-    assert plain_regression(Q[inside], 900) == pytest.approx(pade_fraction(Q[inside]))
-    assert abs(plain_regression(1.46, 400)) > 1e3
 
 
 def test_the_regression_step_by_step_is_its_closed_form() -> None:

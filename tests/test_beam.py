@@ -21,7 +21,6 @@ from golden.physics.strain_sensor import (
     FARTHEST,
     Loads,
     StrainSensor,
-    bridge_gain,
     fit_sensor,
     fit_sensors,
     loads_from_codes,
@@ -121,9 +120,8 @@ def test_a_load_without_width_is_equation_3_5() -> None:
 
 
 def test_a_sensor_reads_equation_3_9() -> None:
-    gain = bridge_gain(amplifier=200, gauge_factor=2.1, excitation=5)
-    assert gain == 200 * 2.1 * 5 / 2
-    sensor = StrainSensor(gain, 0.1, 0.05, BEAM)
+    # An amplifier of 200, a gauge factor of 2.1, and 5 V on a half bridge.
+    sensor = StrainSensor(200 * 2.1 * 5 / 2, 0.1, 0.05, BEAM)
     loads = Loads(np.array([0.02]), np.array([0.15]), np.zeros(1), np.zeros(1))
     moment = BEAM.moment(0.05, 0.02, 0.15)
     expected = 200 / 2 * 2.1 * 0.0002 * moment / BEAM.stiffness * 5 + 0.1

@@ -12,7 +12,7 @@ import pytest
 from derivatives import check_derivatives
 
 from golden.commands import predict, recalibrate, scene, train
-from golden.decisions import decisions_of, lines_of, shown
+from golden.decisions import decisions_of, held_out_or_all, lines_of
 from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.input_error import InputError
 from golden.layer_objective import ClassObjective, LabelledRows, packed, unpacked
@@ -204,7 +204,7 @@ def test_a_network_with_another_number_of_outputs_is_refused(hand: Path, tmp_pat
 
 def test_what_demo_and_report_say_is_one(hand: Path) -> None:
     found = load_scene(str(hand))
-    some, which = shown(found, decisions_of(found))
+    some, which = held_out_or_all(found, decisions_of(found))
     rows = outcome(found)
     assert which == f"{len(held_out_rows(found))} held-out rows"
     lines = lines_of(found)
@@ -228,7 +228,7 @@ def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch
     assert held_out_rows(found) is None
     right = 100 - read_provenance(found.weights_paths[0])["test_wrong_percent"]
     assert f"before, {right:.1f} % were right" in lines_of(found)[1]
-    assert shown(found, decisions_of(found))[1] == "all 90 rows"
+    assert held_out_or_all(found, decisions_of(found))[1] == "all 90 rows"
 
 
 @pytest.mark.parametrize(

@@ -93,8 +93,8 @@ def test_what_is_not_met_is_named() -> None:
     coverage = Coverage(Counter())
     coverage.meet("count", np.array([4, 4, 6]))
     coverage.visit(State("count", range(3)), np.array([0, 2, 2, 9]))
-    coverage.stood("in_valid", ["1", "1", "X"])
-    coverage.stood("addr", ["00", "11", "UU"])
+    coverage.count_port("in_valid", ["1", "1", "X"])
+    coverage.count_port("addr", ["00", "11", "UU"])
     assert missing(Counter(), coverage.counts) == [
         "border full: nothing at 5",
         "state count: never 1",
@@ -104,8 +104,8 @@ def test_what_is_not_met_is_named() -> None:
     more = Coverage(Counter())
     more.meet("count", np.array([5]))
     more.visit(State("count", range(3)), np.array([1]))
-    more.stood("in_valid", ["0"])
-    more.stood("addr", ["10"])
+    more.count_port("in_valid", ["0"])
+    more.count_port("addr", ["10"])
     add(coverage.counts, more.counts)
     assert missing(Counter(), coverage.counts) == []
     assert coverage.counts["borders"]["full"] == {"below": 2, "from": 1}

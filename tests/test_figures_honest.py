@@ -13,6 +13,7 @@ from conftest import tiered
 from pages import TRAINED, cells, section, shows
 from shared import Shared
 
+from golden.closure import code_of
 from golden.disturbance import Disturbance
 from golden.fingerprint import ROOT
 from golden.scene import load_scene
@@ -33,6 +34,18 @@ def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
 @pytest.mark.parametrize("name", table_records.RECORDED)
 def test_the_record_is_of_todays_code(name: str) -> None:
     assert not table_records.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
+
+
+@pytest.mark.parametrize("name", table_records.RECORDED)
+def test_a_note_is_that_of_todays_code_and_makes_no_record_stale(name: str) -> None:
+    module = table_records.RECORDED[name][0]
+    assert table_records.read(name).note == module.NOTES[name]
+    folder = Path(str(module.__file__)).parent
+    texts = {file: file.read_text(encoding="utf-8") for file in folder.glob("*.py")}
+    files = [file for file, text in texts.items() if f'"{name}": ' in text and "NOTES" in text]
+    assert files, "no file has the note"
+    for file in files:
+        assert "NOTES = " not in code_of(file, table_records.NOT_MEASURED)
 
 
 def test_what_is_not_recorded_is_refused(tmp_path: Path) -> None:

@@ -33,9 +33,9 @@ from tb.monitor.__main__ import main
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
+from tb.monitor.messages import PAUSE
 from tb.monitor.monitor import HEAD, Monitor, csv_columns
 from tb.monitor.server import Server
-from tb.monitor.told import PAUSE
 from tb.monitor.twin_board import TwinBoard
 from tb.report.page.page import environment
 
@@ -208,7 +208,7 @@ def test_a_fault_is_told_once_and_again_after_a_while(scene: Scene) -> None:
     }
     state = still.monitor.state()
     assert state["missed"] == 6
-    assert state["told"] == still.said[::-1]
+    assert state["messages"] == still.said[::-1]
 
 
 def test_flags_silence_and_a_point_too_many_are_told(scene: Scene) -> None:
@@ -361,18 +361,18 @@ def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Pa
                 assert f"{shown['text']} code {shown['code']}" in plain(page, "sensors")
             assert page.count("<circle") == 17
             assert page.count('class="course"') == 4
-            assert "nothing yet" in plain(page, "told")
+            assert "nothing yet" in plain(page, "messages")
             simulated.noise(b"noise")
             simulated.cut()
             wait(lambda: line.cut != "")
             page = browse(server.address, tmp_path)
             assert "the line is cut" in plain(page, "line")
-            assert "the line was cut: the device is gone" in plain(page, "told")
+            assert "the line was cut: the device is gone" in plain(page, "messages")
             simulated.mend()
             wait(lambda: monitor.state()["line"] == "packets")
             page = browse(server.address, tmp_path)
             assert "packets come" in plain(page, "line")
-            assert "is back" in plain(page, "told")
+            assert "is back" in plain(page, "messages")
             # Nothing is drawn without data.
             assert page.count('class="course"') == 8
 
@@ -395,7 +395,7 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     state: dict[str, Any] = still.monitor.state()
     state["outputs"][0]["name"] = "<b>" + "a very long name " * 9
     state["sensors"][0] |= {"name": "<img src=x>" + "long" * 30, "unit": "micrometres per metre"}
-    state |= {"recording": "/a/very/long/path" * 9, "told": ["08:00:00 " + "word" * 90]}
+    state |= {"recording": "/a/very/long/path" * 9, "messages": ["08:00:00 " + "word" * 90]}
     page = environment("tb.monitor").get_template("page.html.jinja").render(title="t" * 60)
     stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
     page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")

@@ -20,7 +20,7 @@ from golden.precision import SIGNAL
 from golden.rig.check import data
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.vectors import read_recorded
-from golden.scene_errors import disturbed_rows, held_out_rows, scene_errors, told
+from golden.scene_errors import disturbed_rows, held_out_rows, provenances, scene_errors
 from golden.table import read_table, write_table
 from golden.training.search import train
 from golden.training.split import Split, apart, split_of
@@ -184,7 +184,7 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
     train_scene(past, tmp_path / "build", 1)
     trained, said = load_scene(str(past.path)), capfd.readouterr().out
     assert "97 rows; 10 further rows have no whole past and are not used; 40 share samples" in said
-    stories = told(trained)
+    stories = provenances(trained)
     assert stories
     assert stories[0]["data"] == "one.csv, two.csv"
     assert stories[0]["window"] == "a 0 2 3, b 0, c 1 5"
@@ -192,7 +192,7 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
     assert rows is not None
     assert rows.tolist() == split_of(trained).test.tolist()
     other = edited(trained, "a = [0, 2, 3]", "a = [0, 2, 4]")
-    assert told(other) is None, "trained on other samples"
+    assert provenances(other) is None, "trained on other samples"
 
 
 def test_errors_are_of_the_rows_with_a_whole_past(trained: Scene) -> None:

@@ -137,7 +137,7 @@ def test_verilog_that_differs_from_its_model_is_told(
     with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
         da4ml_rows.check(found, expected)
     answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
-    monkeypatch.setattr(nngen_rows, "asked", lambda *_: answer)
+    monkeypatch.setattr(nngen_rows, "run_isolated", lambda *_: answer)
     with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
         nngen_rows.row(Path("python"), task, tmp_path)
 

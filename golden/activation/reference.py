@@ -18,18 +18,8 @@ from golden.input_error import InputError
 Real = NDArray[np.float64]
 
 
-def tanh_exponential(q: ArrayLike) -> Real:
-    """(exp(2 q) - 1) / (exp(2 q) + 1), equation 4.2.
-
-    It is computed from ``exp(-2 |q|)``, which does not overflow.
-    """
-    real = np.asarray(q, dtype=np.float64)
-    small = np.exp(-2 * np.abs(real))
-    return np.asarray(np.sign(real) * (1 - small) / (1 + small))
-
-
 def taylor(q: ArrayLike) -> Real:
-    """Equation 4.2 with exp(2 q) cut off after the fourth power, equation 4.5."""
+    """Equation 4.5: (e - 1) / (e + 1), with the series of e = exp(2 q) up to the fourth power."""
     x = 2 * np.asarray(q, dtype=np.float64)
     power = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4)))
     return np.asarray((power - 1) / (power + 1))
@@ -40,19 +30,6 @@ def pade_fraction(q: ArrayLike) -> Real:
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
     return real * a / b
-
-
-def plain_regression(q: ArrayLike, iterations: int) -> Real:
-    """The fraction by equation 4.7: t <- A - t (B - 1), starting from 0, times q.
-
-    It settles where B(q) < 2, which is for ``|q|`` below 1.447.
-    """
-    real = np.asarray(q, dtype=np.float64)
-    a, b = fraction(real)
-    t = np.zeros_like(real)
-    for _ in range(iterations):
-        t = a - t * (b - 1)
-    return real * t
 
 
 def inverse_fraction(q: ArrayLike, iterations: int) -> Real:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
 from golden.sensing.converter_reader import ConverterReader
@@ -37,12 +36,7 @@ class ConverterInstrument(Scanned):
 
     def __post_init__(self) -> None:
         reader = self.converter_reader
-        got = (reader.inputs, reader.slots)
-        expected = (self.readout.inputs, self.readout.input_controller.inputs)
-        if got != expected:
-            raise InputError(
-                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
-            )
+        self.check_frames(reader.inputs, reader.slots)
         left = reader.scan_clocks - reader.slots
         self.check_scan(reader.counter_width, reader.scan_clocks, left)
 

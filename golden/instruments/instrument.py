@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
 from golden.sensing.scan_sequencer import ScanSequencer
@@ -37,12 +36,7 @@ class Instrument(Scanned):
 
     def __post_init__(self) -> None:
         scan = self.scan_sequencer
-        got = (scan.inputs, scan.slots)
-        expected = (self.readout.inputs, self.readout.input_controller.inputs)
-        if got != expected:
-            raise InputError(
-                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
-            )
+        self.check_frames(scan.inputs, scan.slots)
         samples = scan.sample_clocks
         left = scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
         self.check_scan(scan.counter_width, scan.scan_clocks, left)

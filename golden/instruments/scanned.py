@@ -24,6 +24,24 @@ class Scanned(Network):
     area = "instruments"
     readout: Readout = field(kw_only=True)
 
+    def check_frames(self, inputs: int, slots: int) -> None:
+        """Refuse scans whose frames are not those of the network.
+
+        Parameters
+        ----------
+        inputs, slots : int
+            Number of sensors, and of elements of a frame.
+
+        Raises
+        ------
+        InputError
+        """
+        got, expected = (inputs, slots), (self.inputs, self.readout.input_controller.inputs)
+        if got != expected:
+            raise InputError(
+                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
+            )
+
     def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
         """Refuse scans that follow each other faster than the network accepts frames.
 

@@ -96,7 +96,7 @@ class Argmax(Block):
         return (leads, second) if self.outputs > 2 else (leads,)
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
-        """Of every output but the first of its frame, for frames of shape (frames, outputs)."""
+        """The quantities of all outputs but the first, for frames of shape (frames, outputs)."""
         (codes,) = inputs
         largest = np.maximum.accumulate(codes, axis=-1)[..., :-1]
         lead = codes[..., 1:] - largest

@@ -33,9 +33,11 @@ class Tally:
     Attributes
     ----------
     frames : int
+        Packets of this layout whose check is right.
     skipped : int
-        Bytes that belong to no packet. Not counted are those that may be the end of a packet that
-        began before the line was opened.
+        Bytes that belong to no packet. The bytes at the start of a line are not counted, because
+        they may be the end of a packet that began before the line was opened.
+    failed : int
         Packets whose check failed. Their bytes are also counted as skipped.
     missed : int
         Packets that are missing according to the numbers of the others. A gap of 256 is not
@@ -81,7 +83,7 @@ class Tally:
 
 
 class Decoder:
-    """Finds an instrument's packets in the bytes of a serial line, whatever is between them.
+    """Finds an instrument's packets in the bytes of a serial line, which may hold other bytes too.
 
     A packet begins wherever SYNC is followed by the kind byte of a frame. If its check fails, only
     this SYNC is skipped, and the search continues at the next byte. So no whole packet behind

@@ -15,8 +15,9 @@ from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.real import Real
 
-RESISTANCE, CAPACITANCE = 560e3, 4.7e-6  # ohm, F: the DC remover of section 6.4.2
-CUTOFF = 0.06  # Hz, as the thesis rounds 1 / (2 pi R C)
+# Hz, of the DC remover of section 6.4.2. The thesis rounds 1 / (2 pi R C) of 560 kilohm and
+# 4.7 microfarad to it.
+CUTOFF = 0.06
 LOW_PASS = 25.0  # Hz, behind each gauge of the digit: section 3.6
 SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.3
 
@@ -210,15 +211,3 @@ class LowPass:
         """
         k = math.tan(math.pi * self.cutoff / self.rate)
         return math.sqrt(k / (1 + k))
-
-
-def rc_cutoff(resistance: float = RESISTANCE, capacitance: float = CAPACITANCE) -> float:
-    """Cut-off 1 / (2 pi R C) in Hz of a resistor and a capacitor, both above 0.
-
-    Raises
-    ------
-    InputError
-        For a value outside 1e-12 to 1e12 ohm or F.
-    """
-    checked(resistance=(resistance, 1e-12, 1e12), capacitance=(capacitance, 1e-12, 1e12))
-    return 1 / (2 * math.pi * resistance * capacitance)

@@ -69,35 +69,6 @@ def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
     )
 
 
-def bridge_gain(
-    amplifier: float, gauge_factor: float, excitation: float, bridge_factor: float = 2.0
-) -> float:
-    """Volts per strain, G G_f V_ex / k (equations 3.7 and 3.8).
-
-    Parameters
-    ----------
-    amplifier, gauge_factor : float
-        G and G_f, above 0 to 1e6.
-    excitation : float
-        V_ex in V, -1000 to 1000.
-    bridge_factor : float
-        k; 2 for a half bridge (thesis section 3.8.2), 1e-3 to 1e3.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range.
-    """
-    least = float(np.finfo(np.float64).tiny)
-    checked(
-        amplifier=(amplifier, least, 1e6),
-        gauge_factor=(gauge_factor, least, 1e6),
-        excitation=(excitation, -1e3, 1e3),
-        bridge_factor=(bridge_factor, 1e-3, 1e3),
-    )
-    return amplifier * gauge_factor * excitation / bridge_factor
-
-
 @dataclass(frozen=True)
 class StrainSensor:
     """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
@@ -105,7 +76,7 @@ class StrainSensor:
     Parameters
     ----------
     gain : float
-        V per strain; see ``bridge_gain``. With a positive gain an upward bend gives a positive
+        V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
         reading.
     offset : float
         V_off in V.

@@ -135,7 +135,6 @@ def swing_motion(
     seconds: float,
     rate: float = 200.0,
     *,
-    start_speed: float = 0.0,
     method: str | None = None,
     tolerance: float = TOLERANCE,
     most_evaluations: int = 10_000_000,
@@ -146,14 +145,12 @@ def swing_motion(
     ----------
     swing : Swing
     start : float
-        phi_initial in rad, -pi to pi. pi is upright, where the swing stays because nothing pushes
-        it.
+        phi_initial in rad, -pi to pi. The swing is released at rest. pi is upright, where the swing
+        stays because nothing pushes it.
     seconds : float
         Duration; it must give two to ten million samples.
     rate : float
         Samples per second, 1e-3 to 1e9; the thesis captured 200.
-    start_speed : float
-        rad/s, -1e6 to 1e6.
     method : str, optional
         RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. The default is
         DOP853, or LSODA if the swing is overdamped, with a damping rate above two natural
@@ -186,7 +183,6 @@ def swing_motion(
     checked(
         start=(start, -math.pi, math.pi),
         rate=(rate, 1e-3, 1e9),
-        start_speed=(start_speed, -1e6, 1e6),
         tolerance=(tolerance, 2.3e-14, 0.1),
     )
     checked(seconds=(seconds, 2 / rate, MOST_SAMPLES / rate))
@@ -218,7 +214,7 @@ def swing_motion(
     found = solve_ivp(
         derivative,
         (0.0, times[-1]),
-        [start, start_speed],
+        [start, 0.0],
         method=method,
         t_eval=times,
         rtol=tolerance,

@@ -20,7 +20,7 @@ from golden.rig.smooth_map import SmoothMap, fitted, thinned
 from golden.scene import Scene
 from golden.scene.labels import decided
 from golden.scene.vectors import read_recorded
-from golden.scene_errors import held_out_rows, told
+from golden.scene_errors import held_out_rows, provenances
 from golden.training.split import split_of
 
 # The part of rows like the held-out ones that may be called outside.
@@ -182,7 +182,8 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     which = f"the {len(rows)} rows that trained"
     everything = held_out_rows(scene) is None
     if everything:
-        known = "which of them trained is unknown" if told(scene) is None else "all of them trained"
+        unknown = provenances(scene) is None
+        known = "which of them trained is unknown" if unknown else "all of them trained"
         which = f"all {len(recorded.inputs)} recorded rows; {known}"
     ranged = recorded.targets if everything else recorded.targets[rows]
     held = np.concatenate([split.validation, split.test])

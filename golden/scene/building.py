@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 
 
 def build_twin(scene: Scene, lean: bool) -> Network:
-    """The networks of a scene, and around them what it has: past, front end, readout, AXI4-Stream.
+    """Build the networks of a scene, with the blocks around them that the scene asks for.
 
-    If ``lean`` is set, what the weights make useless is left out; see ``constants_of``.
+    These are a frame window, a front end, a readout and an AXI4-Stream. If ``lean`` is set,
+    hardware that the weights make useless is left out; see ``constants_of``.
 
     Raises
     ------
@@ -84,9 +85,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
 
 
 def _within_a_scan(scene: Scene, design: type[Design], settings: Settings) -> Network | None:
-    """The networks in the clocks that a scan leaves, for a design that can be given a number.
+    """The networks built for the clocks that a scan leaves, if the design has an option for clocks.
 
-    Where nothing takes so few, the instrument says so.
+    None if there is no such option, or if the design cannot be so fast; in that case the instrument
+    reports the fault.
     """
     if scene.front_end and "clocks" in design.options and "clocks" not in settings.options:
         with suppress(InputError):

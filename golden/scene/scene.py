@@ -195,7 +195,7 @@ class Scene:
         return self._networks
 
     def mlps(self) -> list[Mlp]:
-        """The same, for what is about networks of one hidden layer of tanh.
+        """The networks, for callers that only handle one hidden layer of tanh.
 
         Raises
         ------
@@ -314,8 +314,8 @@ class Scene:
     def inputs_of(self, network: Trained) -> Real:
         """The inputs of a network in the recorded frames, as signals.
 
-        Where a network reads outputs of earlier ones, the targets take their place, which these
-        outputs come near to.
+        If a network reads outputs of earlier networks, the targets are used in their place, because
+        these outputs come near to them.
         """
         vectors = self.vectors()
         earlier = network.shape[0] - len(self.inputs)

@@ -401,7 +401,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 def members(
     data: dict[str, Any], network: dict[str, Any], inputs: int, path: Path
 ) -> tuple[Member, ...]:
-    """The networks: one for all outputs, or one for each. ``inputs`` are those common to all."""
+    """The networks: one for all outputs, or one for each. All of them have ``inputs`` samples."""
     outputs = data["outputs"]
     single = network["arrangement"] == "single"
     groups = [outputs] if single else [[name] for name in outputs]
@@ -455,7 +455,7 @@ def members(
 
 
 def _listed(value: Any) -> list[Any]:
-    """A list of it, where it is none."""
+    """The value itself if it is a list, or else a list with this value."""
     return value if isinstance(value, list) else [value]
 
 

@@ -49,8 +49,9 @@ class ConverterReader(Scan):
 
     Raises
     ------
-    When a parameter is outside its range. For a counter that is too narrow for the part the message
-    names the least width.
+    InputError
+        When a parameter is outside its range. For a counter that is too narrow for the part the
+        message names the least width.
 
     Notes
     -----

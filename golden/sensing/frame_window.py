@@ -17,7 +17,7 @@ from golden.window import Window
 
 @dataclass(frozen=True)
 class FrameWindow(Block):
-    """Stores good frames in a ring; after each, a frame of its samples and of past ones leaves.
+    """Stores good frames in a ring. After each, it sends samples of this frame and of past ones.
 
     Parameters
     ----------

@@ -122,7 +122,7 @@ def harmonic_tail(
     """A bound of ``|harmonic_load - harmonic_limit|``, that is of the terms that are left out.
 
     By Abel's summation the terms beyond P of sum sin(m theta) / m stay below
-    ``1 / ((P + 1) |sin(theta / 2)|)``, and partial sums and limit lie between 0 and the
+    ``1 / ((P + 1) |sin(theta / 2)|)``, and partial sums and limit lie between 0 and
     the Wilbraham-Gibbs constant 1.852 on either side of 0, so the tail never exceeds that. At a
     jump (theta = 0) every term is 0, and so is the bound.
 

@@ -62,7 +62,7 @@ class Stream(Group):
     """The signals of a stream, which travel together: ``valid``, and what is valid with it.
 
     The parameter ``out`` of a block becomes the ports ``out_valid``, ``out_data``, ... in the place
-    that their twin gives them; of ``in_``, which Python makes end in an underscore, they are
-    ``in_valid``, ``in_data``, ... A block has those ports that its twin publishes, and leaves a
-    stream's other signals alone.
+    that the twin gives them. The parameter ``in_`` becomes ``in_valid``, ``in_data``, ...; it has
+    an underscore because ``in`` is a word of Python. A block has the ports that its twin publishes,
+    and does not use the other signals of a stream.
     """

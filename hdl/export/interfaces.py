@@ -1,9 +1,9 @@
 """The ports that MyHDL makes of a block's arguments, where these are groups of signals.
 
-MyHDL takes positional parameters alone for ports, names a signal after parameter and attribute
-even where the parameter ends in an underscore, and puts the signals of every group behind all
-others. Here each parameter may be a port, ``in_`` becomes ``in_valid``, and the signals of a
-``Stream`` stand where the twin has them.
+MyHDL makes ports only of positional parameters. It names a signal of a group after the parameter
+and the attribute, even if the parameter ends in an underscore, and it puts the signals of all
+groups behind the other ports. This module lets every parameter be a port, makes ``in_valid`` of
+``in_`` and ``valid``, and puts the signals of a ``Stream`` in the place that the twin gives them.
 """
 
 from __future__ import annotations

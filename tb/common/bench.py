@@ -85,7 +85,7 @@ class Recording:
 
 
 def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
-    """A cocotb test of those twins alone for which something holds; of others it is no test."""
+    """Make a function a cocotb test, but only for the twins for which ``applies`` is true."""
 
     def chosen(test: Test) -> Test:
         given = os.environ.get(CONFIGURATION)
@@ -179,7 +179,7 @@ class Bench:
         A test that does not use ``play`` must pass its recording through here.
         """
         for port, words in recording.columns.items():
-            self.coverage.stood(port, words[RESET_CLOCKS:])
+            self.coverage.count_port(port, words[RESET_CLOCKS:])
         self._check_cleared(recording)
         self.played.append((driven_digest(recording, self.inputs), recording.looked))
         if self.configuration["trace"]:

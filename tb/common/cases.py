@@ -53,7 +53,7 @@ block_rows = {rows}
 """
 
 
-# Options for benches: with so few steps the regression diverges near the gate, and saturates.
+# With so few iterations the regression of pade diverges near the gate, so that it saturates.
 OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
 LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
 length_mm = { y1 = 127.0, y2 = 50.8 }
@@ -88,10 +88,11 @@ def random_network(
     quantiser: Quantiser | None = None,
     functions: tuple[Function, ...] = (),
 ) -> Trained:
-    """Normal weights, of about the same sums in each layer of any depth; one node is without.
+    """A network of any depth with normal weights, whose sums are about as large in each layer.
 
-    With a ``quantiser`` behind every hidden layer weights are multiples of 1/16. ``functions`` are
-    those that activations name.
+    The weights of the last node of the first hidden layer are 0, so that it has no effect. If there
+    is a ``quantiser`` behind every hidden layer, the weights are multiples of 1/16. ``functions``
+    are the functions that the activations name.
     """
     rng = np.random.default_rng(seed)
     layers = []
@@ -188,8 +189,9 @@ class Case:
     """A scene of random networks.
 
     ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
-    nodes, the last of them has no weights. With ``activations`` there is one network, which has as
-    many hidden layers, each with ``quantiser`` behind it. ``functions`` are those that they name.
+    nodes, the last of them has no weights. If there are ``activations``, there is one network with
+    a hidden layer for each of them and with ``quantiser`` behind each hidden layer. ``functions``
+    are the functions that the activations name.
     """
 
     shapes: list[tuple[int, ...]]

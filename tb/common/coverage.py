@@ -58,7 +58,7 @@ class Coverage:
         found = {str(value): met[value] for value in state.values}
         add(self.counts, {"states": {state.name: found}})
 
-    def stood(self, port: str, words: Iterable[str]) -> None:
+    def count_port(self, port: str, words: Iterable[str]) -> None:
         """Count the values of a port."""
         met = Counter(words)
         if port in self.ports:

@@ -29,12 +29,12 @@ def networks_of_other_depth(quantiser: Quantiser | None) -> list[Trained]:
 
 
 def with_check(sizes: Sizes, sent: bytes) -> bytes:
-    """What is sent, and the check that matches it."""
+    """The bytes that are sent, followed by the check that matches them."""
     return sent + crc_hqx(sent, sizes.check_start).to_bytes(CHECK_BYTES, "big")
 
 
 def naming(sizes: Sizes, image: bytes, words: int) -> bytes:
-    """An image whose header names another number of words; its check matches."""
+    """An image whose header names another number of words, with a check that matches."""
     count = ((1 << LAST_ADDR[1]) - 1) << LAST_ADDR[0]
     header = int.from_bytes(image[:WORD_BYTES], "big") & ~count | (words - 1) << LAST_ADDR[0]
     sent = header.to_bytes(WORD_BYTES, "big") + image[WORD_BYTES:-CHECK_BYTES]
@@ -42,12 +42,12 @@ def naming(sizes: Sizes, image: bytes, words: int) -> bytes:
 
 
 def fitting_checks(sizes: Sizes, image: bytes, words: int) -> list[bytes]:
-    """Wrong images made of a good one of so many words, whose check is right at least in part."""
+    """Wrong images, made of a good one of ``words`` words. Their check is right, or in part."""
     sent = image[:-CHECK_BYTES]
-    # A word is missing; one is too many.
+    # In the first image a word is missing; the second has one word too many.
     found = [naming(sizes, image, words + 1), with_check(sizes, sent + bytes(WORD_BYTES))]
-    # The first byte of the check is wrong, and the last is right behind it: of what is left of the
-    # check each bit alone is not 0.
+    # The first byte of the check is wrong, and the last byte is right for a check that continues
+    # from it. In each image another single bit of the remaining check is not 0.
     left = [crc_hqx(bytes([wrong]), 0) & 0xFF for wrong in range(256)]
     for bit in range(8):
         changed = sent + bytes([image[-CHECK_BYTES] ^ left.index(1 << bit)])

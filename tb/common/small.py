@@ -164,8 +164,8 @@ ENGINES = {
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
-# Functions that are computed without a library, so that every machine has the same tables: an odd
-# one, and one that needs words for negative sums too.
+# These functions are computed without a library, so that every machine has the same tables. The
+# first is odd, and the second needs words for negative sums too.
 SOFT, BELL = Function("soft", "x / (1 + abs(x))"), Function("bell", "1 / (1 + x * x)")
 # Several functions in one memory. The first case has sums that leave the tables, and tanh among
 # them; the second has registers behind the memories, one function, and few segments; the third has
@@ -220,7 +220,8 @@ LAYERED = {
     "ranged-engine": replace(
         ENGINE, shapes=[(12, 3, 3, 2)], activations=("leaky_relu", "relu"), seed=0, spread=1.5
     ),
-    # Quantised: halves to even behind a zero point; and the code below.
+    # These are quantised. The first has a zero point and rounds halves to even; the second rounds
+    # down.
     "exact-engine": replace(
         ENGINE,
         shapes=[(3, 4, 3, 2)],
@@ -236,8 +237,8 @@ LAYERED = {
         spread=1.5,
         quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
     ),
-    # Loaded into hardware with ReLU; and into hardware with registers behind the memories, whose
-    # results are cut and rounded to even.
+    # The first is loaded into hardware with ReLU. The second is loaded into hardware with registers
+    # behind the memories, whose results are limited and rounded to even.
     "layers-reload": replace(
         ENGINE,
         shapes=[(3, 4, 3, 2)],
@@ -300,7 +301,7 @@ def rails(activation: str) -> dict[str, Case]:
 
 
 BLOCK_RAM = '{ coefficients = "block_ram" }'
-# Each place of the coefficients, with few and with all of the segments.
+# The coefficients are in logic or in block RAM. Each case has few segments or all of them.
 PRECISE = {
     "logic": Case([(2, 3, 2)], "exact", activation="precise", spread=0.5),
     "logic-huge": Case([(2, 2, 1)], "exact", activation="precise", spread=100.0),

@@ -69,7 +69,8 @@ def timeline(bench, gap, apart, resets):
     # One of four frames comes about as early as is allowed.
     about = border.at - 1 + rng.integers(-2, 3, len(last))
     idle = np.where(rng.random(len(last)) < 1 / 4, about, rng.integers(0, apart + 1, len(last)))
-    # So do good frames at the beginning, so that each such distance occurs however long frames are.
+    # Good frames at the beginning come so early too, so that each such distance occurs, however
+    # long frames are.
     # A frame that comes too early is refused, so the next frame does not follow a good one.
     good = np.tile(np.arange(twin.inputs) == twin.inputs - 1, 2 * len(ABOUT)).astype(np.int64)
     last = np.concatenate([good, last])

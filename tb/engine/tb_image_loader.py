@@ -34,7 +34,8 @@ FAULTS = [
     (r"check\[8-1:0\] == 0\)", "1'b1)"),
     (r"good = \(headed && ended", "good = (headed"),
     (r"&& headed && \(!ended\)", "&& headed"),
-    # Every header fits; of the count only the lowest bits are looked at; the next word is a header.
+    # The first three faults: every header fits; only the lowest bits of the number of words are
+    # compared; after a header that does not fit, the next word counts as a header.
     (r"fits = \(named < \d+\)", "fits = 1'b1"),
     (r"fits = \(named < ", "fits = (named[9:0] < "),
     (r"ended <= \(!fits\)", "ended <= 1'b0"),

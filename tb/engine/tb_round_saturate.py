@@ -21,7 +21,7 @@ from tb.common.small import ENGINES, LAYERED
 
 WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
 CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
-# Their hardware has ReLU, and cuts bits. What it does otherwise is that of the first.
+# The hardware of these cases also has ReLU, or also drops bits. Otherwise it is that of the first.
 ALSO = ("layers-engine", "exact-engine")
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
@@ -37,8 +37,8 @@ def sums(bench):
     steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
     marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
     if bench.twin.cut:
-        # Half way between two codes, where those of several bits are cut; and with each bit below
-        # it alone, often enough to come with ReLU too.
+        # These sums lie half way between two codes of the result, or have a single one of the bits
+        # below that. There are enough of them that some come with ReLU.
         unit = bench.twin.cut + DROPPED
         halves = (steps >> bench.twin.cut) << unit
         alone = (1 << unit) + (1 << np.arange(unit).repeat(10))

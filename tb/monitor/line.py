@@ -14,7 +14,7 @@ from serial.tools import list_ports
 
 from golden.input_error import InputError
 
-# One call waits at most so many seconds, for bytes or for a port that is gone.
+# The longest time in seconds that one call waits for bytes, or for a port that is gone.
 PAUSE = 0.1
 FAULTS = (OSError, ValueError, termios.error)
 

@@ -16,8 +16,8 @@ from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.line import Line
 from tb.monitor.ports import open_line
 
-# So many packets in a row must report the same before it counts, because the first ones may report
-# what was before.
+# A report counts after so many packets in a row have repeated it, because the first packets may
+# still report the state before the image.
 SURE = 3
 
 

@@ -17,13 +17,13 @@ from golden.real import Real
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
-from tb.monitor.told import Told
+from tb.monitor.messages import Messages
 
 # The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")
-# The course of the outputs is shown for so many seconds, with one point for each so many seconds.
+# The page shows the outputs of the last ``SHOWN_SECONDS``, with a point every ``POINT_SECONDS``.
 SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
-# A rate is counted over so many seconds, or over so many arrivals where arrivals are rarer.
+# A rate is counted over ``RATE_SECONDS``, or over ``RATE_ARRIVALS`` if arrivals are rarer.
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
 _COUNTS = 1 << 16
@@ -64,7 +64,7 @@ class Monitor:
     ) -> None:
         self.board, self.csv = board, csv
         self.decoder = Decoder(board.layout)
-        self.told = Told(say, clock)
+        self.messages = Messages(say, clock)
         self.computed = 0
         self._clock = clock
         self._lock = threading.Lock()
@@ -110,8 +110,8 @@ class Monitor:
                 self._judge_winner(frame.winner[0])
             last = frame
         for flag in FLAGS:
-            if self._lit[flag] == now and self.told.due(flag):
-                self.told.tell(flag, FLAG_TEXTS[flag])
+            if self._lit[flag] == now and self.messages.due(flag):
+                self.messages.tell(flag, FLAG_TEXTS[flag])
         self.computed += computed
         self._newest, self._values = last, values[-1]
         self._packet_at = now
@@ -129,8 +129,8 @@ class Monitor:
         if number < len(self._profile):
             x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
             self._profile[number] = (x, y)
-        elif self.told.due("point"):
-            self.told.tell(
+        elif self.messages.due("point"):
+            self.messages.tell(
                 "point",
                 f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
                 "board runs the hardware of another scene",
@@ -138,8 +138,8 @@ class Monitor:
 
     def _judge_winner(self, index: int) -> None:
         count = len(self.board.scene.outputs)
-        if index >= count and self.told.due("winner"):
-            self.told.tell(
+        if index >= count and self.messages.due("winner"):
+            self.messages.tell(
                 "winner",
                 f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
                 "the networks of another scene",
@@ -161,8 +161,8 @@ class Monitor:
         tally, layout = self.decoder.tally, self.board.layout
         for kind in tally.faults(Tally(), layout):
             line = tally.faults(self._before.get(kind, Tally()), layout).get(kind)
-            if line and self.told.due(kind):
-                self.told.tell(kind, line)
+            if line and self.messages.due(kind):
+                self.messages.tell(kind, line)
                 self._before[kind] = tally.copy()
 
     def _watch(self, line: Line) -> None:
@@ -175,18 +175,19 @@ class Monitor:
                 self._arrivals.clear()
                 # The course has a gap here, because nothing is known of the time of the cut.
                 self._course.append((now, []))
-                self.told.tell("line", f"the line was cut: {line.cut}; waiting for {line.label}")
+                text = f"the line was cut: {line.cut}; waiting for {line.label}"
+                self.messages.tell("line", text)
             self._line = "cut"
         elif self._line == "cut":
-            self.told.tell("line", f"{line.label} is back")
+            self.messages.tell("line", f"{line.label} is back")
             self._line, self._packet_at = "waiting", now
         elif now - self._packet_at > line.silence:
             if self._line != "silent":
-                self.told.tell("line", f"no packet for {line.silence:g} s")
+                self.messages.tell("line", f"no packet for {line.silence:g} s")
             self._line = "silent"
         elif self._newest is not None:
             if self._line == "silent":
-                self.told.tell("line", "packets come again")
+                self.messages.tell("line", "packets come again")
             idle = len(self._arrivals) >= RATE_ARRIVALS and not self.rates()[1]
             self._line = "idle" if idle else "packets"
 
@@ -265,7 +266,7 @@ class Monitor:
                 {"name": name, "lit": now - self._lit[name] < LIT_SECONDS, "count": count}
                 for name, count in self._flagged.items()
             ],
-            "told": list(self.told.lines),
+            "messages": list(self.messages.lines),
             "recorded": self.csv.rows if self.csv else 0,
             "recording": str(self.csv.path) if self.csv else "",
         }

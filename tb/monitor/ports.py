@@ -11,16 +11,16 @@ from tb.monitor.line import Line, ports_there
 from tb.monitor.simulated_board import SimulatedBoard
 from tb.monitor.twin_board import TwinBoard
 
-# The hardware in a simulator; and its bit-true models, which send the same packets at the board's
-# own speed.
+# ``sim`` is the hardware in a simulator. ``twin`` is its bit-true models, which send the same
+# packets at the speed of the board.
 SIMULATED, TWIN = "sim", "twin"
 # The models play each row for so many seconds.
 TWIN_HOLD = 0.5
 # The simulated hardware plays each row of the recording for so many scans, so that all points of a
 # profile are seen.
 HOLD = 64
-# In seconds. In the simulator everything takes as many clocks as on the board, but each clock takes
-# longer.
+# See ``Line``, in seconds. In the simulator everything takes as many clocks as on the board, but
+# each clock takes longer.
 SILENCE, PATIENCE = 60.0, 600.0
 
 

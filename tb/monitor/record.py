@@ -26,7 +26,7 @@ from tb.monitor.line import Line, Simulated
 from tb.monitor.ports import SIMULATED, TWIN, open_line
 
 FRAMES = 16
-# So many packets may still be of the placement before: one in the board, and one on the line.
+# The first packets may still belong to the placement before: one in the board, one on the line.
 SETTLE = 2
 
 Placement = tuple[str, ...]

@@ -49,7 +49,7 @@ class Task:
         """The recorded frames, then the random ones."""
         return np.concatenate([self.recorded, self.random])
 
-    def given(self) -> dict[str, Any]:
+    def question(self) -> dict[str, Any]:
         """The codes and fraction bits of both layers, and the frames, in a form for JSON."""
         layers = {"first": self.constants.first, "second": self.constants.second}
         return {

@@ -14,7 +14,7 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from tb.peers.cells import in_one_piece
 from tb.peers.comparison import Row, Task
-from tb.peers.installed import asked
+from tb.peers.installed import run_isolated
 from tb.peers.simulated import simulated
 
 PROGRAM = Path(__file__).with_name("da4ml_network.py")
@@ -57,7 +57,7 @@ def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
     InputError
         When da4ml fails.
     """
-    answers = asked(python, PROGRAM, task.given(), folder)
+    answers = run_isolated(python, PROGRAM, task.question(), folder)
     return [
         Tried(
             f"{one['method0']}, {one['hard_dc']}, q in {one['hidden_frac']} fraction bits",

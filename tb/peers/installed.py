@@ -57,7 +57,7 @@ def version_of(python: Path, package: str) -> str:
     return str(versions[package])
 
 
-def asked(python: Path, program: Path, given: dict[str, Any], folder: Path) -> Any:
+def run_isolated(python: Path, program: Path, given: dict[str, Any], folder: Path) -> Any:
     """Run a program with the Python of another environment, and return its answer.
 
     Question and answer are JSON files in ``folder``; the programs describe them.

@@ -10,7 +10,7 @@ from golden.input_error import InputError
 from golden.precision import SIGNAL
 from tb.peers.cells import in_one_piece
 from tb.peers.comparison import Row, Task
-from tb.peers.installed import asked
+from tb.peers.installed import run_isolated
 
 PROGRAM = Path(__file__).with_name("nngen_network.py")
 TOP = "peer"
@@ -24,7 +24,7 @@ def row(python: Path, task: Task, folder: Path) -> Row:
     InputError
         When NNgen fails, or a simulated frame has other outputs than its model.
     """
-    answer = asked(python, PROGRAM, task.given(), folder)
+    answer = run_isolated(python, PROGRAM, task.question(), folder)
     outputs, simulated = np.array(answer["outputs"]), np.array(answer["simulated"])
     wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
     if wrong:

@@ -193,7 +193,7 @@ def _port(side: str, other: str, enable: str, reset: str) -> str:
 
 
 def _array(width: int) -> str:
-    """The array of words, and how it is filled: the parity stands above the data."""
+    """The array of words and its initial contents, with the parity above the data."""
     data = width // 9 * 8
     words = "WORDS"
     return f"""

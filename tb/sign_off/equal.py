@@ -16,7 +16,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
@@ -109,9 +109,9 @@ class Result:
         }
 
 
-def pair_of(block: str, export: Callable[[str, str], Job] = subject) -> Pair:
+def pair_of(block: str) -> Pair:
     """The entity that stands for a block, in both languages."""
-    return Pair(export(block, "icarus"), export(block, "ghdl"))
+    return Pair(subject(block, "icarus"), subject(block, "ghdl"))
 
 
 @cache

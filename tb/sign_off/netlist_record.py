@@ -14,12 +14,10 @@ import os
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from golden.block import walk
 from golden.cli import would
-from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.progress import Progress
 from golden.scene import load_scene
@@ -67,30 +65,30 @@ class Entity:
         return [family for family in FAMILIES if whole or family != ROUTED]
 
 
-def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
+def entities(blocks: Collection[str]) -> Iterator[Entity]:
     """The entities of some blocks that are recorded; one that several scenes share comes once."""
     seen = set()
     for block in blocks:
         for case in recorded_cases(block).values():
-            job = played(subject(block, NETLISTS_RUN_IN, build, case))
+            job = played(subject(block, NETLISTS_RUN_IN, case=case))
             seen.add(verilog(job))
             yield Entity(job, job.entity)
     for name in SCENES:
         scene = load_scene(name)
         if not any(part.block in blocks for part in walk(scene.twin())):
             continue
-        prepare(scene, NETLISTS_RUN_IN, build)
-        for job in jobs(scene, NETLISTS_RUN_IN, build=build):
+        prepare(scene, NETLISTS_RUN_IN)
+        for job in jobs(scene, NETLISTS_RUN_IN):
             if job.block in blocks and verilog(job) not in seen:
                 seen.add(verilog(job))
                 yield Entity(played(job), scene.twin().entity)
 
 
-def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:
+def record_netlists(blocks: Collection[str], tell: Tell) -> list[Outcome]:
     """Run the benches of some blocks on the netlists of all families, and record the results."""
     runs: dict[str, list[dict[str, Any]]] = {}
     outcomes = []
-    pairs = [(entity, family) for entity in entities(blocks, build) for family in entity.families()]
+    pairs = [(entity, family) for entity in entities(blocks) for family in entity.families()]
     with (
         ThreadPoolExecutor(os.cpu_count()) as pool,
         Progress("simulating", len(pairs), "netlists") as progress,

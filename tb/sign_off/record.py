@@ -22,7 +22,7 @@ def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
-    """What was recorded for a block.
+    """The record of a block.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class Inquiry:
         ]
 
     def prove(self) -> Answer:
-        """Prove the property by induction, or only to its depth where it asks for no induction."""
+        """Prove the property by induction, or up to its depth if it asks for no induction."""
         return self._ask("prove", self.sound, 0)
 
     def reach(self) -> Answer:
@@ -125,7 +125,10 @@ def _staged(job: Job, folder: Path) -> Path:
 
 
 def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
-    """The same with a fault in the first file that has its pattern; the block's own comes first."""
+    """Copy the files, and put a fault into the first one that contains its pattern.
+
+    The file of the block itself is searched first.
+    """
     _staged(job, folder)
     pattern, text = fault
     for name in (f"{job.entity}.v", *job.files):

@@ -12,9 +12,12 @@ from golden.table import suggest
 from tb.common.collected import BENCHES, CASES_OF, case_scene
 from tb.common.runner import Job, jobs, plan, prepare
 
+# Proofs, mutants and netlists are of the Verilog.
+RUNS_IN = "icarus"
+
 
 def subject(
-    block: str, simulator: str = "icarus", build: Path = BUILD, case: str | None = None
+    block: str, simulator: str = RUNS_IN, build: Path = BUILD, case: str | None = None
 ) -> Job:
     """The first entity of a block in a case; without a case, in the first one of its bench.
 
@@ -61,10 +64,10 @@ def recorded_cases(block: str) -> dict[str, str]:
     return {block: CASES_OF[block][0]} | {f"{block}.{case}": case for case in also}
 
 
-def recorded_subjects(blocks: list[str], simulator: str = "icarus") -> dict[str, Job]:
+def recorded_subjects(blocks: list[str]) -> dict[str, Job]:
     """The entities of which mutation and coverage are recorded, by the names of the records."""
     return {
-        name: subject(block, simulator, case=case)
+        name: subject(block, case=case)
         for block in blocks
         for name, case in recorded_cases(block).items()
     }
@@ -78,9 +81,9 @@ def cases_line(block: str | None) -> str:
     return case_line(block) + (f"; then {' and '.join(also)}" if also else "")
 
 
-def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:
+def subjects_of(scene: str, block: str | None = None) -> list[Job]:
     """The first entity of each block of a scene, or of one of its blocks."""
-    planned = plan(load_scene(scene), [simulator], block)
+    planned = plan(load_scene(scene), [RUNS_IN], block)
     return [first(planned, name) for name in sorted({job.block for job in planned})]
 
 

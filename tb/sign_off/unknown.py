@@ -103,7 +103,7 @@ class Netlist:
         }
 
     @property
-    def given(self) -> int:
+    def gate_bits(self) -> int:
         """The number of bits that all cells give together."""
         cells = self.module["cells"].values()
         return sum(len(cell["connections"].get("Y", "")) for cell in cells)

@@ -30,7 +30,7 @@ MOST_CLOCKS = 16
 MOST_BITS = 700
 # The most bits that all cells give together. With more, as in the tables of bipartite_pair, Yosys'
 # solver runs out of the memory that WebAssembly has.
-MOST_GIVEN = 50_000
+MOST_GATE_BITS = 50_000
 HELD = "what_reset_gives_a_value"
 
 
@@ -52,7 +52,7 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
     ``unreset`` is a register whose reset is left out.
     """
-    large = len(netlist.flip_flops) > MOST_BITS or netlist.given > MOST_GIVEN
+    large = len(netlist.flip_flops) > MOST_BITS or netlist.gate_bits > MOST_GATE_BITS
     if large or netlist.twin.latency > MOST_CLOCKS:
         return None
     left = [register for register in netlist.registers() if register.reset and register != unreset]

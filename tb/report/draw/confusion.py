@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.decisions import Decisions, percent, shown
+from golden.decisions import Decisions, held_out_or_all, percent
 from golden.scene import Scene
 from tb.report.draw.svg import plain, style, svg
 
@@ -76,7 +76,7 @@ class Confusion:
 
 def confusion_plot(scene: Scene, every: Decisions) -> Confusion:
     """The confusion matrix on held-out rows or, if these are unknown, on all rows."""
-    found, rows = shown(scene, every)
+    found, rows = held_out_or_all(scene, every)
     return Confusion(
         "confusion",
         f"{scene.classes}: decided against recorded",

@@ -1,8 +1,8 @@
 """The few SVG elements that the pictures are drawn with.
 
-Diagrams stand beside the plots of matplotlib, and are not drawn with it: boxes that share a size,
-tips, links and animations are what SVG has and a plot has not, and their bytes hang on no version
-of a library, so that a test compares what pages show with what is drawn now.
+Diagrams are not drawn with matplotlib, as plots are, for two reasons. SVG has what a plot does not
+have: boxes that share a size, tooltips, links and animations. And the bytes of such a picture do
+not depend on the version of a library, so a test can compare the pictures of pages with new ones.
 """
 
 from __future__ import annotations

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from golden.input_error import InputError
@@ -23,7 +21,7 @@ LEFT, REST, ABOVE = 180.0, 80.0, 170.0
 OTHER = "#c43b3b"
 
 
-def swing_animation(scene: Scene, run: Path = RUN) -> str:
+def swing_animation(scene: Scene) -> str:
     """The true and the estimated mass, from the side (y and z) and from above (x and y).
 
     Each step is a frame of a run on which the networks were not trained. The animation needs no
@@ -33,8 +31,6 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
     ----------
     scene : Scene
         A scene with past samples of the swing. The scene without them is shown beside it.
-    run : Path
-        See ``swing``.
 
     Returns
     -------
@@ -49,13 +45,13 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
     other = without_past(scene)
     if other is None:
         raise InputError(f"{scene.path}: swing: got no data.window, expected one")
-    found = follow(scene, run, UNTIL)
-    before = follow(other, run, UNTIL)
+    found = follow(scene, RUN, UNTIL)
+    before = follow(other, RUN, UNTIL)
     shown = [int(np.argmin(np.abs(found.time - t))) for t in np.arange(FROM, UNTIL, STEP)]
     # Both estimates end at the same frame.
     skipped = len(before.time) - len(found.time)
     bodies = [_step(found, n, before.estimate[n + skipped]) for n in shown]
-    title = f"The mass of the swing in {run.stem}, true and as scene {scene.name} finds it"
+    title = f"The mass of the swing in {RUN.stem}, true and as scene {scene.name} finds it"
     body = [*_still(), *steps("swing_animation", scene.name, STEP, bodies)]
     return picture(title, (WIDTH, HEIGHT), body)
 

@@ -69,9 +69,9 @@ def iterations(_: int) -> Table:
         "iterations",
         ["rho", "stable below |q|", "iterations", "arithmetic", "mean %", "largest units"],
         rows,
-        "The regression of equation 4.12 with the gate at 3.3, against tanh: equation 4.32 as "
-        "printed, and the largest error in units of 2^-13 over every input code, |q| to 3 in "
-        "floating point and in thesis precision (Q = 3), to 8 in exact, where the step at the "
-        "gate counts. A rho that is stable below less than 3.3 only diverges before the gate, "
-        "and saturates.",
+        "The errors are those of the regression of equation 4.12, with the gate at 3.3, against "
+        "tanh. 'mean %' is equation 4.32 as printed. The largest error is in units of 2^-13 over "
+        "every input code, with |q| up to 3 in floating point and in thesis precision (Q = 3), and "
+        "up to 8 in exact precision, which includes the step at the gate. A rho whose column "
+        "'stable below |q|' is less than 3.3 diverges before the gate, and the result saturates.",
     )

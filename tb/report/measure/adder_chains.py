@@ -45,11 +45,12 @@ COLUMNS = [
     *(f"network, grade {grade}, MHz" for grade in GRADES),
 ]
 NOTE = (
-    f"ECP5, LFE5U-85F, by Yosys and nextpnr, seed {SEED}. Alone: so many adders as wide as the "
-    f"widest result of {SCENE}, one behind the other, between registers that nothing else uses; "
-    f"placer heap, router1. The network is {SCENE} with so many adders between "
-    "registers, placed as make synth places it; from its pins to its first registers no path "
-    "counts. As recorded by python -m tb.report.measure.adder_chains."
+    "The clocks are those of an ECP5 (LFE5U-85F), which Yosys and nextpnr found with seed "
+    f"{SEED}. 'Alone' has so many adders in a row between registers that nothing else uses. The "
+    f"adders are as wide as the widest result of {SCENE}; the placer is heap and the router is "
+    f"router1. The network is {SCENE} with so many adders between registers, placed as make synth "
+    "places it; paths from its pins to its first registers are not counted. The figures were "
+    "recorded by python -m tb.report.measure.adder_chains."
 )
 
 

@@ -133,18 +133,19 @@ def bounds(seed: int) -> Table:
         "bounds",
         ["noise", "output", "in the readings", "placements", *_ERRORS],
         rows,
-        f"Mean errors in % (equation 3.16) over the recorded placements. 'Bound' is that of "
-        "Cramer and Rao for the sensors of table beam, shape known, as the mean error of an "
-        "estimator that reaches it: sqrt(2 / pi) of its deviation. 'In the readings: no' are "
-        "placements where no sensor changes with that output alone; width shows in sensor 3 "
-        "where it lies under the load, and in sensor 2 at the nearest. A shape never does while "
-        "the width is unknown; seven of the eight loads are rectangles, so that a guess is wrong "
-        f"for one. '{SCENE}' is the scene, bit-true, on the recorded readings with "
-        "that noise. 'Any load' and 'known loads' are the least mean errors, on "
-        "readings of the model, of estimators that know which widths and shapes there are, and "
-        "which eight loads. 'As recorded' takes what the fit leaves of each sensor for noise and "
-        "adds none: most of it is not noise but how this beam differs from theory, the same each "
-        "time, which a network learns.",
+        "The figures are mean errors in % (equation 3.16) over the recorded placements. 'Bound' is "
+        "the bound of Cramer and Rao for the sensors of table beam with a known shape. It is given "
+        "as the mean error of an estimator that reaches it, which is sqrt(2 / pi) of its standard "
+        "deviation. At placements with 'no' in the column 'in the readings', no sensor changes "
+        "with that output alone. The width changes sensor 3 where it lies under the load, and "
+        "sensor 2 at the nearest placement. The shape never does while the width is unknown; seven "
+        "of the eight loads are rectangles, so a guess is wrong for one. "
+        f"'{SCENE}' is the scene, bit-true, on the recorded readings with that noise. 'Any load' "
+        "and 'known loads' are the least mean errors, on readings of the model, of estimators that "
+        "know which widths and shapes exist, and which eight loads exist. 'As recorded' treats "
+        "what the fit leaves of each sensor as noise, and adds none. Most of it is not noise but "
+        "the difference of this beam from theory, which is the same every time and is learnt by a "
+        "network.",
     )
 
 
@@ -168,6 +169,6 @@ def bound_along(seed: int) -> Table:
         "bound_along",
         ["output", "position mm", "in the readings", "placements", *_ERRORS],
         rows,
-        f"Table bounds at {1e3 * ALONG_NOISE:g} mV along the beam; position is from its tip to the "
-        "middle of the load.",
+        f"The table shows the figures of table bounds at {1e3 * ALONG_NOISE:g} mV along the beam. "
+        "The position is measured from the tip of the beam to the middle of the load.",
     )

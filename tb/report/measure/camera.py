@@ -39,9 +39,9 @@ def camera(seed: int) -> Table:
             *(f"{name} mm" for name in scenes),
         ],
         rows,
-        "Mean errors as lengths. The printed ones are those of Table 6.2. Ours are bit-true, and "
-        "of the worse of the runs from 30 and 25 degrees. Section 6.4.3.1 finds a mean error of "
-        "0.585 mm for the cameras; its share is of the printed way from end to end. Ours are "
-        "compared with generated positions, which are exact, so they do not contain the cameras' "
-        "error.",
+        "The figures are mean errors as lengths. The printed ones are those of Table 6.2. Ours are "
+        "bit-true, on the worse of the runs from 30 and 25 degrees. Section 6.4.3.1 finds a mean "
+        "error of 0.585 mm for the cameras; its share is of the printed distance from end to end. "
+        "Ours are compared with generated positions, which are exact, so they do not contain the "
+        "error of the cameras.",
     )

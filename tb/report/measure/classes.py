@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from golden.decisions import shown
+from golden.decisions import held_out_or_all
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Cell, Table
 
@@ -35,7 +35,7 @@ def accuracy(found: Outcome) -> Table:
 
 def per_class(found: Outcome) -> Table:
     """How many rows of each class are decided rightly, and how often each decision is right."""
-    some, which = shown(found.scene, found.decisions)
+    some, which = held_out_or_all(found.scene, found.decisions)
     counts = some.confusion
     rows: list[list[Cell]] = []
     for n, label in enumerate(some.labels):

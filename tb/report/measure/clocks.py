@@ -62,10 +62,11 @@ def clocks(_: int) -> Table:
             "interval clocks",
         ],
         rows,
-        "For each scene, the output with the largest bit-true error on all recorded vectors, with "
-        "the largest mean over the positions (equation 3.15) and the mean. Errors on appendix2 are "
-        "in percent of the target, or of 0.9 for position and width. Errors on swing-train are in "
-        "percent of 1.4, from end to end, without positions, so the two cannot be compared. The "
-        "clocks are those from the first sample to the last output, and from one frame to the "
-        "next. thesis and digit-instrument wait for their sensors.",
+        "For each scene, the table shows the output with the largest bit-true error on all "
+        "recorded vectors: the largest mean over the positions (equation 3.15) and the mean. "
+        "Errors on appendix2 are in percent of the target, or of 0.9 for position and width. "
+        "Errors on swing-train are in percent of 1.4, the range from end to end, and have no "
+        "positions, so the two cannot be compared. The clocks are those from the first sample to "
+        "the last output, and from one frame to the next. thesis and digit-instrument wait for "
+        "their sensors.",
     )

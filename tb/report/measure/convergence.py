@@ -21,6 +21,14 @@ EVALUATIONS = 20_000
 # The numbers of evaluations at which errors are noted: four for each factor of two.
 LOOKS = frozenset(round(2 ** (n / 4)) for n in range(60))
 
+NOTES = {
+    "convergence": "The figures are root mean square errors in percent (equation 3.16) during one "
+    "training by scaled conjugate gradients, in floating point with tanh and without early "
+    "stopping. Half of the rows train and a quarter validates. Each row shows the point with the "
+    "least training error up to that number of evaluations. The network 2:6:2 is trained on the 57 "
+    "rows of the narrow loads, and 4:16:4 on all 143 rows.",
+}
+
 
 @dataclass
 class Followed(Objective):
@@ -88,8 +96,5 @@ def convergence(seed: int) -> Table:
         "convergence",
         ["network", "evaluations", "training %", "validation %"],
         rows,
-        "Root mean square errors in percent (equation 3.16) of one start by scaled conjugate "
-        "gradient, on tanh, in floating point and without early stopping: half of the rows train, "
-        "a quarter validates. Of each count of evaluations the point with the least training error "
-        "so far. 2:6:2 has the 57 rows of the narrow loads, 4:16:4 all 143.",
+        NOTES["convergence"],
     )

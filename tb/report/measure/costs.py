@@ -100,7 +100,7 @@ def with_network_cells(table: Table) -> Table:
         for scene in scenes()
         if budget_path(scene.path).is_file()
     }
-    note = "Cells of the design in one piece, as recorded by make synth."
+    note = "The cells are those of the design in one piece, as make synth recorded them."
     return _joined(table, lambda row: found.get(str(row[0])), note)
 
 
@@ -120,7 +120,7 @@ def with_network_times(table: Table) -> Table:
             raise ValueError(f"table {table.name}: clocks a frame: got {count!r}, expected a count")
         rows.append([*row, count / board, mhz, None if mhz is None else count / mhz])
     columns = [*table.columns, f"us at {board:g} MHz", "ECP5 MHz", "us on an ECP5"]
-    note = "ECP5 MHz is the clock that make synth recorded, placed and routed."
+    note = "'ECP5 MHz' is the clock of the placed and routed design, as make synth recorded it."
     return Table(table.name, columns, rows, f"{table.note} {note}", table.timed)
 
 

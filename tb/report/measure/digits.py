@@ -49,11 +49,12 @@ COUNTS = (0, 400, 320, 280, 260, 245, 230, 215, 200)
 # Folded designs hold weights as words, which do not depend on the digits, so two counts suffice.
 FOLDED, FOLDED_COUNTS = ("engine", "hybrid"), (0, 245)
 NOTE = (
-    "Network 4:16:4 of digit-single with so many signed digits in its weights; the first row is as "
-    "it was trained. Errors on rows that were held out, as a part of those with all digits: the "
-    "mean over the networks from each start, and over all outputs their standard deviation. "
-    "Virtex-II cells (synth_xilinx -family xc2v) of the network that is written. As recorded by "
-    "python -m tb.report.measure.digits."
+    "The table shows the network 4:16:4 of digit-single with fewer and fewer signed digits in its "
+    "weights; the first row is the network as it was trained. The errors are on held-out rows, "
+    "divided by those with all digits. They are means over the networks from each start, and "
+    "'deviation' is the standard deviation over these and over all outputs. The cells are those of "
+    "a Virtex-II (synth_xilinx -family xc2v) for the network that is written. The figures were "
+    "recorded by python -m tb.report.measure.digits."
 )
 
 

@@ -21,11 +21,12 @@ NONE = "as recorded"
 # This text after the name of an output marks the bound that its sensors allow.
 BOUND = ", bound"
 MEANING = (
-    "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
-    "standard deviations. Those of noise and offsets are in the unit of the readings, so that "
-    "0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise differs from reading "
-    "to reading, and the drift of gain or offset from sensor to sensor. All rows are drawn "
-    f"repeatedly, until there are {FRAMES:,} frames or more, each with a drift of its own."
+    "The figures are bit-true mean errors in percent on all recorded rows, with disturbed "
+    "readings. Sizes are standard deviations. Those of noise and offsets are in the unit of the "
+    "readings, so that 0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise "
+    "differs from reading to reading, and the drift of gain or offset from sensor to sensor. All "
+    f"rows are drawn repeatedly, until there are {FRAMES:,} frames or more, each with a drift of "
+    "its own."
 )
 
 
@@ -59,7 +60,8 @@ def noise_and_drift(scene: Scene, seed: int) -> Table:
         rows = [[*row, known[row[1]] if row[0] == kind else None] for row in rows]
     if bounds:
         note += (
-            " Bound: that of Cramer and Rao for that noise alone, shape known; no estimator that "
+            " The bound is that of Cramer and Rao for this noise alone and a known shape; no "
+            "estimator that "
             "is right on average errs less (docs/limits.md)."
         )
     return Table("noise_and_drift", columns, rows, note)

@@ -37,9 +37,9 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
         "sensors",
         ["places", "mm from the root", "output", "mean %", "worst %"],
         rows,
-        f"Least mean errors of {len(rig.percent)} placements. They are the bound of Cramer and Rao "
-        "with the prior knowledge that load, position and width lie in their ranges. 'Best found' "
-        f"has the least {rig.objective} over placements and outputs.",
+        f"The figures are least mean errors for {len(rig.percent)} placements. They are the bound "
+        "of Cramer and Rao with the prior knowledge that load, position and width lie in their "
+        f"ranges. 'Best found' has the least {rig.objective} over placements and outputs.",
     )
     return table, gauges(placing, sets)
 
@@ -76,10 +76,10 @@ def gauge_places(_: int) -> Table:
         "gauge_places",
         ["places", "gauges", "load cell", "mm from the root", *(f"{n} %" for n in OUTPUTS)],
         rows,
-        f"Rig {RIG}: the least mean errors over loads, widths, shapes and positions, with prior "
-        "knowledge of their ranges. The places are those of the recorded sensors 1 to 3, and the "
-        "best found for as many gauges and more. The load cell is sensor 4, which only reads the "
-        "load.",
+        f"The figures are the least mean errors of rig {RIG} over loads, widths, shapes and "
+        "positions, with prior knowledge of their ranges. The places are those of the recorded "
+        "sensors 1 to 3, and the best that were found for as many gauges and for more. The load "
+        "cell is sensor 4, which only reads the load.",
     )
 
 

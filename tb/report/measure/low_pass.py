@@ -1,5 +1,4 @@
-"""How much time the 25 Hz low pass after the digit's gauges takes, and how much noise it "
-"removes."""
+"""The time that the 25 Hz low pass behind the gauges takes, and the noise that it removes."""
 
 from __future__ import annotations
 

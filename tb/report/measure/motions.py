@@ -73,8 +73,9 @@ def motions(seed: int) -> Table:
             "printed %",
         ],
         rows,
-        "Equation 6.6 on independent runs: released from other angles, with noise and a wobble of "
-        "their own (docs/physics.md). The divisor is the mean way from end to end. The printed "
-        "column is Table 6.2 for the arrangement, measured on another rig. Networks with past "
-        "samples give nothing before their past is whole, 0.64 s after release.",
+        "The figures are errors by equation 6.6 on independent runs, which were released from "
+        "other angles and have noise and a wobble of their own (docs/physics.md). They are divided "
+        "by the mean distance from end to end. The printed column is Table 6.2 for the same "
+        "arrangement, measured on another rig. Networks with past samples give no outputs before "
+        "their past is complete, 0.64 s after the release.",
     )

@@ -56,10 +56,10 @@ def networks(seed: int) -> Table:
             "thesis largest %",
         ],
         rows,
-        "Equations 3.15 and 3.16 on the recorded vectors: 'largest' is the largest mean over the "
-        "positions. Held-out rows neither trained nor chose the network; with about two of them at "
-        "a position, their largest mean is nearly that of single frames. In digit-a and "
-        "digit-thesis-a each network is trained on the floating-point outputs before it (cascade "
-        "A), in digit and digit-thesis on the bit-true ones (cascade B). The thesis column is its "
-        "bit-true simulation.",
+        "The figures are errors by equations 3.15 and 3.16 on the recorded vectors. 'Largest' is "
+        "the largest mean over the positions. Held-out rows neither trained nor chose the network. "
+        "There are about two of them at a position, so their largest mean is nearly that of single "
+        "frames. In digit-a and digit-thesis-a each network is trained on the floating-point "
+        "outputs of the networks before it (cascade A), in digit and digit-thesis on the bit-true "
+        "ones (cascade B). The column of the thesis is its bit-true simulation.",
     )

@@ -136,8 +136,8 @@ def worst_rows(found: Outcome) -> Table:
         "worst_rows",
         ["output", "row", *scene.sensors, *beside, "recorded", "computed", "error %"],
         rows,
-        f"The {WORST} rows with the largest bit-true errors of each output, and their readings. "
-        f"Row 1 of {' and of '.join(files)} is the first below its header.",
+        f"These are the {WORST} rows with the largest bit-true errors of each output, with their "
+        f"readings. Row 1 of {' and of '.join(files)} is the first row below the header.",
     )
 
 
@@ -152,7 +152,7 @@ def along(found: Outcome) -> Table:
         "along",
         [scene.group_by, "rows", *(f"{name} %" for name in scene.outputs)],
         rows,
-        f"Bit-true mean error of the rows at each {scene.group_by}.",
+        f"The figures are bit-true mean errors of the rows at each {scene.group_by}.",
     )
 
 
@@ -189,11 +189,11 @@ def confidence(found: Outcome) -> Table:
         "confidence",
         ["output", "figure", "rows", "%", "from", "to"],
         rows,
-        "Errors in percent, which are bit-true unless stated otherwise, and the interval that "
-        f"holds them in {SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). The resamples "
-        f"draw {unit}, and at one position single rows. The interval shows the effect of chance in "
-        f"these rows, and not of other loads or other sensors. For a worst row it shows nothing, "
-        f"because no draw exceeds it.",
+        "The errors are in percent, and bit-true unless stated otherwise. Each has the interval "
+        f"that holds it in {SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). The "
+        f"resamples draw {unit}, and at one position single rows. The interval shows the effect of "
+        "chance in these rows, but not that of other loads or other sensors. For a worst row it "
+        f"shows nothing, because no draw exceeds it.",
     )
 
 
@@ -241,10 +241,10 @@ def telling(scene: Scene) -> Table | None:
         "sensors_tell",
         ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
         rows,
-        "Mean errors, by the measure of the scene, of a smooth map from the sensors to the outputs "
-        "(Gaussian kernel ridge regression). It is fitted again without each sensor, and measured "
-        "on rows held out from the fit. Without all sensors it is a constant. Networks have "
-        "smaller errors; only training shows what a network loses without a sensor. 'follows' is "
-        "the part of a sensor's variance that the outputs, or these and the other sensors, "
-        f"explain. For noise it is about 0 or less.{drop}",
+        "The figures are mean errors, by the measure of the scene, of a smooth map from the "
+        "sensors to the outputs (Gaussian kernel ridge regression). The map is fitted again "
+        "without each sensor, and measured on rows held out from the fit. Without all sensors it "
+        "is a constant. Networks have smaller errors; only training shows what a network loses "
+        "without a sensor. 'follows' is the part of a sensor's variance that is explained by the "
+        f"outputs, or by the outputs and the other sensors. For noise it is about 0 or less.{drop}",
     )

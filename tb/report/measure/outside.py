@@ -38,7 +38,8 @@ Rows = NDArray[np.int64]
 Read = Callable[[Real, np.random.Generator], Real]
 
 FRAMES = 2000
-SPLITS = 4  # of the digit, of which nothing but its recording is true
+# New touches of the digit do not exist, so several splits of its recording take their place.
+SPLITS = 4
 FALSE_ALARMS = (0.005, 0.01, 0.02, 0.05)
 AT = 0.01
 NEAREST, WHITENED, STATE = "nearest row", "nearest, whitened", "state"
@@ -50,6 +51,21 @@ RAIL, BAR = ROOT / "docs" / "tutorial" / "rig.toml", "bar"
 FORCE, PLACE = (0.2, 0.8), (0.1, 0.9)
 BAR_FORCE, BAR_PLACE = (5.0, 40.0), (11.0, 289.0)  # N, mm
 BAR_ROWS = 300
+
+NOTES = {
+    "outside": "The figures are percentages of the frames of each kind that are marked as outside. "
+    "The columns from 0.5 % to 5 % use the limit at which so many percent of the good frames are "
+    "marked too. They use the distance of the readings from those that the outputs explain. Two "
+    f"simpler distances are shown at {100 * AT:g} %: the distance from the nearest training row, "
+    "with each sensor divided by its standard deviation, and the same whitened by the covariance "
+    "of these rows. With every distance, an output that exceeds its range by more than a tenth of "
+    "the range is outside. The last column is what make predict does; for good frames it is the "
+    "rate of false alarms. The rows of digit are recorded rows that neither train nor set the "
+    f"limit, with 1 mV of noise, over {SPLITS} splits. Those of tutorial and bar are new touches "
+    "of the rail and of a bar on five pads, read by a 12-bit converter. In 'half a range outside' "
+    "one output is beyond its range by half to three quarters of it; for digit this is the load. "
+    "Every pair of columns is swapped, and every sensor is dead or drifts, one at a time.",
+}
 
 
 @dataclass(frozen=True)
@@ -275,17 +291,7 @@ def outside(seed: int) -> Table:
         "outside",
         ["rig", "frames", *(f"{m} at {100 * AT:g} %" for m in METHODS[:2]), *at, "at its limit"],
         rows,
-        "Percent of the frames of each kind that are called outside, where so many percent of good "
-        "frames are: by the distance from the state that the outputs stand for, and beside it at "
-        f"{100 * AT:g} % by the distance from the nearest row that trained, each sensor in "
-        "standard deviations of its own, and whitened by the covariance of these rows. Whatever "
-        "the distance, an output beyond its range by a tenth of it is outside. At its limit: as "
-        "make predict calls it; of good frames that is what is called outside by mistake. digit: "
-        f"recorded rows that are neither fitted nor held out, with 1 mV of noise, over {SPLITS} "
-        "splits; tutorial and bar: new touches of the rail and of a bar on five pads that a "
-        "converter of 12 bits reads. Half a range outside: one output by half to three quarters "
-        "of its range; of the digit the load. All pairs of columns are swapped, and every sensor "
-        "is dead or drifts, one at a time.",
+        NOTES["outside"],
     )
 
 

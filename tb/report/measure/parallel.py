@@ -47,10 +47,11 @@ def parallel(_: int) -> Table:
             "held-out mean %",
         ],
         rows,
-        "Sensors 1 and 2, load and position, 57 rows of the narrow loads E, F and G; one network "
-        "2:6:2 trained for each activation, 40 starts, in thesis precision. 'Largest' is the "
-        "largest mean over the positions (equation 3.15), three rows at each. Float is the same "
-        "network with the same activation in real arithmetic; the output biases are shifted to "
-        "suit the truncating adders, which is why it can be the worse of the two. The reference "
-        "measured on four loads, of which its Appendix 2 holds three.",
+        "For each activation one network 2:6:2 was trained for it, with 40 starts. Its inputs are "
+        "sensors 1 and 2, its outputs are load and position, and its rows are the 57 rows of the "
+        "narrow loads E, F and G. 'Largest' is the largest mean over the positions (equation "
+        "3.15), with three rows at each. 'bit-true' is in thesis precision; 'float' is the same "
+        "network with the same activation in real arithmetic. The output biases are shifted to "
+        "suit the truncating adders, so the error in real arithmetic can be the larger one. The "
+        "thesis measured on four loads, of which its Appendix 2 has three.",
     )

@@ -38,10 +38,22 @@ DELAYS = (
 NOISES = (0.0, NOISE, 2 * NOISE)
 RATES = (RATE / 2, RATE, 2 * RATE)
 HIDDEN, STEPS, PATIENCE, WEIGHT_DECAY = 7, 80, 40, 1e-6
-ROWS = 250  # of the training run, and as many in between to validate
+# The rows of the training run that train. As many rows between them validate.
+ROWS = 250
 SENSORS = 3
-# Of a converter that takes the nearest code, and of the mean that it takes away.
+# The noise of a converter that gives the nearest code, and of the mean that is subtracted.
 ROUNDED = 2.0**-SIGNAL.frac / np.sqrt(6)
+
+NOTES = {
+    "past": "The figures are errors by equation 6.6, in floating point. They are measured on "
+    f"releases from {ANGLES[1]:g} and {ANGLES[2]:g} degrees, of which the worse one is shown; a "
+    f"release from {ANGLES[0]:g} degrees trains. One network with {HIDDEN} hidden nodes has all "
+    f"outputs. It is trained on {ROWS} rows, and as many rows between them decide when training "
+    "stops. 'Least squares' is the linear function of the same samples that fits the training run "
+    "best. 'Wiener' is the linear function of every sample since the oldest of them that has the "
+    "least error under the noise, which it knows. 'Words' is the size of the memory that stores "
+    "the samples.",
+}
 
 
 @dataclass(frozen=True)
@@ -118,12 +130,7 @@ def past(seed: int) -> Table:
             "Wiener %",
         ],
         rows,
-        f"Equation 6.6 in floating point on releases from {ANGLES[1]:g} and {ANGLES[2]:g} degrees, "
-        f"the worse of the two; trained on one from {ANGLES[0]:g} degrees. One network of {HIDDEN} "
-        f"hidden nodes for all outputs, on {ROWS} rows and chosen by as many. Least squares: the "
-        "linear function of the same samples that fits the training run. Wiener: the one of every "
-        "sample since the oldest of them that errs least under the noise, which it knows. Words: "
-        "of the memory that keeps the samples.",
+        NOTES["past"],
     )
 
 

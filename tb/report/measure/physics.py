@@ -31,8 +31,8 @@ MOST_EVALUATIONS = 15_000
 DAMPING_RATIOS = (0.1, 1, 2, 3, 10, 30, 100, 1000)
 DAMPING_TOLERANCE = 1e-8
 ELSEWHERE = (
-    "Evaluations are those of this machine: where last bits are rounded otherwise they are up to "
-    "4 % more or fewer."
+    "The evaluations are those of this machine. On a machine that rounds last bits differently "
+    "they are up to 4 % more or fewer."
 )
 
 
@@ -74,10 +74,11 @@ def beam(_: int) -> Table:
             "largest mV",
         ],
         rows,
-        "Equation 3.9 fitted to the 143 recorded vectors, for loads at a point (equation 3.5) and "
-        "spread over their width. Position is from the root of the beam of 228.6 mm. That of "
-        "sensor 4 is the end of the search, a hundred lengths outside: its reading grows with the "
-        "load and hardly with its position, as no bending moment on this beam does.",
+        "Equation 3.9 was fitted to the 143 recorded vectors, for loads at a point (equation 3.5) "
+        "and for loads spread over their width. The position is measured from the root of the beam "
+        "of 228.6 mm. That of sensor 4 is the end of the search range, a hundred lengths outside: "
+        "its reading grows with the load and hardly with the position, as no bending moment on "
+        "this beam does.",
     )
 
 
@@ -102,9 +103,9 @@ def plate(_: int) -> Table:
         "plate",
         ["point", "method", "terms, nodes", "ms", "error", "bound"],
         rows,
-        f"Deflection of the clamped plate of section 6.2.1 for one load and one point, as a part "
-        f"of what {LIMIT_TERMS} terms give. The grid solves the plate equation with equal numbers "
-        "of cells along both sides and gives all nodes at once.",
+        f"The figures are deflections of the clamped plate of section 6.2.1 for one load and one "
+        f"point. The error is relative to the sum of {LIMIT_TERMS} terms. The grid solves the "
+        "plate equation with equal numbers of cells along both sides, and gives all nodes at once.",
         timed=["ms"],
     )
 
@@ -167,11 +168,12 @@ def swing(_: int) -> Table:
             for method in METHODS
             for tolerance in TOLERANCES
         ],
-        f"Appendix 7, equation 2, over {SWING_SECONDS:g} s: damped at {damping:.2g} 1/s from 30 "
-        "degrees, at 1000 1/s from 30 degrees, and undamped from 179.9 degrees. Largest error of "
-        f"the angle at {SWING_RATE:g} samples per second against DOP853 at tolerance "
-        f"{REFERENCE_TOLERANCE:g}, in the last case against Jacobi's closed form. Left out where a "
-        f"method needs more than {MOST_EVALUATIONS} evaluations. {ELSEWHERE}",
+        f"Appendix 7, equation 2, was solved over {SWING_SECONDS:g} s in three cases: damped at "
+        f"{damping:.2g} 1/s from 30 degrees, damped at 1000 1/s from 30 degrees, and undamped from "
+        f"179.9 degrees. The error is the largest one of the angle at {SWING_RATE:g} samples per "
+        f"second. The reference is DOP853 at tolerance {REFERENCE_TOLERANCE:g}, and in the last "
+        "case Jacobi's closed form. A cell is empty where a method needs more than "
+        f"{MOST_EVALUATIONS} evaluations. {ELSEWHERE}",
         timed=["ms"],
     )
 
@@ -188,8 +190,9 @@ def swing_damping(_: int) -> Table:
         "swing_damping",
         ["rate / natural frequency", "method", "evaluations", "ms", "error rad"],
         rows,
-        f"The swing of section 6.2.2 from 30 degrees at tolerance {DAMPING_TOLERANCE:g}, damped "
-        f"more and more: kappa / I'_p over {natural:.3g} rad/s. Reference and limit of work as in "
-        f"table swing. {ELSEWHERE}",
+        f"The swing of section 6.2.2 was solved from 30 degrees at tolerance "
+        f"{DAMPING_TOLERANCE:g}, with more and more damping. The first column is kappa / I'_p "
+        f"divided by {natural:.3g} rad/s. The reference and the limit of work are those of table "
+        f"swing. {ELSEWHERE}",
         timed=["ms"],
     )

@@ -104,10 +104,11 @@ def printed(_: int) -> Table:
             "with noise of 2 mV, exact %",
         ],
         rows,
-        "Largest mean error over the positions (equations 3.15 and 3.16). Printed are section "
-        "3.12.1, Table 5.4 and section 5.2.2. Ours are on the recorded readings, and with noise of "
-        "2 mV added to every one of them: there is no rig, so no figure of ours is one in real "
-        "time. Thesis arithmetic is 14 bits with the gradient activation.",
+        "The figures are largest mean errors over the positions (equations 3.15 and 3.16). The "
+        "printed ones are from section 3.12.1, Table 5.4 and section 5.2.2. Ours are on the "
+        "recorded readings, and with noise of 2 mV added to every one of them. We have no rig, so "
+        "no figure of ours was measured in real time. The arithmetic of the thesis has 14 bits and "
+        "the gradient activation.",
     )
 
 
@@ -152,9 +153,9 @@ def along_beam(_: int) -> Table:
             *("mean %", "least %", "largest %"),
         ],
         rows,
-        "Errors (equation 3.16) of the recorded rows at each position: in floating point as "
-        "Figures 3.23 to 3.26 compare networks, bit-true in the thesis' arithmetic as Figures 5.16 "
-        "to 5.19.",
+        "The figures are errors (equation 3.16) of the recorded rows at each position. Those in "
+        "floating point compare networks as Figures 3.23 to 3.26 do. The bit-true ones are in the "
+        "arithmetic of the thesis, as in Figures 5.16 to 5.19.",
     )
 
 
@@ -184,6 +185,6 @@ def widths(_: int) -> Table:
         "widths",
         ["network", "scene", "width mm", "rows", "mean mm", "mean %", "largest %"],
         rows,
-        "Bit-true errors of the width in percent of the actual width, as Figure 5.24 has them, and "
-        "not of the beam's full scale as everywhere else.",
+        "The figures are bit-true errors of the width, in percent of the actual width as in Figure "
+        "5.24. Everywhere else they are in percent of the full scale of the beam.",
     )

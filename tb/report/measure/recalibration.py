@@ -51,8 +51,8 @@ def read(
     return Placements(drifted[rows] + noise, there.targets, there.scale, there.times * times)
 
 
-def left(recorded: Sensitivity, drifted: Real, found: Fit) -> Real:
-    """The errors that remain with a correction."""
+def error_left(recorded: Sensitivity, drifted: Real, found: Fit) -> Real:
+    """The errors that remain when drifted readings are corrected."""
     return errors(recorded.scene, readings(drifted, recorded.correction(found.theta)))
 
 
@@ -80,7 +80,7 @@ def recalibration(seed: int) -> Table:
         telling = np.array([one.row for one in islice(proposed(recorded), max(COUNTS))])
 
         def after(one: Real, at: NDArray[np.intp], known: Sensitivity = recorded) -> Real:
-            return left(known, one, fit(known, read(known, one, at, 1, rng)))
+            return error_left(known, one, fit(known, read(known, one, at, 1, rng)))
 
         for count in COUNTS:
             at_random = [after(one, rng.permutation(len(one))[:count]) for one in drifted]
@@ -91,10 +91,11 @@ def recalibration(seed: int) -> Table:
         "recalibration",
         ["placements", "chosen", "noise mV", *(f"{name} %" for name in scene.outputs), "mean %"],
         rows,
-        f"Mean errors of {SCENE} over all recorded rows, floating point, means of {DRAWS} drifts "
-        f"of {100 * DRIFT.gain:g} % of the gains and {1e3 * DRIFT.offset:g} mV of the offsets: "
-        "before, and after a fit of gain and offset to rows of the recording, read once with "
-        "noise. 'Telling most' are the rows that make recalibrate proposes, in that order.",
+        f"The figures are mean errors of {SCENE} over all recorded rows in floating point. They "
+        f"are means over {DRAWS} drifts of {100 * DRIFT.gain:g} % of the gains and "
+        f"{1e3 * DRIFT.offset:g} mV of the offsets: before a correction, and after a fit of gain "
+        "and offset to rows of the recording, each read once with noise. 'Telling most' are the "
+        "rows that make recalibrate proposes, in that order.",
     )
 
 
@@ -115,7 +116,7 @@ def recalibration_noise(seed: int) -> Table:
                 for _ in range(NOISY_DRAWS):
                     placements = read(recorded, drifted, at, times, rng)
                     found = fit(recorded, placements)
-                    after.append(float(left(recorded, drifted, found).mean()))
+                    after.append(float(error_left(recorded, drifted, found).mean()))
                     alone = left_out(recorded, placements, found)
                     sure = helps(recorded, placements, found, alone)
                     written += sure
@@ -147,9 +148,10 @@ def recalibration_noise(seed: int) -> Table:
             "worse",
         ],
         rows,
-        f"Mean errors of the outputs of {SCENE} over all recorded rows, floating point, when the "
-        f"gains of sensors 1 and 3 have drifted: before, and after make recalibrate with the {FEW} "
-        f"placements that it proposes, each read so many times, means of {NOISY_DRAWS} draws of "
-        "noise. It writes a correction where it surely helps and leaves the scene as it is "
-        "elsewhere; the last two columns are what would be if it wrote each.",
+        f"The figures are mean errors of the outputs of {SCENE} over all recorded rows in floating "
+        "point, when the gains of sensors 1 and 3 have drifted: before a correction, and after "
+        f"make recalibrate with the {FEW} placements that it proposes, each read so many times. "
+        f"They are means over {NOISY_DRAWS} draws of noise. The command writes a correction if it "
+        "is sure to help, and otherwise leaves the scene as it is. The last two columns show what "
+        "would happen if it wrote every correction.",
     )

@@ -36,6 +36,25 @@ ONE_WIDTH = 0.225
 THESIS_OUTPUTS = ("load", "position")
 THESIS_STARTS, THESIS_SPLITS = 3, 3
 
+NOTES = {
+    "sensors_dropped": f"The figures are mean errors of scene {SCENE} on test rows: the mean over "
+    f"{SPLITS} splits like those of the scene, with successive seeds, and the least and the "
+    "largest error of a split. 'worst' is the output with the largest error. The networks are in "
+    "floating point and have the sensors as their only inputs. Each output has a network of its "
+    f"own with {HIDDEN} hidden nodes, the best of {STARTS} starts on the validation rows. They are "
+    "trained and measured with the noise that the scene declares. In 'one after another' each step "
+    "leaves out the sensor without which the worst output has the least error on the validation "
+    "rows.",
+    "hidden_nodes": "The figures are mean squared errors of load and position as signals from -1 "
+    f"to 1: the mean, the least and the largest of {THESIS_SPLITS} random splits in 50, 25 and 25 "
+    f"%, with successive seeds. The rows are the 57 rows of {SCENE} whose load is 12.7 mm wide. "
+    "One network in floating point has both outputs. It is trained by scaled conjugate gradients "
+    f"with early stopping, as in the thesis, and is the best of {THESIS_STARTS} starts on the "
+    "validation rows. Its inputs are sensors 1 and 2, then sensor 3 too, then sensor 4 too. The "
+    "last column is the least error that section 3.8.3 of the thesis prints for so many sensors, "
+    "without a unit. The thesis had 76 rows; those with 13 g are not in its Appendix 2.",
+}
+
 
 def sensors_dropped(seed: int) -> Table:
     """The errors of scene digit without each of its sensors, and with fewer and fewer of them."""
@@ -62,19 +81,11 @@ def dropped(scene: Scene, seed: int, effort: Effort | None = None, splits: int =
     rows: list[list[Cell]] = []
     for way, steps in ((EACH, each), (IN_ORDER, order[1:])):
         rows += [row for step in steps for row in _rows(way, step, recording)]
-    noise = effort.disturbance.noise
     return Table(
         "sensors_dropped",
         ["way", "left out", "sensors", "kept", "output", "mean %", "least %", "most %"],
         rows,
-        f"Mean errors of scene {scene.name} on the test rows of {splits} splits "
-        f'(training.split = "{scene.training.split}", seeds {seed} to {seed + splits - 1}): their '
-        "mean, the least and the most of a split; worst: the output that errs most. Networks in "
-        "floating point that see the sensors alone, one for each output, each with "
-        f"{effort.hidden} hidden nodes, the best of {effort.starts} starts by the validation rows, "
-        f"trained and measured with noise of {noise:g} on every reading, in its unit. One after "
-        "another: the sensor is left out without which the worst output errs least on the "
-        "validation rows, then the next of those that are left.",
+        NOTES["sensors_dropped"],
     )
 
 
@@ -129,14 +140,7 @@ def nodes(
         "hidden_nodes",
         ["sensors", "hidden", *ends, "thesis"],
         rows,
-        "Mean squared errors of load and position as signals, whose range is -1 to 1: the mean, "
-        f"the least and the most of {splits} random splits in 50, 25 and 25 % (seeds {seed} to "
-        f"{seed + splits - 1}) of the {len(recording.readings)} rows of {SCENE} whose load is 12.7 "
-        "mm wide. One network in floating point for both outputs with early stopping, of "
-        f"{starts} starts the best on the validation rows, trained by scaled conjugate gradients "
-        "as in the thesis; sensors 1 and 2, then 3 and 4 too. Thesis: the least error that its "
-        "section 3.8.3 prints for so many sensors, on 76 rows, of which those with 13 g are not in "
-        "its Appendix 2; it names no unit.",
+        NOTES["hidden_nodes"],
     )
 
 

@@ -87,10 +87,11 @@ def compare_simulators(scene: Scene, netlist: bool = False) -> Table:
             "values compared, all equal",
         ],
         rows,
-        f"The {len(codes)} recorded frames of scene {scene.name} through {design.entity}, as close "
-        "as it takes them; in numpy all at once, and repeated to a million. The times do not "
-        "include elaboration and compilation, but they include driving and recording by cocotb. "
-        "The bench compares the results of GHDL and Icarus, and any difference fails the report.",
+        f"The {len(codes)} recorded frames of scene {scene.name} run through {design.entity}, as "
+        "close together as it takes them. In numpy all frames run at once, and also repeated to a "
+        "million. The times do not include elaboration and compilation, but they include driving "
+        "and recording by cocotb. The bench compares the results of GHDL and Icarus, and any "
+        "difference fails the report.",
         timed=["seconds", "frames a second"],
     )
 

@@ -115,9 +115,9 @@ def differences(found: Mapping[str, Tables]) -> Table:
         "spread",
         ["table", "column", "largest difference", "from", "to", "row"],
         rows,
-        f"Largest difference between {len(found)} runs, as a part of the figure, and where it is; "
-        f"none where one of them has text or no figure. Columns that are not named are the same "
-        f"in all. Runs: {', '.join(found)}.",
+        f"The figures are the largest differences between {len(found)} runs, as a part of the "
+        "figure, and where they are. A cell is empty where one of the two has text or no figure. "
+        f"Columns that are not named are the same in all runs. Runs: {', '.join(found)}.",
     )
 
 
@@ -212,8 +212,8 @@ def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more
         "spread",
         ["network", "setting", "sum of |w1|", "validation %", "held out %"],
         rows,
-        "Root mean square of the bit-true percent errors on the rows that chose the network and on "
-        "those that did not take part.",
+        "The figures are root mean squares of the bit-true percent errors, on the rows that chose "
+        "the network and on the rows that took no part.",
     )
 
 

@@ -98,7 +98,7 @@ class Table:
 
     def lines(self) -> list[str]:
         """The table as text: its name, its columns side by side, and its note."""
-        text = [list(self.columns), *([shown(cell) for cell in row] for row in self.rows)]
+        text = [list(self.columns), *([cell_text(cell) for cell in row] for row in self.rows)]
         widths = [max(len(row[c]) for row in text) for c in range(len(self.columns))]
         body = [
             "  ".join(
@@ -122,7 +122,7 @@ def _number(cell: str) -> Cell:
     return float(cell) if "." in cell else int(cell)
 
 
-def shown(cell: Cell) -> str:
+def cell_text(cell: Cell) -> str:
     """A cell for a reader, with four significant digits if it is a float."""
     if cell is None:
         return "-"

@@ -4,7 +4,9 @@
 
 measures one table and records it. A record of trained networks names a digest of the code and data
 that it came from. If these have changed since, the record is stale, and a test says so. The report
-and its tests show such tables as they were recorded, because they take long to measure.
+and its tests show such tables as they were recorded, because they take long to measure. The note of
+such a table is not recorded: it is the text in ``NOTES`` of the module that measures the table. So
+the words of a note can change without a new measurement.
 
 ``stability`` is measured quickly. It is recorded because its page shows every figure, and another
 processor rounds last bits differently; test_stability.py measures the table anew. The tables for
@@ -29,7 +31,8 @@ from golden.scene.reference import NUMBERS
 from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
-# By name of the table: the modules that its figures depend on, besides those of training.
+# By name of the table: the modules that its figures depend on, besides those of training. The first
+# one measures the table, and has its note.
 RECORDED = {
     "honest": (honest,),
     "robustness": (honest,),
@@ -45,23 +48,28 @@ TIMED = ("series", "plate", "swing", "swing_damping", "training")
 FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
+# The constants that say something about a table and do not enter its figures.
+NOT_MEASURED = ("NOTES",)
 
 
 def state(name: str) -> str:
     """A digest of what a table's figures depend on: the code that trains, and the data.
 
-    Comments, docstrings and imports do not enter it. Neither do the figures that the thesis
+    Comments, docstrings, imports and notes do not enter it. Neither do the figures that the thesis
     prints, because nothing is trained on them.
     """
     own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
-    code = map(code_of, [*sources("golden/training"), *own])
+    code = (code_of(file, NOT_MEASURED) for file in [*sources("golden/training"), *own])
     return fingerprint(data, *code)
 
 
 def read(name: str) -> Table:
     """The recorded table, whether or not it is stale."""
-    return store.unpacked(_found(name)["table"])
+    found = _found(name)["table"]
+    if name in RECORDED:
+        found = {**found, "note": RECORDED[name][0].NOTES[name]}
+    return store.unpacked(found)
 
 
 def is_stale(name: str) -> bool:
@@ -72,8 +80,12 @@ def is_stale(name: str) -> bool:
 def write(table: Table) -> Path:
     """Record a table that was measured with SEED."""
     path = _path(table.name)
-    known = {"machine": facts()} if table.name in FOR_PAGES else {"state": state(table.name)}
-    write_json(path, {**known, "table": store.packed(table)})
+    found = store.packed(table)
+    if table.name in FOR_PAGES:
+        write_json(path, {"machine": facts(), "table": found})
+    else:
+        del found["note"]
+        write_json(path, {"state": state(table.name), "table": found})
     return path
 
 

@@ -42,8 +42,9 @@ def tanh_words(_: int) -> Table:
         "tanh_words",
         ["segment width", "end", "words", "largest units", "wrong %", "engine"],
         rows,
-        "An engine's tanh over all 2^18 codes of q, for the bits of q within a segment and the q "
-        "at which the table ends. The columns are the words of the table, the largest error in "
-        "units of 2^-13, and how many results would not be rounded correctly to 13 fraction bits. "
-        "'engine' marks the tables that hardware.segment_width can choose.",
+        "The table shows the tanh of an engine over all 2^18 codes of q, for each number of bits "
+        "of q within a segment and each q at which the table ends. The columns are the words of "
+        "the table, the largest error in units of 2^-13, and how many results would not be rounded "
+        "correctly to 13 fraction bits. 'engine' marks the tables that hardware.segment_width can "
+        "choose.",
     )

@@ -125,13 +125,14 @@ def training(seed: int) -> Table:
         "training",
         ["method", "output", "restart", "evaluations", "CPU s", "validation %", "test %"],
         [*_optimisers(seed), *_cascades(seed)],
-        "Root mean square of the bit-true percent errors on a quarter of the rows that chose, and "
-        "on a quarter that did not take part. The optimisers train the 4:16:4 network of "
-        "digit-single from the same starts on the same rows: each row is the best point so far "
-        "after so many evaluations of the training error. Cascade A trains each network of "
-        "digit-thesis on the floating-point outputs of those before it, cascade B on the bit-true "
-        "ones: each row is one start, of which the best stands before the next network. CPU s is "
-        "processor time from each start. A last bit turns a descent to another minimum: errors are "
-        "those of this machine and its version of SciPy.",
+        "The figures are root mean squares of the bit-true percent errors, on the quarter of the "
+        "rows that chose the network and on a quarter that took no part. The optimisers train the "
+        "4:16:4 network of digit-single from the same starts on the same rows. Each of their rows "
+        "is the best point up to that number of evaluations of the training error. Cascade A "
+        "trains each network of digit-thesis on the floating-point outputs of the networks before "
+        "it, and cascade B on the bit-true ones. Each of their rows is one start; the best start "
+        "is used for the next network. 'CPU s' is the processor time since the start began. A "
+        "difference in a last bit can lead a descent to another minimum, so the errors are those "
+        "of this machine and its version of SciPy.",
         timed=["CPU s"],
     )

@@ -55,9 +55,10 @@ def series(_: int) -> Table:
         "series",
         ["case", "terms", "evaluations", "ms", "error / d", "bound / d", "overshoot / d"],
         rows,
-        f"Equation 3.17 with the conditions of Figure 3.27 against its limit: largest error {FAR} "
-        "and more from a jump, the bound of the terms left out, and the overshoot beside the jump, "
-        "which tends to 0.0895 and does not go away. Evaluations: terms times positions.",
+        f"Equation 3.17 is compared with its limit, under the conditions of Figure 3.27. The error "
+        f"is the largest one at a distance of {FAR} or more from a jump. The bound is that of the "
+        "terms that are left out. The overshoot beside the jump tends to 0.0895, however many "
+        "terms there are. The evaluations are the terms times the positions.",
         timed=["ms"],
     )
 
@@ -113,8 +114,9 @@ def profile(seed: int) -> Table:
         "profile",
         ["frames", "width mm", "P", "points", "mean units", "largest units"],
         rows,
-        "Equation 3.18 as the hardware computes it (section 5.8, ramp of 0 to 0.8 in steps of "
-        "0.05) against real arithmetic at the same codes, in units of 2^-13. 'Every quotient' "
-        "takes every t = C (i_p - i_m) that the divider can give, with all that it cuts off, at "
-        "full load: the bound for any frame.",
+        "Equation 3.18 as the hardware computes it (section 5.8, with the ramp of 0 to 0.8 in "
+        "steps of 0.05) is compared with real arithmetic at the same codes. The errors are in "
+        "units of 2^-13. 'Every quotient' takes every t = C (i_p - i_m) that the divider can give, "
+        "with everything that the divider truncates, at full load. This is the bound for any "
+        "frame.",
     )

@@ -194,9 +194,8 @@ def _verified(scene: Scene) -> Section:
         "benches",
         heading,
         rows,
-        "Each entity on the exported files themselves, against its twin, with no tolerance: "
-        + ", ".join(version(s) for s in SIMULATORS)
-        + ".",
+        "Each entity was simulated on the exported files themselves and compared with its twin, "
+        "without any tolerance, in " + " and ".join(version(s) for s in SIMULATORS) + ".",
     )
     said = [
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "

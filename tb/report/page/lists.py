@@ -15,7 +15,7 @@ from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run, would
-from golden.decisions import decisions_of, shown
+from golden.decisions import decisions_of, held_out_or_all
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.fingerprint import ROOT
@@ -86,7 +86,7 @@ def classes() -> str:
     for name in class_names():
         scene = load_scene(name)
         top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
-        held_out, _ = shown(scene, decisions_of(scene))
+        held_out, _ = held_out_or_all(scene, decisions_of(scene))
         rows = len(held_out.actual)
         cells = [
             f"`{name}`",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from tb.report.measure.table import Cell, Table, shown
+from tb.report.measure.table import Cell, Table, cell_text
 
 # The margins of the page at the left and right of a picture, in CSS pixels.
 MARGINS = 32
@@ -120,4 +120,4 @@ def environment(package: str) -> Environment:
 
 def _cell(cell: Cell) -> str:
     """A cell as it is printed, with whole numbers in groups of three digits."""
-    return f"{cell:,}" if isinstance(cell, int) else shown(cell)
+    return f"{cell:,}" if isinstance(cell, int) else cell_text(cell)

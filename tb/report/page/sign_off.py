@@ -1,4 +1,4 @@
-"""``python -m tb.report.page.sign_off``: what is recorded of each block, into the documentation.
+"""``python -m tb.report.page.sign_off``: writes the records of the blocks into the documentation.
 
 Rewrites what stands between the markers of each page in ``docs/blocks`` and the table of
 ``docs/verification.md``.
@@ -25,12 +25,12 @@ Record = dict[str, Any]
 
 
 def recorded(kind: str, block: str) -> Record:
-    """What was recorded; nothing where it was not tried."""
+    """The record of a block; empty if there is none."""
     return read_record(kind, block) if record_path(kind, block).exists() else {}
 
 
 def mutation(record: Record) -> str:
-    """How many mutants the bench detects, and what becomes of the others."""
+    """A text on how many mutants the bench detects, and what is known about the others."""
     facts = [
         f"{record['killed']} of {record['mutants']} mutants are detected",
         f"{_are(record['same'])} proved equivalent",
@@ -52,7 +52,7 @@ def mutation(record: Record) -> str:
 
 
 def percent(record: Record) -> str:
-    """The score; 100 % only where nothing is left."""
+    """The score as text. It is 100 % only if no mutant is listed as undetected."""
     return "100 %" if record["score"] == 1 else f"{min(99.9, 100 * record['score']):.1f} %"
 
 
@@ -69,7 +69,7 @@ def undetected_mutants(record: Record) -> list[str]:
 
 
 def undetected_bits(record: Record) -> list[str]:
-    """A row for each bit of a memory that the bench does not tell in some words."""
+    """A row for each bit of a memory whose fault the bench does not detect in some words."""
     found: dict[tuple[str, str], list[str]] = {}
     for one in record.get("words", {}).get("survivors", []):
         memory, address, bit = re.split(r"\[|\] bit ", one)
@@ -84,7 +84,7 @@ def undetected_bits(record: Record) -> list[str]:
 
 
 def proof(record: Record) -> str:
-    """How many properties are proved."""
+    """A text on how many properties are proved."""
     properties = record["properties"]
     copies = sum(one["refuted_by"] for one in properties)
     return (
@@ -113,7 +113,7 @@ def proved_properties(record: Record) -> list[str]:
 
 
 def coverage(record: Record) -> str:
-    """What the bench met."""
+    """A text on the borders, states and values that the bench reached."""
     borders = len(record["borders"]) - sum("unreachable" in b for b in record["borders"].values())
     values = sum(len(values) for values in record["ports"].values())
     states = sum(state["values"] for state in record["states"].values())
@@ -136,7 +136,7 @@ def unreachable(record: Record) -> list[str]:
 
 
 def equivalence(record: Record) -> str:
-    """How VHDL and Verilog were proved to be the same."""
+    """A text on how VHDL and Verilog were proved to compute the same."""
     facts = [f"proved by {record['method']}"]
     if record["parts"]:
         facts.append(f"{_count(len(record['parts']), 'part')} proved separately")
@@ -145,13 +145,13 @@ def equivalence(record: Record) -> str:
 
 
 def netlist(record: Record) -> str:
-    """On how many netlists the bench ran."""
+    """A text on the netlists on which the bench ran."""
     runs = _count(len(record["runs"]), "run")
     return f"the bench passes on the mapped cells in {runs}, listed below"
 
 
 def netlist_runs(record: Record) -> list[str]:
-    """A row for each entity, with the families on whose cells it ran alike."""
+    """A row for each entity, with the families on whose cells the bench gave the same result."""
     families: dict[tuple[str, ...], list[str]] = {}
     for one in record.get("runs", []):
         frames = str(one["frames"] or "")
@@ -169,14 +169,14 @@ def netlist_runs(record: Record) -> list[str]:
 
 
 def _tests(pattern: str) -> str:
-    """The tests that were played: a regular expression names them one by one."""
+    """The names of the tests that were played, from the regular expression that chooses them."""
     if pattern == "all":
         return "all"
     return ", ".join(f"`{name}`" for name in pattern.strip("()").split("|"))
 
 
 def unknown(record: Record) -> str:
-    """What was found with registers that hold nothing known."""
+    """A text on the run in which registers begin unknown."""
     facts = [
         f"{record['compared']} values compared",
         f"{_count(len(record['not reset']), 'register')} without reset, "
@@ -203,7 +203,7 @@ def _count(count: int, one: str, several: str = "") -> str:
 
 
 def _table(title: str, heads: list[str], rows: list[list[str]]) -> list[str]:
-    """The lines of a table below its title; none where it has no rows."""
+    """The lines of a title and a table below it; none if the table has no rows."""
     if not rows:
         return []
     lines = [heads, ["---"] * len(heads), *([c.replace("|", r"\|") for c in row] for row in rows)]
@@ -252,7 +252,7 @@ def sheet(block: str) -> str:
 
 
 def _entity(record: Record) -> str:
-    """What was checked; the runs on netlists and the properties name entities of their own."""
+    """The entity that was checked. Runs on netlists and properties name their own entities."""
     if "entity" not in record:
         return "see below"
     scene = f" of {record['scene']}" if "scene" in record else ""
@@ -260,7 +260,7 @@ def _entity(record: Record) -> str:
 
 
 def overview() -> str:
-    """A line a block."""
+    """The table of verification.md, with a line for each block."""
     lines = [
         "| block | mutants | detected | equivalent | score | properties | borders "
         "| VHDL equals Verilog by | netlists | registers without reset |",
@@ -286,7 +286,7 @@ def overview() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Every page that this command writes, as it must be."""
+    """The text of every page that this command writes."""
     docs = ROOT / "docs"
     found = {docs / "blocks" / f"{block}.md": sheet(block) for block in BENCHES}
     found[docs / "verification.md"] = overview()

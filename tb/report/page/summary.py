@@ -55,7 +55,7 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
         rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
     note = (
-        "Bit-true errors, which are those of the hardware, on the recorded rows. "
+        "The errors are bit-true, which means those of the hardware, on the recorded rows. "
         + (ERRORS_OF_CLASSES if scene.labels else "")
         + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
         + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
@@ -85,8 +85,8 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
         "errors",
         ["output", "float %", "bit-true %", "thesis %"],
         rows,
-        "Equation 6.6 on the worst of four runs that the networks were not trained on. The thesis "
-        "measured on another rig (Table 6.2).",
+        "The figures are errors by equation 6.6 on the worst of four runs on which the networks "
+        "were not trained. The thesis measured on another rig (Table 6.2).",
     )
 
 
@@ -101,7 +101,7 @@ def cost_table(scene: Scene, design: Network, found: Costs | None, compared: boo
         ["clocks from frame to frame", design.interval, None],
         [f"microseconds a frame at {scene.clock_mhz:g} MHz", clocks / scene.clock_mhz, None],
     ]
-    note = "No costs are recorded: make synth RECORD=1."
+    note = "No costs are recorded; make synth RECORD=1 records them."
     if found is not None:
         top = {family: cells[design.entity] for family, cells in found.cells.items()}
         rows += [
@@ -115,13 +115,17 @@ def cost_table(scene: Scene, design: Network, found: Costs | None, compared: boo
             ["Series 7 LUTs", top["xc7"]["LUT"], None],
         ]
         note = (
-            f"Recorded by make synth for {'this' if found.current else 'ANOTHER, OLDER'} Verilog; "
-            f"clock: {DEVICE_NAME}, placed and routed."
+            "make synth recorded this for "
+            f"{'this' if found.current else 'ANOTHER, OLDER'} Verilog. "
+            f"The clock is that of {DEVICE_NAME} after placing and routing."
         )
         if compared:
-            note += " Thesis: its Tables 5.1, 5.3 and 6.1, and the clock of its board."
+            note += (
+                " The column of the thesis is from its Tables 5.1, 5.3 and 6.1, with the clock of "
+                "its board."
+            )
     if scene.front_end:
-        note = f"Front end: {scene.front_end.describe()}. {note}"
+        note = f"The front end: {scene.front_end.describe()}. {note}"
     if not compared:
         return Table("costs", ["what", "tactus"], [row[:2] for row in rows], note)
     return Table("costs", ["what", "tactus", "thesis"], rows, note)

@@ -25,6 +25,18 @@ CASES: tuple[Callable[[], Iterator[Row]], ...] = (
     physics.others,
 )
 
+NOTES = {
+    "stability": "Each case is run, on bit-true twins wherever there are any. A value that is NaN "
+    "or infinite breaks its bound, and its cell is empty. 'Codes off' counts the outputs that "
+    "differ from the same sums in Python's integers, which have no width. Errors against real "
+    "arithmetic compare with a tanh network that has the unrounded weights and saturates where the "
+    "formats do. They are shown for the output that comes nearest to its bound. This bound follows "
+    "from the roundings and from the largest error of the activation over every code. Networks of "
+    "several layers are judged in the same way. If the ranges of their words come from the data, "
+    "the bound is for frames in which no sum saturates. D w is the deflection times the stiffness "
+    "of the plate.",
+}
+
 
 def stability(_: int) -> Table:
     """Every stiff and extreme case, with what must happen and its bound."""
@@ -45,12 +57,5 @@ def stability(_: int) -> Table:
         "stability",
         ["model", "case", "must", "figure", "value", "bound", "holds"],
         rows,
-        "Each case is run, on the bit-true twins wherever there is one. A value that is NaN or "
-        "infinite is left out and breaks its bound. 'Codes off' are outputs that differ from the "
-        "same sums in Python's integers, which have no width. Errors against real arithmetic are "
-        "of tanh networks with the unrounded weights, which saturate where the formats do: of the "
-        "output that comes nearest to its bound, which follows from the roundings and from the "
-        "activation's largest error over every code. Networks of several layers are judged alike; "
-        "where ranges of their words are from the data, the bound is for frames in which no sum "
-        "saturates. D w is the deflection times the plate's stiffness.",
+        NOTES["stability"],
     )

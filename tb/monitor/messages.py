@@ -1,4 +1,4 @@
-"""The messages of the monitor: each kind comes once, and again only after a while."""
+"""The messages of the monitor, which does not repeat one kind of message all the time."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-# A kind of message is not repeated within so many seconds.
+# The least number of seconds between two messages of the same kind.
 PAUSE = 10.0
-# The page shows at most so many lines.
+# The most lines that the page shows.
 MOST_LINES = 30
 
 
-class Told:
+class Messages:
     """Messages with the time of day; the newest comes first.
 
     Parameters
@@ -31,12 +31,12 @@ class Told:
         self._last: dict[str, float] = {}
 
     def due(self, kind: str) -> bool:
-        """Whether a message of that kind may come now."""
+        """Whether so much time has passed that a message of this kind may be printed again."""
         now = self._clock()
         return now - self._last.get(kind, -PAUSE) >= PAUSE
 
     def tell(self, kind: str, text: str) -> None:
-        """Give a message now, whenever the last one of its kind came."""
+        """Print a message now, even if it is not ``due``."""
         self._last[kind] = self._clock()
         line = f"{time.strftime('%H:%M:%S')} {text}"
         self.lines.appendleft(line)
