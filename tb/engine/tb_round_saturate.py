@@ -21,8 +21,8 @@ from tb.common.small import ENGINES, LAYERED
 
 WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
 CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
-# Their hardware has ReLU, and cuts bits. What it does otherwise is that of the first.
-ALSO = ("layers-engine", "exact-engine")
+# Their hardware has ReLU; and cuts bits, with halves to even, or half up.
+ALSO = WITH_RELU
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
