@@ -6,8 +6,8 @@ the same for every frame.
 
 from tb.sign_off.properties import Property
 
-# These have built-in programs: one layer of tanh, and several layers with ReLU. The first case has a
-# program that is loaded.
+# These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
+# case is loaded.
 ALSO = ("rails-engine", "steep-engine")
 
 
