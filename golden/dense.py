@@ -193,7 +193,7 @@ class DenseNetwork:
     Parameters
     ----------
     layers : tuple of Dense
-        Two or more layers.
+        One or more layers.
 
     Raises
     ------
@@ -205,8 +205,8 @@ class DenseNetwork:
     layers: tuple[Dense, ...]
 
     def __post_init__(self) -> None:
-        if len(self.layers) < 2:
-            raise InputError(f"layers: got {len(self.layers)}, expected 2 or more")
+        if not self.layers:
+            raise InputError("layers: got 0, expected 1 or more")
         for n in range(1, len(self.layers)):
             inputs, nodes = self.layers[n].weights.shape[1], self.layers[n - 1].nodes
             if inputs != nodes:

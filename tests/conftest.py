@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,9 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
-# How long each test took that only ALL=1 runs, if it passed.
-TIMES: dict[str, float] = {}
+# The unit of each test that only ALL=1 runs, and how long the tests of each unit took that passed.
+UNITS: dict[str, str] = {}
+TIMES: Counter[str] = Counter()
 # Tests that simulate, synthesise, or measure.
 LONG = (
     *("test_benches", "test_cells", "test_export", "test_handover", "test_image", "test_lean"),
@@ -47,7 +49,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
+    config.addinivalue_line(
+        "markers",
+        "all_only(unit): run by make test ALL=1 alone; a sample draws all tests of a unit or none",
+    )
     config.addinivalue_line("markers", "pages: of the documentation; make test PAGES=1 runs these")
     # Hundreds of processes import the same modules. None of them should compile these again.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -103,21 +108,35 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if concerns(item, block, LONG)]
     items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     left = [item for item in items if item.get_closest_marker("all_only")]
+    for item in left:
+        item.user_properties.append(("unit", unit_of(item)))
     if config.getoption("--all"):
         return
     drawn = []
     if seconds := config.getoption("--sample"):
-        names = [item.nodeid for item in left]
-        drawn = sample.draw(names, sample.timed(), seconds * sample.cores(), sample.tree())
+        units = {unit_of(item) for item in left}
+        drawn = sample.draw(units, sample.timed(), seconds * sample.cores(), sample.tree())
     for item in left:
-        if item.nodeid not in drawn:
+        if unit_of(item) not in drawn:
             item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+
+
+def unit_of(item: pytest.Item) -> str:
+    """What a sample draws: a test, or the tests of a module that share what one of them makes.
+
+    Each of the latter alone would take as long as all of them, because it would make the same.
+    """
+    (*unit,) = item.get_closest_marker("all_only").args
+    return "::".join([item.nodeid.partition("::")[0], *unit]) if unit else item.nodeid
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Note how long a test took, in the process that gets the reports of all workers."""
-    if "all_only" in report.keywords and report.when == "call" and report.passed:
-        TIMES[report.nodeid] = report.duration
+    if "all_only" in report.keywords and report.when != "teardown" and report.passed:
+        unit = dict(report.user_properties)["unit"]
+        TIMES[unit] += report.duration
+        if report.when == "call":
+            UNITS[report.nodeid] = unit
 
 
 def pytest_terminal_summary(
@@ -126,7 +145,7 @@ def pytest_terminal_summary(
     """Print the machine and the drawn tests before the closing line of pytest."""
     if config.getoption("--sample"):
         terminalreporter.section("drawn of what ALL=1 adds")
-        for name in sorted(TIMES):
+        for name in sorted(UNITS):
             terminalreporter.line(name)
     terminalreporter.section("machine")
     for line in closing(time.perf_counter() - STARTED, **simulator_versions()):
@@ -139,7 +158,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if reporter and session.exitstatus == pytest.ExitCode.OK and "passed" not in reporter.stats:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED
     if reporter and session.config.getoption("--record"):
-        sample.record(TIMES)
+        sample.record({unit: TIMES[unit] for unit in UNITS.values()})
 
 
 def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:

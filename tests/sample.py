@@ -41,7 +41,7 @@ def cores() -> int:
 
 
 def timed() -> dict[str, float]:
-    """For each test, the seconds of one processor that it took when ALL=1 was last timed."""
+    """For each test or unit, the seconds of one processor when ALL=1 was last timed."""
     found: dict[str, float] = read_json(SECONDS, "JSON", "no times of tests are recorded")
     return found
 
@@ -60,9 +60,9 @@ def draw(
     Parameters
     ----------
     names : iterable of str
-        All tests that could be drawn.
+        All tests that could be drawn, and the units of those that are drawn together.
     seconds : mapping
-        For each test, how long it takes.
+        For each test or unit, how long it takes.
     budget : float
         The time for the sample, in seconds of one processor.
     digest : str

@@ -1,10 +1,17 @@
-"""Runs every bench in both simulators, on its cases and on the shipped scenes."""
+"""Runs every bench in both simulators, on its cases and on the shipped scenes.
+
+Every run simulates each block in the first case of its bench, in which its records are made, and in
+those other cases that drive something else. ``LEFT`` and ``LEFT_OF`` name the cases that only ALL=1
+simulates. Where a case combines two properties, such as ReLU and a program that can be reloaded,
+every run has each of them in another case.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from conftest import tiered
 from shared import Shared
 
 from golden.activation.left_out import left_out
@@ -17,10 +24,10 @@ from tb.sign_off.current import stale_records
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Every run plays all recorded frames through these scenes: the default scene, the design of the
-# thesis in its arithmetic, and the design with every multiplication at once. The cases cover the
-# other arrangements and interfaces.
-NETWORKS = ("digit", "digit-parallel", "digit-single-thesis")
+# Every run plays all recorded frames through the default scene. ALL=1 adds the design with every
+# multiplication at once, and the design of the thesis in its arithmetic, which `make demo`
+# simulates too. The cases cover the other arrangements and interfaces.
+NETWORKS = tiered(["digit"], ["digit-parallel", "digit-single-thesis"])
 
 
 # These cases drive the same as others in other sizes, so only ALL=1 runs them.
@@ -38,14 +45,23 @@ LEFT = (
     *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
     *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
     *("hybrid-winner", "winner-past", "winner-converter", "winner-uart"),
+    *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
+    *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
+    *("least-graph", "polynomial-short"),
+    *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
 )
 # So are these of cases whose other blocks are simulated in every run.
 LEFT_OF = {
     "block-ram": {"hybrid"},
+    "deep-engine": {"engine"},
+    "deep-tables-engine": {"engine"},
+    "exact-engine": {"engine"},
     "fine-engine": {"engine", "operand_select", "program_memory"},
     "floor-engine": {"engine"},
+    "least": {"gradient", "output_controller", "output_integral"},
     "logic": {"hybrid"},
     "rails-serial": {"engine"},
+    "wide": {"gradient", "output_controller", "output_integral"},
 }
 
 

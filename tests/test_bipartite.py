@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.precision import EXACT, THESIS
+from tb.sign_off.record import read_record
 
 FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)
@@ -70,6 +72,36 @@ def test_no_sum_overflows_and_every_word_fits(memory: str) -> None:
     assert -half <= min(table.corrections) <= max(table.corrections) < half
 
 
+def with_wrong_bit(
+    monkeypatch: pytest.MonkeyPatch, block: Bipartite, words: str, place: int, bit: int
+) -> np.ndarray:
+    """The results of all codes where a bit of a word is wrong."""
+    table = list(getattr(block.table, words))
+    # The highest bit of a correction is its sign.
+    signed = words == "corrections" and bit == block.table.correction_width - 1
+    table[place] ^= -(1 << bit) if signed else 1 << bit
+    wrong = replace(block.table, **{words: tuple(table)})
+    with monkeypatch.context() as patch:
+        patch.setattr("golden.activation.bipartite.bipartite_table", lambda _: wrong)
+        return block.compute(CODES)
+
+
+@pytest.mark.parametrize("name", ["bipartite", "bipartite_pair"])
+def test_no_result_depends_on_a_bit_that_no_bench_tells(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block = build("block_ram")
+    right = block.compute(CODES)
+    survivors = read_record("mutation", name)["words"]["survivors"]
+    for one in survivors:
+        found = re.fullmatch(r"\w*_(bases|corrections)\[(\d+)\] bit (\d+)", one)
+        assert found, one
+        words, place, bit = found[1], int(found[2]), int(found[3])
+        assert (with_wrong_bit(monkeypatch, block, words, place, bit) == right).all(), one
+    # A result depends on others, as the highest bit of each word that is read.
+    assert (with_wrong_bit(monkeypatch, block, "corrections", 0, 8) != right).any()
+
+
 @pytest.mark.parametrize("memory", FORMATS)
 def test_a_wrong_bit_shows_at_the_codes_of_the_bench_or_at_none(
     memory: str, monkeypatch: pytest.MonkeyPatch
@@ -80,12 +112,8 @@ def test_a_wrong_bit_shows_at_the_codes_of_the_bench_or_at_none(
     read = map(np.unique, block.formats.addresses(*2 * (CODES[CODES >= 0],)))
     places = dict(zip(("bases", "corrections"), read, strict=True))
     for words in ("bases", "corrections") * 40:
-        table = list(getattr(block.table, words))
-        table[rng.choice(places[words])] ^= 1 << int(rng.integers(4))
-        wrong = replace(block.table, **{words: tuple(table)})
-        with monkeypatch.context() as patch:
-            patch.setattr("golden.activation.bipartite.bipartite_table", lambda _, t=wrong: t)
-            differs = block.compute(CODES) != right
+        place, bit = rng.choice(places[words]), int(rng.integers(4))
+        differs = with_wrong_bit(monkeypatch, block, words, place, bit) != right
         assert differs[shown].any() == differs.any(), (words, np.flatnonzero(differs)[:3])
         found.append(bool(differs.any()))
     # With 3 bits below the result some show at no code at all; without any bit below, all do.

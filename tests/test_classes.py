@@ -11,24 +11,38 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 
-from golden.commands import predict, scene, train
+from golden.commands import predict, recalibrate, scene, train
 from golden.decisions import decisions_of, lines_of, shown
 from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.input_error import InputError
 from golden.layer_objective import ClassObjective, LabelledRows, packed, unpacked
-from golden.network_files.network_file import read_provenance, write_network
+from golden.network_files.network_file import load_network, read_provenance, write_network
+from golden.networks.engine import Engine
+from golden.networks.oracle import hidden_weights
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.rig import check, class_counts
-from golden.scene import class_names, load_scene
+from golden.rig import check, class_counts, sensors_tell
+from golden.rig.readings import at_ends
+from golden.scene import FOLDER, class_names, load_scene
 from golden.scene.labels import class_scale, decided, margins, ordered, wrong_percent
 from golden.scene_errors import held_out_rows, scene_errors
+from golden.training.scaling import scaled
+from hdl.synth.budget import budget_path
 from tb.common.cases import random_network
 from tb.report.draw.confusion import confusion_plot
+from tb.report.draw.network import network as network_plot
 from tb.report.measure.classes import accuracy, per_class, wrong_rows
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.outcome import outcome
 
+# For each shipped scene how many LUTs of a Virtex-II and how many clocks it may take.
+LIMITS = {
+    "breast-cancer": (190, 310),
+    "digits": (190, 2500),
+    "loads": (190, 550),
+    "wine": (190, 420),
+}
+APPENDIX = FOLDER.parent / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")
 CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
 SCENE = """
@@ -282,11 +296,39 @@ def test_an_empty_label_is_refused(tmp_path: Path) -> None:
         load_scene(str(path))
 
 
-def test_nodes_must_be_named(tmp_path: Path, monkeypatch) -> None:
+def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypatch) -> None:
+    """Gestures around three centres are told apart by straight lines."""
     path = write_hand(tmp_path)
-    path.write_text(path.read_text().replace("hidden = 4", "hidden = 0"))
-    with pytest.raises(InputError, match=r"network\.hidden: got 0 with data\.classes, expected"):
-        call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    path.write_text(path.read_text().replace('hidden = 4\nactivations = ["relu"]\n', ""))
+    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    found = load_scene(str(path))
+    every, story = decisions_of(found), read_provenance(found.weights_paths[0])
+    assert (found.describe(), story["network"], story["hidden"]) == ("2:3", "2:3", "none")
+    assert every.differ == 0
+    assert every.right >= 85
+    assert network_plot(found).count("no hidden nodes") == 1
+
+
+@pytest.mark.parametrize("form", ["npz", "onnx"])
+def test_a_linear_layer_is_written_and_read(tmp_path: Path, form: str) -> None:
+    network = DenseNetwork((Dense(np.array([[0.5, -1.5]] * 3), np.arange(3.0)),))
+    write_network(tmp_path / f"net.{form}", network)
+    (layer,) = layers_of(load_network(tmp_path / f"net.{form}", (2, 0, 3)))
+    assert np.array_equal(layer.weights, network.layers[0].weights)
+    assert np.array_equal(layer.biases, network.layers[0].biases)
+
+
+def test_every_sum_of_samples_is_driven_where_there_is_no_hidden_layer() -> None:
+    network = DenseNetwork((Dense(np.array([[0.5, -0.25], [0.125, 0.0]]), np.zeros(2)),))
+    assert np.sign(hidden_weights(Engine.of([network]))).tolist() == [[1, -1], [1, 0]]
+
+
+def test_recalibrate_refuses_classes(hand: Path, monkeypatch) -> None:
+    with pytest.raises(
+        InputError,
+        match=r"hand\.toml: data\.classes: got 'gesture', expected data\.outputs: .*make train",
+    ):
+        call(monkeypatch, recalibrate, hand)
 
 
 def test_a_layer_of_tanh_is_trained_too(tmp_path: Path, monkeypatch) -> None:
@@ -365,6 +407,35 @@ def test_make_scene_hints_at_classes(tmp_path: Path, monkeypatch, capsys) -> Non
         call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "b.toml")
 
 
+def rails(**columns) -> list[str]:
+    return [str(one) for one in at_ends({name: np.array(v) for name, v in columns.items()})]
+
+
+def test_sensors_that_end_at_the_same_reading_are_one_warning() -> None:
+    within = [1.0, 2.0, 3.0, 4.0]
+    one = [0.0] * 4 + [*within, 9.0]
+    assert rails(a=one) == [
+        "warning  a: 4 readings are exactly 0, its least: does its range end there? data.ends = "
+        "[0] says that such readings are right"
+    ]
+    two = [0.0] * 6 + [*within, 16.0, 16.0, 16.0, 16.0]
+    assert rails(a=one, b=two) == [
+        "warning  'a', 'b': 4 to 6 readings of each are exactly 0, their least: does their range "
+        "end there? data.ends = [0] says that such readings are right",
+        "warning  b: 4 readings are exactly 16, its largest: does its range end there? data.ends "
+        "= [16] says that such readings are right",
+    ]
+    known = at_ends({"a": np.array(one), "b": np.array(two)}, known=(0.0,))
+    assert [one.subject for one in known] == ["b"]
+
+
+def test_two_classes_are_no_columns_that_repeat_each_other(tmp_path: Path) -> None:
+    path = write_hand(tmp_path, labels=("fist", "flat", "flat"))
+    found = check.data(load_scene(str(path)))
+    assert len(load_scene(str(path)).labels) == 2
+    assert not [one for one in found if "repeats" in one.text]
+
+
 def test_quantities_get_no_hint() -> None:
     assert not class_counts.perhaps_labels("load", np.arange(60.0))
     assert not class_counts.perhaps_labels("load", np.tile([0.5, 1.0, 2.0], 20))
@@ -414,6 +485,10 @@ def test_large_logits_stay_finite() -> None:
         assert np.isfinite(aim.jacobian(point)).all()
 
 
+def test_every_shipped_scene_has_a_limit() -> None:
+    assert class_names() == sorted(f"classes/{name}" for name in LIMITS)
+
+
 @pytest.mark.parametrize("name", class_names())
 def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
     found = load_scene(name)
@@ -426,14 +501,33 @@ def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
     assert not class_counts.findings(found)[1:]
 
 
-def test_digits_costs_what_it_may() -> None:
-    found = load_scene("classes/digits")
-    with found.path.with_name("digits.budget.csv").open() as file:
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_shipped_scene_costs_what_it_may(name: str) -> None:
+    found, (luts, clocks) = load_scene(f"classes/{name}"), LIMITS[name]
+    with budget_path(found.path).open() as file:
         (engine,) = (
             row
             for row in csv.DictReader(file)
             if (row["family"], row["entity"]) == ("xc2v", "engine")
         )
-    assert clocks_per_frame(found.twin()) <= 2500
-    assert int(engine["LUT"]) <= 190
+    assert clocks_per_frame(found.twin()) <= clocks
+    assert int(engine["LUT"]) <= luts
     assert int(engine["multiplier"]) == 1
+
+
+def test_loads_are_the_recorded_vectors_and_the_letters_of_the_thesis() -> None:
+    """Table 3.1 gives the eight loads in grams; 23 g is 0.9."""
+    found = load_scene("classes/loads").data_path.read_text().splitlines()
+    rows = [line.rpartition(",") for line in found]
+    assert [row[0] for row in rows] == APPENDIX.read_text().splitlines()
+    grams = {letter: float(row.split(",")[4]) / 0.9 * 23 for row, _, letter in rows[1:]}
+    weights = {"A": 23, "B": 19, "C": 12, "D": 8, "E": 11, "F": 9, "G": 6, "H": 16}
+    assert {letter: round(value) for letter, value in grams.items()} == weights
+
+
+@pytest.mark.parametrize("name", class_names())
+def test_check_asks_nothing_about_a_shipped_scene(name: str) -> None:
+    """Of a scale that is from the rows that train, other rows may be beyond."""
+    found = load_scene(name)
+    told = [*check.data(found), *sensors_tell.findings(scaled(found))]
+    assert {one.verdict for one in told if "readings outside" not in one.text} == {"ok"}

@@ -269,9 +269,9 @@ REFUSED = {
         chain([("Flatten", "", {"axis": 2})], []),
         r"behind layer 1: operator Flatten .*: got axis 2, expected 1",
     ),
-    "one layer": (
-        [node("Gemm", "x w1 b1", "y")],
-        r"net.onnx: got 1 linear layers, expected 2 or more with an activation between them",
+    "no layer": (
+        [node("Identity", "x", "y")],
+        r"net.onnx: got no linear layer, expected one or more, Gemm or MatMul",
     ),
 }
 

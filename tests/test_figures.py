@@ -314,8 +314,11 @@ def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
             assert chosen < 4 * printed_figures(network)[f"{output}_error_max"]
 
 
+@pytest.mark.all_only
 def test_the_classes_of_the_page_are_those_of_five_seeds() -> None:
-    """The range of an MLP covers two versions of SciPy, which end trainings at different points.
+    """Every run trains them of one seed (``test_the_mlp_is_better_than_the_rbf_...``).
+
+    The range of an MLP covers two versions of SciPy, which end trainings at different points.
 
     Their figures differ by up to 14 %.
     """

@@ -119,7 +119,11 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
         ("three", "multiple.vhd", r"in_data_1 => aligned_1", "in_data_1 => aligned_0"),
         ("chain", "cascade.vhd", r"in_data_0 => gathered_0", "in_data_0 => gathered_1"),
         ("axis", "axis_network.vhd", r"credit0_used = (\d+)", "credit0_used = 7"),
-        ("axis-chain", "axis_network.vhd", r"s_axis_tready <= gate0_ready", "s_axis_tready <= '0'"),
+        pytest.param(
+            *("axis-chain", "axis_network.vhd", r"s_axis_tready <= gate0_ready"),
+            "s_axis_tready <= '0'",
+            marks=pytest.mark.all_only,
+        ),
         ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
         ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
         # The results are right, but frames are refused or flagged.

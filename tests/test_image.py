@@ -317,7 +317,7 @@ def with_other_depth(name: str, folder: Path) -> list[Scene]:
     return [case.scene(folder, name), one.scene(folder, f"{name}-one")]
 
 
-@pytest.mark.parametrize("kind", ["shipped", "layers-reload", "exact-reload"])
+@pytest.mark.parametrize("kind", tiered(["shipped"], ["layers-reload", "exact-reload"]))
 def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind: str) -> None:
     folders = []
     if kind == "shipped":
@@ -338,9 +338,13 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind
             assert (first / file).read_bytes() == (second / file).read_bytes(), file
 
 
-@pytest.mark.parametrize("frames", tiered([200], [10_000]))
+@pytest.mark.all_only
+@pytest.mark.parametrize("frames", [200, 10_000])
 def test_one_hardware_runs_every_scene(tmp_path: Path, frames: int) -> None:
-    """The images have other arrangements and numbers of samples, each with recorded frames."""
+    """The images have other arrangements and numbers of samples, each with recorded frames.
+
+    Every run plays the same images through a smaller engine, in the first case of its bench.
+    """
     scene = reloadable("digit", tmp_path)
     jobs = plan(scene, SIMULATORS, "engine", build=tmp_path / "build", frames=frames)
     outcomes = run_jobs(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,16 +15,19 @@ from shared import Shared
 
 from golden import store
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 from golden.store import VARIABLE
 from tb.common.collected import BENCHES
 from tb.common.runner import run_job
 from tb.sign_off.current import of_this_verilog
+from tb.sign_off.mutate import flat
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import RECORDS, read_record
 from tb.sign_off.source import verilog
 from tb.sign_off.subject import recorded_cases
@@ -181,11 +186,32 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     chosen = [next(c for what, c in found.items() if re.fullmatch(p, what)) for p in patterns]
     answers = proved(chosen, "counter", tmp_path, {"out_data": "out_valid"})
     assert [verdict for verdict, _ in answers] == [SAME, SAME, OTHER]
+    alone = [proved([one], "counter", tmp_path, {"out_data": "out_valid"})[0] for one in chosen]
+    assert alone == answers
     unmasked = proved(chosen, "counter", tmp_path, {})
     assert [verdict for verdict, _ in unmasked] == [SAME, OTHER, OTHER]
     # The proof over several clocks is not tried for an explained mutant.
     explained = proved(chosen, "counter", tmp_path, {}, {1, 3})
     assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
+
+
+def test_a_selection_that_yosys_takes_out_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mutant of which the selection is gone is never taken for one that nothing reads."""
+    (tmp_path / "counter.v").write_text(CHANGES)
+    commands = make_mutants(["counter.v"], "counter", 1, 1, tmp_path)
+    monkeypatch.setattr(flat, "NARROWEST", 1)
+    with pytest.raises(InputError, match="0 elements instead of the asserted 1"):
+        proved(commands, "counter", tmp_path, {})
+
+
+def test_the_processor_time_is_that_of_what_was_started_too() -> None:
+    before = processor_minutes()
+    subprocess.run([sys.executable, "-c", "sum(range(10**7))"], check=True)
+    assert processor_minutes() > before
+    assert "30.0 minutes, without" in processor_line(30)
+    assert "at least 15.0 minutes on 2 processors" in processor_line(30)
 
 
 def test_scores_are_found_every_night() -> None:

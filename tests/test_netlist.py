@@ -43,7 +43,7 @@ def recorded_blocks(kind: str) -> list[str]:
 # exports.
 @pytest.mark.parametrize(
     "case",
-    [(SMALL, "virtex-2"), (SMALL, "series-7"), (SMALL_ROUTED, "ecp5")],
+    tiered([(SMALL, "virtex-2"), (SMALL_ROUTED, "ecp5")], [(SMALL, "series-7")]),
     ids="-".join,
 )
 def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]) -> None:

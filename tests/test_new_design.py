@@ -1,4 +1,7 @@
-"""Types in the four files of docs/new-design.md, after which every command knows the design."""
+"""Types in the four files of docs/new-design.md, after which every command knows the design.
+
+Every run simulates the design alone. ALL=1 simulates a cascade of it as well.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +90,13 @@ def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
     assert asked.returncode == 0, asked.stderr
 
 
-@pytest.mark.parametrize(("arrangement", "block"), [("single", "rowwise"), ("cascade", "cascade")])
+@pytest.mark.parametrize(
+    ("arrangement", "block"),
+    [
+        ("single", "rowwise"),
+        pytest.param("cascade", "cascade", marks=pytest.mark.all_only),
+    ],
+)
 def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:
     simulated = run("-m", "tb.sim", scene(tmp_path, arrangement), "--block", block)
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr

@@ -1,4 +1,9 @@
-"""Tests the report: its content, the files beside it, and its look in a browser."""
+"""Tests the report: its content, the files beside it, and its look in a browser.
+
+Every run makes the report of a user's scene. ALL=1 also makes the complete report of a shipped
+scene, with every table and a comparison of the simulators. For the tests of the figures, every run
+measures these tables in any case.
+"""
 
 from __future__ import annotations
 
@@ -39,6 +44,11 @@ DATA = ROOT / "golden" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
 
 
+# A sample runs all tests of the complete report if it runs one, because the first of them makes it.
+of_the_complete = pytest.mark.all_only("complete")
+BOTH = ["own", pytest.param("report", marks=of_the_complete)]
+
+
 @pytest.fixture(scope="module")
 def report(shared: Shared) -> Path:
     """The report of the smallest scene, with the tables that the run has measured."""
@@ -73,6 +83,13 @@ def own(shared: Shared) -> Path:
     with shared.own_store():
         shared.once("own report", make)
     return (BUILD / OWN / "report.html").resolve()
+
+
+@pytest.fixture(scope="module", params=BOTH)
+def page(request: pytest.FixtureRequest) -> Path:
+    """The report of a user's scene, or the complete one."""
+    found: Path = request.getfixturevalue(request.param)
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -152,8 +169,8 @@ class Links(HTMLParser):
                 self.loads.append(value or "")
 
 
-def test_the_page_needs_nothing_beside_it(report: Path) -> None:
-    text = report.read_text()
+def test_the_page_needs_nothing_beside_it(page: Path) -> None:
+    text = page.read_text()
     links = Links(text)
     assert [link for link in links.loads if link != "data:,"] == []
     assert "@import" not in text
@@ -161,13 +178,14 @@ def test_the_page_needs_nothing_beside_it(report: Path) -> None:
     assert "<script" not in text
 
 
-def test_no_id_stands_twice_and_every_anchor_leads_somewhere(report: Path) -> None:
-    links = Links(report.read_text())
+def test_no_id_stands_twice_and_every_anchor_leads_somewhere(page: Path) -> None:
+    links = Links(page.read_text())
     assert len(links.ids) == len(set(links.ids))
     assert set(links.anchors) <= set(links.ids)
     assert len(links.anchors) > 10
 
 
+@of_the_complete
 def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> None:
     folder = report.with_suffix("")
     assert set(data["tables"]) >= {*TABLES, "errors", "costs", "simulators", "blocks"}
@@ -183,6 +201,7 @@ def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> N
         assert picture["says"].endswith((".", "?"))
 
 
+@of_the_complete
 def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     scene = load_scene(SCENE)
     design = scene.twin()
@@ -193,6 +212,7 @@ def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
 
 
+@of_the_complete
 def test_every_simulator_ran_the_same_frames(data: dict) -> None:
     table = data["tables"]["simulators"]
     names = [row[0] for row in table["rows"]]
@@ -217,6 +237,7 @@ def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPat
         compare_simulators(load_scene(SCENE))
 
 
+@of_the_complete
 def test_a_second_report_measures_nothing(shared: Shared, report: Path) -> None:
     told: list[tuple[str, bool]] = []
     with shared.own_store():
@@ -356,8 +377,8 @@ def browser(*options: object) -> str:
 
 
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
-def test_the_page_fits_and_reads_well(report: Path, width: int, tmp_path: Path) -> None:
-    seen = look(report, width, tmp_path)
+def test_the_page_fits_and_reads_well(page: Path, width: int, tmp_path: Path) -> None:
+    seen = look(page, width, tmp_path)
     assert seen["beyond"] == []
     assert seen["width"] <= width
     assert seen["figures"] > 5
@@ -382,8 +403,8 @@ def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
     assert seen["width"] > WIDTHS["phone"]
 
 
-def test_it_prints(report: Path, tmp_path: Path) -> None:
+def test_it_prints(page: Path, tmp_path: Path) -> None:
     paper = tmp_path / "report.pdf"
-    browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", report.as_uri())
+    browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", page.as_uri())
     pages = len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes()))
     assert 3 <= pages <= 60

@@ -1,4 +1,8 @@
-"""Tests make docs: the site is complete, and every link inside it leads somewhere."""
+"""Tests make docs: the site is complete, and every link inside it leads somewhere.
+
+Every run reads the guides and the datasheets, and resolves their links. ALL=1 builds the whole
+site, with a page for each package and each file that a guide links to.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ import sys
 from html.parser import HTMLParser
 from importlib import import_module
 from pathlib import Path
+from subprocess import CompletedProcess
 from urllib.parse import unquote, urlsplit
 
 import pytest
@@ -53,6 +58,10 @@ def broken_links(site: Path) -> list[str]:
     return found
 
 
+# A sample runs all tests of the site if it runs one, because the first of them builds it.
+of_the_site = pytest.mark.all_only("site")
+
+
 @pytest.fixture(scope="module")
 def site(shared: Shared) -> Path:
     (Path(sys.prefix) / ".ready").touch()
@@ -67,6 +76,7 @@ def site(shared: Shared) -> Path:
     return folder
 
 
+@of_the_site
 def test_every_link_leads_somewhere(site: Path) -> None:
     assert not broken_links(site)
 
@@ -84,26 +94,41 @@ def test_a_link_to_nowhere_is_found(tmp_path: Path) -> None:
     ]
 
 
-def test_a_broken_link_in_a_guide_stops_the_build(tmp_path: Path) -> None:
+def sphinx(builder: str, source: Path, folder: Path, *more: str) -> CompletedProcess[str]:
+    """Run Sphinx as make docs does, with the settings of docs/conf.py."""
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", builder]
+    places = ["-c", ROOT / "docs", "-d", folder / "doctrees", source, folder / "site"]
+    return run(*command, *more, *map(str, places))
+
+
+@pytest.mark.parametrize("builder", ["dummy", "html"])
+def test_a_broken_link_in_a_guide_stops_the_build(tmp_path: Path, builder: str) -> None:
     broken = ["../golden/no_such_file.py", "no_such_page.md", "#no-such-heading"]
     (tmp_path / "docs").mkdir()
     page = "# Page\n\n" + "\n".join(f"[link]({link})" for link in broken)
     (tmp_path / "docs" / "index.md").write_text(page)
-    result = run(
-        *(sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-c", str(ROOT / "docs")),
-        *(str(tmp_path / "docs"), str(tmp_path / "site")),
-    )
+    result = sphinx(builder, tmp_path / "docs", tmp_path)
     assert result.returncode == 1
     for link in broken:
         assert f"'{link.removeprefix('#')}'" in result.stderr
 
 
+def test_every_guide_can_be_read_and_its_links_lead_somewhere(tmp_path: Path) -> None:
+    """No page is written, and the pages of packages, which take most of the time, are left out."""
+    left_out = ["exclude_patterns=extensions,api/*", "suppress_warnings=toc.excluded"]
+    settings = [word for setting in left_out for word in ("-D", setting)]
+    result = sphinx("dummy", ROOT / "docs", tmp_path, *settings)
+    assert result.returncode == 0, result.stderr
+
+
+@of_the_site
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
 def test_every_datasheet_is_there(site: Path, sheet: Path) -> None:
     page = Page(site / "blocks" / f"{sheet.stem}.html")
     assert {heading.lower().replace(" ", "-") for heading in HEADINGS} <= page.anchors
 
 
+@of_the_site
 def test_every_guide_is_there(site: Path) -> None:
     start = Page(site / "index.html")
     assert "two-commands" in start.anchors
@@ -125,6 +150,7 @@ def modules() -> list[str]:
     return names
 
 
+@of_the_site
 def test_every_module_is_there(site: Path) -> None:
     names = modules()
     assert len(names) > 150
@@ -134,6 +160,7 @@ def test_every_module_is_there(site: Path) -> None:
     assert not missing
 
 
+@of_the_site
 @pytest.mark.parametrize(("area", "block"), BLOCKS)
 def test_a_block_has_its_ports_and_its_docstring(site: Path, area: str, block: str) -> None:
     """A function with MyHDL's decorator still has its signature."""
@@ -148,6 +175,7 @@ def test_a_block_has_its_ports_and_its_docstring(site: Path, area: str, block: s
     assert " ".join(first[:3]) in " ".join(summary.split())
 
 
+@of_the_site
 def test_nothing_tells_where_it_was_built(site: Path) -> None:
     for path in site.rglob("*"):
         if path.is_file():

@@ -58,6 +58,7 @@ def test_the_settings_reach_numpy() -> None:
     assert done.stdout.strip() == "False"
 
 
+@pytest.mark.all_only
 def test_the_command_measures_tables_under_settings() -> None:
     command = [sys.executable, "-m", "tb.report.measure.spread", "figures", "operations"]
     for name in ("as it is", "one-thread"):
@@ -68,6 +69,7 @@ def test_the_command_measures_tables_under_settings() -> None:
     assert "operations " not in done.stdout
 
 
+@pytest.mark.all_only
 def test_a_training_is_measured_and_leaves_the_scene_alone(small_cascade: Scene) -> None:
     before = fingerprint([small_cascade.path.parent])
     table = spread.training(small_cascade, ["as it is", "one-thread"], [], more=1)

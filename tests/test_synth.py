@@ -10,6 +10,7 @@ from graphlib import CycleError
 from pathlib import Path
 
 import pytest
+from conftest import tiered
 from shared import Shared
 
 from golden.block import walk
@@ -291,8 +292,9 @@ def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) 
     assert (digest(tmp_path) == before) is same
 
 
-@pytest.mark.parametrize("name", RECORDED)
+@pytest.mark.parametrize("name", tiered(scene_names(), RECORDED[len(scene_names()) :]))
 def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
+    """Every run exports the shipped scenes, and ALL=1 those that are compared with them."""
     scene = load_scene(name)
     timing, recorded_digest = read_timing(timing_path(scene.path))
     assert recorded_digest == digest(shared.export(name, "verilog")), (
@@ -308,8 +310,9 @@ def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
 
 
 @pytest.mark.usefixtures("yosys")
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", tiered([FLAT_FAMILY], sorted({*FAMILIES} - {FLAT_FAMILY})))
 def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: str) -> None:
+    """Every run maps to the family of which a flat netlist is recorded too."""
     scene = load_scene("digit-load")
     verilog = shared.export("digit-load", "verilog")
     found = {family: synthesise(verilog, "engine", family)}
@@ -324,8 +327,10 @@ def test_the_pages_hold_what_is_recorded() -> None:
         assert page.read_text() == text, f"{page}: run: python -m tb.report.page.datasheets"
 
 
+@pytest.mark.all_only
 @pytest.mark.usefixtures("yosys")
 def test_the_command(tmp_path: Path) -> None:
+    """CI calls the command for two shipped scenes on every push, and places and routes them."""
     mlp = random_mlp((1, 1, 1), 1.0, 1)
     scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp], activation="precise")))
     command = [sys.executable, "-m", "hdl.synth", str(scene.path), "--build", str(tmp_path)]

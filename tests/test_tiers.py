@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from conftest import long_first
+from conftest import long_first, tiered
 
 from tb.common.collected import ROOT
 
@@ -24,7 +24,7 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("cores", [(), ("-n", "1")], ids=["alone", "workers"])
+@pytest.mark.parametrize("cores", tiered([("-n", "1")], [()]), ids=["workers", "alone"])
 @pytest.mark.parametrize("chosen", [LEFT, ("tests/test_lut.py", "-k", "no_such_test")])
 def test_a_choice_that_runs_nothing_fails(chosen: tuple[str, ...], cores: tuple[str, ...]) -> None:
     assert run(*chosen, *cores).returncode == pytest.ExitCode.NO_TESTS_COLLECTED

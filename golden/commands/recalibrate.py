@@ -62,6 +62,12 @@ def main() -> None:
     noise = _numbers("NOISE", arguments.noise, 1)
     drift = _numbers("DRIFT", arguments.drift, 2)
     scene = load_scene(arguments.scene)
+    if scene.labels:
+        raise InputError(
+            f"{scene.path}: data.classes: got {scene.classes!r}, expected data.outputs: gain and "
+            "offset are found from outputs that are numbers, and a label says only which class it "
+            "is; record again with the sensors as they are, and run make train"
+        )
     if not scene.window.plain:
         raise InputError(
             f"{scene.path}: data.window: got one that reaches {scene.window.past} frames back, "

@@ -47,8 +47,9 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     refused = 0
     member = task.scene.members[task.number]
     name = task.scene.classes or ", ".join(member.outputs)
-    total = task.scene.training.restarts if member.layers else len(candidates(task))
-    results = search_layers(task, workers) if member.layers else search(task, record, workers)
+    named = is_named(task.scene)
+    total = task.scene.training.restarts if named else len(candidates(task))
+    results = search_layers(task, workers) if named else search(task, record, workers)
     with Progress(name, total, "candidates") as progress:
         for result in results:
             refused += bool(result.refused)
@@ -88,19 +89,19 @@ def main() -> None:
         train_scene(scene, arguments.build, arguments.workers)
 
 
+def is_named(scene: Scene) -> bool:
+    """Whether the scene names the layers of its network, so that training does not search."""
+    return bool(scene.labels or scene.members[0].layers)
+
+
 def check_layers(scene: Scene) -> None:
-    """Refuse classes and layers whose nodes nobody names: training does not search for them.
+    """Refuse layers whose nodes nobody names: training does not search for them.
 
     Raises
     ------
     InputError
     """
     for member in scene.members:
-        if scene.labels and not member.layers:
-            raise InputError(
-                f"{scene.path}: network.hidden: got 0 with data.classes, expected the nodes of "
-                "each hidden layer, such as 8 or [32, 16]: training does not search for them"
-            )
         if member.activations not in ((), ("tanh",)) and not member.layers:
             raise InputError(
                 f"{scene.path}: network.hidden: got 0 with activations, expected the nodes of each "
@@ -128,14 +129,14 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    layered = bool(scene.members[0].layers)
-    stages: Any = LayerStages(scene) if layered else Stages(scene)
+    named = is_named(scene)
+    stages: Any = LayerStages(scene) if named else Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        counts = [*member.layers] or [h for h, _ in candidates(task)]
-        total = settings.restarts if member.layers else len(counts)
+        counts = [] if named else [h for h, _ in candidates(task)]
+        total = len(counts) or settings.restarts
         stages.add(best.hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
@@ -159,7 +160,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "earlier_outputs": settings.earlier_outputs if number else "none",
                 "candidates": total,
                 "candidates_refused": refused,
-                "hidden": f"{counts[0]} to {counts[-1]}" if not member.layers else member.text,
+                "hidden": member.text if named else f"{counts[0]} to {counts[-1]}",
                 "restarts": settings.restarts,
                 "best_restart": best.restart,
                 "weight_decay": settings.weight_decay,

@@ -72,7 +72,7 @@ def write(path: Path, network: Trained) -> None:
         When it has more than one hidden layer, or another activation than tanh.
     """
     if not isinstance(network, Mlp):
-        layers = ", ".join(network.activations)
+        layers = ", ".join(network.activations) or "none"
         raise InputError(
             f"got a network with hidden layers of {layers}, expected one hidden layer of "
             "tanh, which is all that a Netlab structure can hold; .npz and .onnx hold any"

@@ -43,7 +43,7 @@ def read(path: Path) -> Held:
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
     if named is None:
         return Held(numbers)
-    if named.ndim != 1 or named.dtype.kind != "U" or not named.size:
+    if named.ndim != 1 or named.dtype.kind != "U":
         raise InputError(
             f"{path}: {ACTIVATIONS}: got {named.dtype} of shape {named.shape}, expected a text for "
             "each hidden layer"
@@ -90,7 +90,7 @@ def write(path: Path, network: Trained) -> None:
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
     if not isinstance(network, Mlp):
-        arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]])
+        arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]], dtype=np.str_)
         arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
         if network.quantised:
             rows = [_row(layer.quantiser) for layer in layers[:-1]]

@@ -249,10 +249,9 @@ def read(path: Path) -> Held:
         raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
     chain.finish(node)
     layers = chain.layers
-    if len(layers) < 2:
+    if not layers:
         raise InputError(
-            f"{path}: got {len(layers)} linear layers, expected 2 or more with an activation "
-            f"between them, one of {', '.join(ACTIVATIONS)}"
+            f"{path}: got no linear layer, expected one or more, {' or '.join(LINEAR)}"
         )
     arrays: dict[str, Real] = {}
     for n, layer in enumerate(layers, start=1):

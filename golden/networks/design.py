@@ -123,8 +123,8 @@ class Design(Network):
             if not isinstance(network, Mlp):
                 raise InputError(
                     f"hardware.design: got {cls.block!r} for hidden layers of "
-                    f"{', '.join(network.activations)}, expected 'engine', which takes any, or a "
-                    "network of one hidden layer of tanh"
+                    f"{', '.join(network.activations) or 'none'}, expected 'engine', which takes "
+                    "any, or a network of one hidden layer of tanh"
                 )
             found.append(network)
         return found

@@ -72,15 +72,19 @@ def _(design: AdderGraph, frames: Codes) -> Codes:
 
 @singledispatch
 def hidden_weights(design: Design) -> list[Sequence[int]]:
-    """A code per input of each hidden sum; their signs tell which inputs drive it to an end."""
+    """A code per input of each sum of the samples; their signs tell which drive it to an end.
+
+    These are the hidden sums or, without a hidden layer, the outputs.
+    """
     return [node.weights for node in exact_layers(design).hidden]
 
 
 @hidden_weights.register
 def _(design: Engine) -> list[Sequence[int]]:
+    graph = design.graph
     return [
         [sum(t.weight for t in neuron.terms if t.source == k) for k in range(design.inputs)]
-        for neuron in design.graph.first_sums
+        for neuron in graph.first_sums or [n for n in graph.neurons if n.output]
     ]
 
 

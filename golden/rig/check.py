@@ -114,10 +114,13 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
     findings += [fault(text, WARNING) for text in vectors.outside]
     for c, name in enumerate(scene.sensors):
         findings += readings.few_codes(name, sensors[:, c])
-        findings += readings.at_an_end(name, rows.sensors[:, c])
+    columns = dict(zip(scene.sensors, rows.sensors.T, strict=True))
+    findings += readings.at_ends(columns, scene.ends)
     if scene.training.split == "random":
         findings += readings.interpolated(path, rows.sensors)
-    findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
+    # Of two classes, each is always what the other is not.
+    compared = scene.sensors if scene.labels else (*scene.sensors, *scene.outputs)
+    findings += readings.twins(path, compared, own)
     return findings
 
 
@@ -261,7 +264,7 @@ def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
     with TemporaryDirectory() as folder:
         members = []
         for number, member in enumerate(scene.members):
-            hiddens = member.layers or (member.hidden or hidden,)
+            hiddens = member.layers if scene.labels else member.layers or (member.hidden or hidden,)
             widths = (member.inputs, *hiddens, len(member.outputs))
             kinds = (*(member.activations or ["tanh"] * len(hiddens)), "linear")
             known = by_name(member.functions)

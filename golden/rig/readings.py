@@ -5,7 +5,7 @@ Each function checks one thing and returns its findings, which are often none.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,24 +62,40 @@ def repeats(values: Real, other: Real) -> bool:
     return bool(np.abs(a - sign * b).max() <= min(rounded, ALIKE) + 1e-9)
 
 
-def at_an_end(name: str, values: Real) -> list[Finding]:
-    """Find many equal readings at an end of the range, where a converter or amplifier saturates."""
-    found, counts = np.unique(values, return_counts=True)
-    if len(found) < 2 * TIMES_WITHIN:
-        return []
-    within = counts[1:-1].max()
-    return [
-        Finding(
-            WARNING,
-            name,
-            f"{count} readings are exactly {end:g}, its {which}: does its range end there?",
-        )
-        for end, count, which in (
-            (found[0], counts[0], "least"),
-            (found[-1], counts[-1], "largest"),
-        )
-        if count >= AT_AN_END and count > TIMES_WITHIN * within
-    ]
+def at_ends(columns: Mapping[str, Real], known: Sequence[float] = ()) -> list[Finding]:
+    """Find many equal readings at an end of the range, where a converter or amplifier saturates.
+
+    Sensors that end at the same reading are in one finding.
+
+    Parameters
+    ----------
+    columns : mapping of str to float array
+        The readings of each sensor.
+    known : sequence of float
+        Readings that a scene has named in ``data.ends``; nothing is found there.
+    """
+    ending: dict[tuple[float, str], dict[str, int]] = {}
+    for name, values in columns.items():
+        found, counts = np.unique(values, return_counts=True)
+        if len(found) < 2 * TIMES_WITHIN:
+            continue
+        least = max(AT_AN_END, TIMES_WITHIN * counts[1:-1].max() + 1)
+        for place, which in ((0, "least"), (-1, "largest")):
+            if counts[place] >= least and found[place] not in known:
+                there = ending.setdefault((float(found[place]), which), {})
+                there[name] = int(counts[place])
+    return [_at_end(end, which, counts) for (end, which), counts in ending.items()]
+
+
+def _at_end(end: float, which: str, counts: Mapping[str, int]) -> Finding:
+    least, most = min(counts.values()), max(counts.values())
+    span = f"{least}" if least == most else f"{least} to {most}"
+    its, each = ("its", "") if len(counts) == 1 else ("their", " of each")
+    text = (
+        f"{span} readings{each} are exactly {end:g}, {its} {which}: does {its} range end there? "
+        f"data.ends = [{end:g}] says that such readings are right"
+    )
+    return Finding(WARNING, several([*counts]) if len(counts) > 1 else next(iter(counts)), text)
 
 
 def beyond(name: str, values: Real) -> int:

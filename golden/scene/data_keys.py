@@ -97,6 +97,18 @@ DATA = Table(
             "For each named column of a sensor or an output, the name of its unit, such as "
             '`{ load = "g" }`. The name appears in what is printed.',
         ),
+        "ends": Key(
+            List(
+                Number(finite=True),
+                "a list of numbers, such as [0]",
+                "a list of numbers",
+                least=0,
+            ),
+            [],
+            "Readings at which sensors end by their nature, such as `[0]` where they count "
+            "something. Many readings at another end make `make check` ask whether a converter or "
+            "an amplifier ends there.",
+        ),
         "reference": Key(
             Text(),
             "",

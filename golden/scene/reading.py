@@ -134,6 +134,7 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
         units=data["units"],
+        ends=tuple(map(float, data["ends"])),
         reference=data["reference"],
         arrangement=network["arrangement"],
         design=hardware["design"],

@@ -80,25 +80,32 @@ def on_signals(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale])
         When a weight is too large for a float.
     """
     into, out = _arrays(inputs), _arrays(outputs)
-    first, *between, last = layers_of(network)
+    layers = [*layers_of(network)]
+    first = layers[0]
     with np.errstate(over="ignore", invalid="ignore"):
         w1, b1 = first.weights * into[1], shifted(first.biases, first.weights, into[0])
-        w2, b2 = last.weights / out[1][:, np.newaxis], (last.biases - out[0]) / out[1]
     with naming("layer 1"):
-        first = replace(first, weights=w1, biases=b1)
-    with naming(f"layer {len(between) + 2}"):
-        last = replace(last, weights=w2, biases=b2)
-    return rebuilt(network, [first, *between, last])
+        layers[0] = replace(first, weights=w1, biases=b1)
+    # In a network of a single layer, this is the layer that has just been scaled.
+    last = layers[-1]
+    with np.errstate(over="ignore", invalid="ignore"):
+        w2, b2 = last.weights / out[1][:, np.newaxis], (last.biases - out[0]) / out[1]
+    with naming(f"layer {len(layers)}"):
+        layers[-1] = replace(last, weights=w2, biases=b2)
+    return rebuilt(network, layers)
 
 
 def on_readings(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
     """Turn a network on signals into the same network on readings, which a file holds."""
     into, out = _arrays(inputs), _arrays(outputs)
-    first, *between, last = layers_of(network)
+    layers = [*layers_of(network)]
+    first = layers[0]
     w1 = first.weights / into[1]
+    layers[0] = replace(first, weights=w1, biases=shifted(first.biases, w1, -into[0]))
+    last = layers[-1]
     w2, b2 = last.weights * out[1][:, np.newaxis], last.biases * out[1] + out[0]
-    start = replace(first, weights=w1, biases=shifted(first.biases, w1, -into[0]))
-    return rebuilt(network, [start, *between, replace(last, weights=w2, biases=b2)])
+    layers[-1] = replace(last, weights=w2, biases=b2)
+    return rebuilt(network, layers)
 
 
 def range_scale(column: Real) -> Scale:

@@ -73,6 +73,8 @@ class Scene:
         Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
     units : dict
         Columns with the names of their units.
+    ends : tuple of float
+        Readings at which sensors end by their nature.
     reference : str
         Table of golden/data/thesis_numbers.toml to compare with; empty for none.
     arrangement : str
@@ -114,6 +116,7 @@ class Scene:
     length_mm: dict[str, float]
     scale: dict[str, Scale | str]
     units: dict[str, str]
+    ends: tuple[float, ...]
     reference: str
     arrangement: str
     members: tuple[Member, ...]
@@ -203,8 +206,8 @@ class Scene:
             if not isinstance(network, Mlp):
                 raise InputError(
                     f"{member.weights_path}: got hidden layers of "
-                    f"{', '.join(network.activations)}, expected one of tanh: what is asked for is "
-                    "not there yet for other networks"
+                    f"{', '.join(network.activations) or 'none'}, expected one of tanh: what is "
+                    "asked for is not there yet for other networks"
                 )
             found.append(network)
         return found

@@ -55,8 +55,9 @@ NETWORK = Table(
             Each(Whole(Span(0, MOST_HIDDEN))),
             0,
             "The number of hidden nodes. 0 means as many as the network file has, in as many "
-            "layers; training then searches the range `training.hidden`. With `single`, a list has "
-            "the number of nodes of each hidden layer, such as `[32, 16]`: [networks of several "
+            "layers; training then searches the range `training.hidden` or, for `classes`, trains "
+            "a network without a hidden layer. With `single`, a list has the number of nodes of "
+            "each hidden layer, such as `[32, 16]`: [networks of several "
             "layers](#networks-of-several-layers).",
         ),
         "activations": Key(

@@ -66,7 +66,8 @@ class Member:
     outputs : tuple of str
     weights_path : Path
     layers : tuple of int
-        Hidden nodes of each of several layers; empty where there is one, or the file tells.
+        Hidden nodes of each layer, where there are several or a scene has classes; empty where
+        there is one, or the file tells. Training for classes then takes no hidden layer.
     activations : tuple of str
         Of each hidden layer; empty takes those of the network file.
     nearest : bool
@@ -88,7 +89,9 @@ class Member:
     def text(self) -> str:
         """The hidden layers that the scene names, such as "32 relu, 16 relu"."""
         kinds = self.activations or ("tanh",) * len(self.layers)
-        return ", ".join(f"{n} {kind}" for n, kind in zip(self.layers, kinds, strict=True))
+        return (
+            ", ".join(f"{n} {kind}" for n, kind in zip(self.layers, kinds, strict=True)) or "none"
+        )
 
     def load(self) -> Trained:
         """The trained network.

@@ -133,7 +133,7 @@ def frames_of_all_lengths(bench, samples):
 
 
 def driven_to_ends(bench):
-    """Frames that drive every hidden sum to both of its ends."""
+    """Frames that drive every sum of samples to both of its ends."""
     inputs = bench.twin.core.inputs
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
     rows = [row[:inputs] for design in designs for row in hidden_weights(design)]

@@ -27,6 +27,7 @@ FAULTS = [
     (r"asked = \(look_up && \(!write\)\)", "asked = look_up"),
     (r"addr = write_addr", "addr = counter"),
     (r"(memory\[addr\] <= \S+);", r"\1 ^ 1;"),
+    (r"(fetched <= memory\[addr\];)", r"\1 memory[addr][19] <= data[19];"),
 ]
 
 

@@ -29,6 +29,7 @@ from hdl.synth.tools import digest
 from tb.common.collected import CASES_OF
 from tb.common.runner import Job
 from tb.sign_off.equal import command, prove_equal
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property
 from tb.sign_off.record import read_record, write_record
@@ -200,7 +201,10 @@ def main() -> int:
     print(case_line(arguments.block), flush=True)
     would(f"export and prove {len(blocks)} blocks")
     proved = prove_blocks([block for block in blocks if block in PROOFS], arguments.record)
+    properties = processor_minutes()
+    print(f"properties: {processor_line(properties)}", flush=True)
     equal = prove_equal(blocks, arguments.record)
+    print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
     return 0 if proved and equal else 1
 
 

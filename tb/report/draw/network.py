@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from statistics import mean
 
 from golden.scene import Scene
 from tb.report.draw.drawing import (
@@ -121,7 +120,7 @@ def _place(shape: tuple[int, ...], left: float, top: float) -> Place:
     """The nodes of a network, in a column for each layer; the columns have a common middle."""
     inputs, *hidden, outputs = shape
     shown = [min(nodes, MOST_NODES) for nodes in hidden]
-    heights = [(inputs - 1) * TERMINAL, (max(shown) - 1) * NODE, (outputs - 1) * ROW]
+    heights = [(inputs - 1) * TERMINAL, (max(shown, default=1) - 1) * NODE, (outputs - 1) * ROW]
     middle = top + HEADING + max(heights) / 2
 
     def column(count: int, pitch: float, x: float) -> list[Point]:
@@ -155,10 +154,12 @@ def _nodes(place: Place, hidden: Sequence[int], names: tuple[str, ...]) -> list[
     for nodes, dots, count in zip(circled, dotted, hidden, strict=True):
         circles = [dot(node, 3.4, fill="#fff", stroke=INK) for node in nodes]
         body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{count} hidden nodes"))
-    counts = ", ".join(map(str, hidden))
-    words = f"{counts} hidden node{'s' if sum(hidden) > 1 else ''}"
-    heading = mean(nodes[0][0] for nodes in place.hidden), place.top + 12
-    body.append(text(heading, words, text_anchor="middle"))
+    counts = ", ".join(map(str, hidden)) or "no"
+    words = f"{counts} hidden node{'' if sum(hidden) == 1 else 's'}"
+    left, right = place.inputs[0][0], place.outputs[0][0]
+    # Without a hidden layer there is less room than the words take.
+    centre = max((left + right) / 2, left + text_width(words) / 2)
+    body.append(text((centre, place.top + 12), words, text_anchor="middle"))
     body += [dot(point, 2.4) for point in place.inputs]
     for (x, y), name in zip(place.outputs, names, strict=True):
         body += [

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run, would
+from golden.decisions import decisions_of, shown
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.fingerprint import ROOT
@@ -31,7 +32,7 @@ from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
-from tb.report.measure.clocks import clocks
+from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
 from tb.report.measure.left_out import left_out
@@ -72,6 +73,31 @@ def scenes() -> str:
         text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
         row = [f"`{name}`", text, *(f"`{word}`" for word in (scene.design, scene.activation))]
         lines.append(f"| {' | '.join(row)} | `{scene.precision.name}` |")
+    return "\n".join(lines)
+
+
+def classes() -> str:
+    """What every shipped scene of classes costs, and how often it is wrong on held-out rows."""
+    lines = [
+        "| scene | network | LUT | multiplier | block RAM | clocks of a frame | held-out rows | "
+        "wrong | wrong in floating point |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name in class_names():
+        scene = load_scene(name)
+        top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+        held_out, _ = shown(scene, decisions_of(scene))
+        rows = len(held_out.actual)
+        cells = [
+            f"`{name}`",
+            scene.describe(),
+            *(top[kind] for kind in ("LUT", "multiplier", "block RAM")),
+            clocks_per_frame(scene.twin()),
+            rows,
+            rows - held_out.right,
+            rows - held_out.right_real,
+        ]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
     return "\n".join(lines)
 
 
@@ -252,6 +278,7 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "scenes.md", "classes", classes),
         (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
         (docs / "left-out.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
         (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),

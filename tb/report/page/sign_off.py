@@ -75,7 +75,8 @@ def undetected_bits(record: Record) -> list[str]:
         memory, address, bit = re.split(r"\[|\] bit ", one)
         found.setdefault((memory, bit), []).append(address)
     return _table(
-        "Bits of words that the bench does not tell. `tests/test_initial_words.py` compares every "
+        "Bits of words that the bench does not tell, because no result depends on them "
+        "(`tests/test_bipartite.py`, over all codes). `tests/test_initial_words.py` compares every "
         "exported word with that of the twin:",
         ["memory", "bit", "addresses"],
         [[f"`{memory}`", bit, ", ".join(at)] for (memory, bit), at in sorted(found.items())],

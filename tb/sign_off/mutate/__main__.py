@@ -14,6 +14,7 @@ from tb.common.runner import Job
 from tb.common.where import check_block
 from tb.sign_off.mutate.initial import score_words
 from tb.sign_off.mutate.score import score
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import read_record, record_path, write_record
 from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects, subjects_of
 
@@ -88,6 +89,7 @@ def main() -> int:
             for one in facts["survivors"]:
                 print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
             found &= all(one["explained"] for one in facts["survivors"])
+    print(processor_line(processor_minutes()))
     return 0 if found else 1
 
 

@@ -20,16 +20,29 @@ Netlist = dict[str, Any]
 # Bits that are compared, and the bit that says when they count.
 End = tuple[list[Bit], Bit | None]
 STATE = ("$dff", "$mem_v2")
+# Yosys takes out a comparison of a single bit with 1, because that is the bit itself.
+NARROWEST = 2
 
 
 def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
-    """The entity with all of these mutants, each behind a selection of its own."""
-    width = len(commands).bit_length()
+    """The entity with all of these mutants, each behind a selection of its own.
+
+    A selection that is missing in the end is one that nothing reads: all are there before
+    ``opt_clean``, which takes out nothing else.
+
+    Raises
+    ------
+    InputError
+        When Yosys took out a selection before that.
+    """
+    width = max(NARROWEST, len(commands).bit_length())
     lines = ["read_rtlil base.il"]
     lines += [selected(command, width, n) for n, command in enumerate(commands, start=1)]
     lines += [ONE_CHOICE, f"hierarchy -top {entity}", "flatten", "memory_collect", "dffunmap"]
     # What only carries below a rounding then has no reader.
-    lines += ["opt_expr -fine", "opt_clean", "write_json flat.json"]
+    lines += ["opt_expr -fine"]
+    lines += [f"select -assert-count {len(commands)} w:{SELECT} %co1:+$eq[A] t:$eq %i"]
+    lines += ["opt_clean", "write_json flat.json"]
     (folder / "flat.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
     run_tool("yosys", ["-q", "-s", "flat.ys"], folder)
     return Flat(json.loads((folder / "flat.json").read_text(encoding="utf-8"))["modules"][entity])
@@ -49,7 +62,7 @@ class Flat:
             for bit in bits_of(cell, "input"):
                 self.readers.setdefault(bit, []).append(name)
         select = self.ports[SELECT]["bits"]
-        # One that nothing reads was cleaned away.
+        # One that nothing reads was cleaned away (see ``flatten``).
         self.chosen: dict[int, Bit] = {}
         for cell in self.cells.values():
             if cell["type"] == "$eq" and cell["connections"]["A"] == select:
