@@ -31,6 +31,9 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 SMALL, SMALL_ROUTED = "exp_memory", "ramp"
 
 
+CASES_RECORDED = {n: case for block in BENCHES for n, case in recorded_cases(block).items()}
+
+
 def recorded_blocks(kind: str) -> list[str]:
     """The blocks that have a record of a kind."""
     return [block for block in BENCHES if record_path(kind, block).is_file()]
@@ -232,10 +235,11 @@ def printed(folder: Path, text: str) -> list[str]:
     return result.stdout.split()
 
 
-@pytest.mark.parametrize("block", recorded_blocks(UNKNOWN))
-def test_the_record_of_unknown_registers_is_of_this_verilog(shared: Shared, block: str) -> None:
-    found = read_record(UNKNOWN, block)
-    assert not of_this_verilog(UNKNOWN, block, verilog(shared.subject(block)))
+@pytest.mark.parametrize("name", CASES_RECORDED)
+def test_the_record_of_unknown_registers_is_of_this_verilog(shared: Shared, name: str) -> None:
+    found = read_record(UNKNOWN, name)
+    job = shared.subject(name.partition(".")[0], case=CASES_RECORDED[name])
+    assert not of_this_verilog(UNKNOWN, name, verilog(job))
     assert found["passed"]
     assert bool(found["control"]) == bool(found["reset"])
     assert found["control proved over clocks"] is None

@@ -5,6 +5,7 @@ from myhdl import always, always_comb, block, concat
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
 from golden.engine.round_saturate import RoundSaturate
+from hdl.common.delay import connect
 from hdl.common.signals import fixed, flag, unsigned
 
 
@@ -47,85 +48,29 @@ def round_saturate(clk, run, acc, sample, word, *, relu=None, spec: RoundSaturat
     def cut():
         kept.next = acc[end:DROPPED].signed()
 
-    trim = ()
-    if spec.cut:
-        # A word of a ReLU ends where the bits end that are cut; its sign is no part of this.
-        unit, bits = DROPPED + spec.cut, WIDTH - 1 - spec.cut
-        above_unit, highest, shift = unit + 1, (1 << bits) - 1, spec.cut
-        below, upper, last = unsigned(unit), unsigned(bits), flag()
-        trimmed, placed = fixed(WORD), fixed(WORD)
-
-        if spec.even:
-
-            @always_comb
-            def look_below():
-                below.next = acc[unit:]
-
-            @always_comb
-            def choose_even():
-                last.next = acc[unit] and below != 0
-
-            rounding = look_below, choose_even
+    @always_comb
+    def saturate():
+        if not beyond:
+            result.next = kept
+        elif acc[sign]:
+            result.next = low
         else:
+            result.next = high
 
-            @always_comb
-            def take_last():
-                last.next = acc[unit]
-
-            rounding = take_last
-
-        @always_comb
-        def join():
-            upper.next = concat(acc[lowest:above_unit], last)
+    stored, rectify = result, ()
+    if spec.rectifies:
+        stored, positive = fixed(WORD), fixed(WORD)
 
         @always_comb
-        def end_codes():
-            if acc[sign]:
-                trimmed.next = 0
-            elif beyond:
-                trimmed.next = highest
-            else:
-                trimmed.next = upper
-
-        @always_comb
-        def place():
-            placed.next = trimmed << shift
-
-        @always_comb
-        def saturate():
-            if relu:
-                result.next = placed
-            elif not beyond:
-                result.next = kept
+        def choose():
+            if not relu:
+                stored.next = result
             elif acc[sign]:
-                result.next = low
+                stored.next = 0
             else:
-                result.next = high
+                stored.next = positive
 
-        trim = rounding, join, end_codes, place
-    elif spec.rectifies:
-
-        @always_comb
-        def saturate():
-            if relu and acc[sign]:
-                result.next = 0
-            elif not beyond:
-                result.next = kept
-            elif acc[sign]:
-                result.next = low
-            else:
-                result.next = high
-
-    else:
-
-        @always_comb
-        def saturate():
-            if not beyond:
-                result.next = kept
-            elif acc[sign]:
-                result.next = low
-            else:
-                result.next = high
+        rectify = trim(acc, beyond, result, positive, bits=spec.cut, even=spec.even), choose
 
     @always_comb
     def widen():
@@ -138,8 +83,51 @@ def round_saturate(clk, run, acc, sample, word, *, relu=None, spec: RoundSaturat
     @always(clk.posedge)
     def keep():
         if run:
-            word.next = result
+            word.next = stored
         else:
             word.next = moved
 
-    return look, compare, cut, trim, saturate, widen, move, keep
+    return look, compare, cut, saturate, rectify, widen, move, keep
+
+
+@block
+def trim(acc, beyond, result, trimmed, *, bits: int, even: bool):
+    """``trimmed`` is ``result``, of a sum that is not below 0, less ``bits`` low bits.
+
+    Where ``even``, the lowest bit that is left becomes 0 in the middle between two words.
+    """
+    if not bits:
+        return connect(result, trimmed)
+    unit, shift = DROPPED + bits, bits
+    above_shift, sign = shift + 1, WIDTH - 1
+    below, upper, last = unsigned(unit), unsigned(sign - shift), flag()
+    wide = fixed(WORD)
+
+    if even:
+
+        @always_comb
+        def look_below():
+            below.next = acc[unit:]
+
+        # A sum beyond the word lies between no two words, whatever its lowest bits are.
+        @always_comb
+        def choose_last():
+            last.next = result[shift] and (beyond or below != 0)
+
+        rounding = look_below, choose_last
+    else:
+        rounding = connect(result(shift), last)
+
+    @always_comb
+    def join():
+        upper.next = concat(result[sign:above_shift], last)
+
+    @always_comb
+    def widen():
+        wide.next = upper
+
+    @always_comb
+    def place():
+        trimmed.next = wide << shift
+
+    return rounding, join, widen, place

@@ -220,6 +220,10 @@ LAYERED = {
     "ranged-engine": replace(
         ENGINE, shapes=[(12, 3, 3, 2)], activations=("leaky_relu", "relu"), seed=0, spread=1.5
     ),
+    # The sums behind ReLU reach every segment of the table of tanh.
+    "steep-engine": replace(
+        ENGINE, shapes=[(3, 4, 3, 2)], activations=("relu", "tanh"), spread=4.0, seed=1
+    ),
     # These are quantised. The first has a zero point and rounds halves to even; the second rounds
     # down.
     "exact-engine": replace(

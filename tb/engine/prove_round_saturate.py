@@ -14,7 +14,7 @@ def properties(twin):
     with_relu, relu = "", ()
     if twin.rectifies:
         with_relu = " With relu a sum below 0 becomes 0."
-        relu = ((r"relu && acc", "acc"), (r"result = 0;", "result = 1;"))
+        relu = ((r"if \(\(!relu\)\)", "if (0)"), (r"stored = 0;", "stored = 1;"))
     shown = f"cut < {least} ? {least} : cut > {high} ? {high} : cut"
     if twin.cut:
         unit, end = 1 << twin.cut, high + 1 - (1 << twin.cut)
@@ -22,8 +22,9 @@ def properties(twin):
         with_relu += f" The word is then a multiple of {unit} and at most {end}."
         with_relu += " Of two that are equally near it is the even one." if twin.even else ""
         shown = f"!relu ? ({shown}) : cut < 0 ? 0 : cut > {high} ? {end} : cut - cut % step"
-        relu = ((r"if \(relu\)", "if (0)"), (rf"trimmed = {end >> twin.cut};", "trimmed = 1;"))
-        relu += ((r"below != 0", "below == 0"),) if twin.even else ()
+        relu += ((rf"wide << {twin.cut}\)", f"wide << {twin.cut - 1})"),)
+        even_faults = (r"below != 0", "below == 0"), (r"beyond \|\| ", "")
+        relu += even_faults if twin.even else ()
     return [
         Property(
             name="word",

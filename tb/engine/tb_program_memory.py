@@ -13,10 +13,12 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINE_PARTS
+from tb.common.small import ENGINE_PARTS, TABLES
 from tb.common.stimulus import look_ups, random_resets, random_runs
 
-CASES = ENGINE_PARTS
+CASES = ENGINE_PARTS | {"tables-engine": TABLES["tables-engine"]}
+# The first has registers behind the memory; the second has tables of several functions.
+ALSO = ("deep-engine", "tables-engine")
 FAULTS = [
     (r"(memory\[\d+\] <= \S+);", r"\1 ^ 1;"),
     (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (!run)"),

@@ -6,8 +6,9 @@ the same for every frame.
 
 from tb.sign_off.properties import Property
 
-# This case has a built-in program. The first case has one that is loaded.
-ALSO = ("rails-engine",)
+# These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
+# case is loaded.
+ALSO = ("rails-engine", "steep-engine")
 
 
 def properties(twin):
@@ -77,7 +78,7 @@ def built_in(twin):
                 skipping <= 0;
             end
         end
-        reg [7:0] fetched_from;
+        reg [15:0] fetched_from;
         reg [15:0] operands = 0;
         always @(posedge clk) begin
             fetched_from <= u_program_memory_0.counter;
@@ -128,7 +129,7 @@ def built_in(twin):
                 f"&& fetched_from < {begin + words})",
             ),
             reached=("since == 2",),
-            refuted_by=((r"(if \(stands\) begin\s+counter <=) 160", r"\1 0"),),
+            refuted_by=((rf"(if \(stands\) begin\s+counter <=) {begin}", r"\1 0"),),
             clocks=inputs + 9,
             induction=5,
             **common,

@@ -1,11 +1,10 @@
 """Records what benches find on netlists, with ``make sim NETLIST=1 RECORD=1`` or ``=unknown``.
 
-Recorded are the first entity of every block in the first case of its bench and, on cells, that in
-the other cases that are recorded, and the entities of the scenes whose network is an engine. The
-result of a bench that has passed is kept until its netlist or the bench changes. An engine, and the
-instrument around it on a board, only play recorded frames, in its own image and, where the bench
-has some, in others. The rest of their benches would take hours; their parts run through the whole
-of theirs.
+Recorded are the first entity of every block in the cases of its bench that are recorded and, on
+cells, the entities of the scenes whose network is an engine. The result of a bench that has passed
+is kept until its netlist or the bench changes. An engine, and the instrument around it on a board,
+only play recorded frames, in its own image and, where the bench has some, in others. The rest of
+their benches would take hours; their parts run through the whole of theirs.
 """
 
 from __future__ import annotations
@@ -26,7 +25,13 @@ from tb.common.runner import Job, Outcome, jobs, prepare, run_jobs
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
 from tb.sign_off.source import EVERY, source, verilog
-from tb.sign_off.subject import chosen_blocks, recorded_cases, subject
+from tb.sign_off.subject import (
+    chosen_blocks,
+    record_name,
+    recorded_cases,
+    recorded_subjects,
+    subject,
+)
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
@@ -143,7 +148,7 @@ def record_unknown(job: Job) -> Outcome:
         "control": control.name if control else "",
         "control proved over clocks": clocks_to_prove(netlist, control) if control else None,
     }
-    write_record(UNKNOWN, job.block, facts)
+    write_record(UNKNOWN, record_name(job), facts)
     return outcome
 
 
@@ -165,8 +170,8 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
     would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     if every:
         return record_netlists(blocks, tell)
-    subjects = [played(subject(name, NETLISTS_RUN_IN)) for name in blocks]
-    with Progress("simulating unknown registers of", len(subjects), "blocks") as progress:
+    subjects = [played(job) for job in recorded_subjects(blocks, NETLISTS_RUN_IN).values()]
+    with Progress("simulating unknown registers of", len(subjects), "entities") as progress:
 
         def listen(outcome: Outcome) -> None:
             tell(outcome, progress.say)

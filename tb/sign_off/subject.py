@@ -55,7 +55,7 @@ def case_line(block: str | None) -> str:
 
 
 def recorded_cases(block: str) -> dict[str, str]:
-    """The cases in which mutation and coverage of a block are recorded, by name of the record.
+    """The cases in which a block is recorded, by name of the record; proofs name their own.
 
     The record of the first case has the name of the block. The bench names further cases in
     ``ALSO``, where the hardware has logic that it does not have in the first.
@@ -64,17 +64,23 @@ def recorded_cases(block: str) -> dict[str, str]:
     return {block: CASES_OF[block][0]} | {f"{block}.{case}": case for case in also}
 
 
-def recorded_subjects(blocks: list[str]) -> dict[str, Job]:
-    """The entities of which mutation and coverage are recorded, by the names of the records."""
+def recorded_subjects(blocks: list[str], simulator: str = RUNS_IN) -> dict[str, Job]:
+    """The entities that are recorded, by the names of the records."""
     return {
-        name: subject(block, case=case)
+        name: subject(block, simulator, case=case)
         for block in blocks
         for name, case in recorded_cases(block).items()
     }
 
 
+def record_name(job: Job) -> str:
+    """The name of the record of an entity in one of the cases that are recorded."""
+    names = {case: name for name, case in recorded_cases(job.block).items()}
+    return names[job.scene.name]
+
+
 def cases_line(block: str | None) -> str:
-    """The line that says in which cases mutation and coverage of a block are recorded."""
+    """The line that says in which cases a block is recorded."""
     if block is None:
         return "each block: in the cases in which it is recorded"
     _, *also = recorded_cases(block).values()

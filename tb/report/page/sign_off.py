@@ -231,7 +231,7 @@ DETAILS: dict[str, Callable[[Record], list[str]]] = {
 
 def sheet(block: str) -> str:
     """The tables of a datasheet."""
-    # Only mutation and coverage have records of further cases.
+    # A record of netlists or proofs holds all cases.
     records = {
         kind: [found for name in recorded_cases(block) if (found := recorded(kind, name))]
         for kind in KINDS

@@ -6,25 +6,29 @@ import re
 import tomllib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 FILE = Path(__file__).parent / "explained.toml"
 
 
-def explanations(block: str, file: Path = FILE) -> dict[str, str]:
-    """The reasons for a block, by a pattern of what mutants change."""
-    entries = _read(file).get(block, [])
+def explanations(block: str, case: str, file: Path = FILE) -> dict[str, str]:
+    """The reasons for a block in a case of its bench, by a pattern of what mutants change.
+
+    An entry that names no cases holds in all of them.
+    """
+    entries = [one for one in _read(file).get(block, []) if case in one.get("cases", [case])]
     return {entry["mutants"]: " ".join(entry["reason"].split()) for entry in entries}
 
 
 @cache
-def _read(file: Path) -> dict[str, list[dict[str, str]]]:
+def _read(file: Path) -> dict[str, list[dict[str, Any]]]:
     """The file's entries by block. It is read only once, because many mutants are looked up."""
     return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
-def explain(block: str, what: str, file: Path = FILE) -> str:
+def explain(block: str, case: str, what: str, file: Path = FILE) -> str:
     """The reason that is written for a mutant; empty where there is none."""
-    for pattern, reason in explanations(block, file).items():
+    for pattern, reason in explanations(block, case, file).items():
         if re.fullmatch(pattern, what):
             return reason
     return ""

@@ -138,14 +138,17 @@ def score(
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
         trace, played = record_trace(subject)
-        patterns = explanations(job.block)
+        patterns = explanations(job.block, job.scene.name)
         state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
         tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
         if before and before.get("digest") == state:
             found = before
         else:
             found = _found(subject, trace, seed, pool, tell)
-    survivors = [one | {"explained": explain(job.block, one["what"])} for one in found["survivors"]]
+    survivors = [
+        one | {"explained": explain(job.block, job.scene.name, one["what"])}
+        for one in found["survivors"]
+    ]
     excused = sum(bool(one["explained"]) for one in survivors)
     return found | {
         **source(job, played),
@@ -194,7 +197,8 @@ def _found(
         differ = {n: differ[n] for n in found_by_bench(asked)}
     left = [n for n in numbers if n not in differ]
     places = {n: describe(mutants[n - 1], subject.folder) for n in left}
-    explained = {n for n in left if explain(subject.job.block, places[n][1])}
+    block, case = subject.job.block, subject.job.scene.name
+    explained = {n for n in left if explain(block, case, places[n][1])}
     verdicts = _proofs(subject, left, explained, trace.masks)
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
