@@ -257,7 +257,7 @@ REFUSED = {
     "window = { x0 = 3 }": "data.window.x0: got 3, expected whole numbers of frames",
     "window = { x0 = [4, 0] }": "data.window.x0: got [4, 0], expected ascending delays",
     "window = [0, 1]": "training.split: got 'random' with a data.window, expected 'blocks' or",
-    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got {'x0': 1} with a data.window",
+    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got { x0 = 1 } with a data.window",
 }
 
 

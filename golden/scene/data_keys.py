@@ -66,8 +66,8 @@ DATA = Table(
             Alternatives((List(_DELAY, _FRAMES), Map(List(_DELAY, _FRAMES, _FRAMES)))),
             [0],
             "The ages, in frames, of the samples that the networks take: `[0, 4, 8]` for every "
-            "sensor, or `{ sensor1 = [0, 4] }` for some. For a sensor that is not named, the networks "
-            "take only the newest sample. See [past samples](#past-samples).",
+            "sensor, or `{ sensor1 = [0, 4] }` for some. For a sensor that is not named, the "
+            "networks take only the newest sample. See [past samples](#past-samples).",
         ),
         "full_scale": Key(
             _ABOVE_0,
@@ -105,9 +105,9 @@ DATA = Table(
                 least=0,
             ),
             [],
-            "The natural ends of the range of the sensors, such as `[0]` if they count something. If "
-            "many readings lie at any other end, `make check` asks whether the range of a converter "
-            "or an amplifier ends there.",
+            "The natural ends of the range of the sensors, such as `[0]` if they count something. "
+            "If many readings lie at any other end, `make check` asks whether the range of a "
+            "converter or an amplifier ends there.",
         ),
         "reference": Key(
             Text(),
