@@ -376,8 +376,8 @@ COMMANDS = (
     Command(
         "mutate",
         "Counts how many random faults (mutants) of a block its bench detects; ALL=1 tries the "
-        "recorded ones again.",
-        (BLOCK, option("SCENE"), ALL, RECORD),
+        "recorded ones again, SEED= draws others.",
+        (BLOCK, option("SCENE"), ALL, RECORD, SEED),
         "tb.sign_off.mutate",
     ),
     Command(
