@@ -130,7 +130,7 @@ CALLS = {
     "predict mine.toml folder.toml a.csv": "folder.toml: got a folder, expected a file",
     "predict mine.toml 'a\0' a.csv": "cannot be read: embedded null byte",
     "predict mine.toml mine.csv 'a\0'": "cannot be written: embedded null byte",
-    "predict mine.toml mine.csv ./mine.csv": "TO=mine.csv: is read, expected another file",
+    "predict mine.toml mine.csv ./mine.csv": "TO=mine.csv: is read by this command, expected",
     "predict mine.toml mine.csv folder.toml": "folder.toml: cannot be written: got a folder",
     "predict mine.toml mine.npz a.csv": "mine.npz:1: got byte 0x",
     "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
