@@ -392,9 +392,9 @@ COMMANDS = (
     Command(
         "mutate",
         "Counts how many random faults (mutants) of a block its bench detects; ALL=1 tries the "
-        "recorded ones again, SCENE= takes the entities of a scene, and RECORD=1 records the "
-        "result.",
-        (BLOCK, option("SCENE"), ALL, RECORD),
+        "recorded ones again, SCENE= takes the entities of a scene, SEED= draws other mutants, and "
+        "RECORD=1 records the result.",
+        (BLOCK, option("SCENE"), ALL, RECORD, SEED),
         "tb.sign_off.mutate",
     ),
     Command(

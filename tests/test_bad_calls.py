@@ -106,6 +106,7 @@ CALLS = {
     "sim --netlist 1 --sim ghdl": "netlists run in icarus alone",
     "sim --netlist ecp5 --record": "every family, expected NETLIST=1 or NETLIST=unknown",
     "sim --record": "RECORD=1: got no NETLIST, expected 1 or unknown",
+    "mutate --record --seed 2": "RECORD=1: got SEED=2, expected none",
     "figures netwroks": "TABLE=netwroks: no such table, .* did you mean",
     "figures --seed=-1": "SEED=-1: expected a whole number",
     "figures ''": "TABLE=: no such table, expected one of",

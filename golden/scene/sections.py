@@ -78,6 +78,8 @@ class Member:
         The functions that activations may name.
     function_files : tuple of Path
         The files from which the points of some of them come.
+    labels : tuple of str
+        The labels that the outputs stand for; empty if outputs are numbers.
     """
 
     inputs: int
@@ -89,6 +91,7 @@ class Member:
     nearest: bool = False
     functions: tuple[Function, ...] = ()
     function_files: tuple[Path, ...] = ()
+    labels: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
@@ -108,7 +111,7 @@ class Member:
         """
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
-        network = load_network(self.weights_path, shape, by_name(self.functions))
+        network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
         found = tuple(layer.activation for layer in layers_of(network)[:-1])
         if self.activations and found != self.activations:
             raise InputError(
@@ -453,6 +456,7 @@ def members(
             network["quantised"] == "nearest",
             functions,
             tuple(files.values()),
+            data.get("labels", ()),
         )
         for i in range(count)
     )
