@@ -61,11 +61,12 @@ def test_networks_side_by_side() -> None:
 
 def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
     design = AdderGraph.of([random_mlp((2, 5, 1), 5.0, 1)], Settings(EXACT, "bipartite"))
-    assert sorted(j for nodes in design.groups for j in nodes) == list(range(5))
-    widths = [design.first.result_widths[j] for nodes in design.groups for j in nodes]
+    (groups,), (activations,) = design.groups, design.activations
+    assert sorted(j for nodes in groups for j in nodes) == list(range(5))
+    widths = [design.layers[0].result_widths[j] for nodes in groups for j in nodes]
     assert widths == sorted(widths)
-    for nodes in design.groups:
-        assert len({design.activations[j] for j in nodes}) == 1
+    for nodes in groups:
+        assert len({activations[j] for j in nodes}) == 1
 
 
 def test_no_multiplier_and_a_frame_a_clock() -> None:
@@ -84,5 +85,6 @@ def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
     assert len({output.tobytes() for _, output in others}) == 2
     assert np.abs(tabled - others[1][1]).max() <= np.ceil(np.abs(mlp.w2).sum(axis=1)).max()
     assert (tabled != cut_once).any()
-    units = [max(map(abs, ends)) / 2.0**design.second.out_shift for ends in design.second.errors]
+    outputs = design.layers[-1]
+    units = [max(map(abs, ends)) / 2.0**outputs.out_shift for ends in outputs.errors]
     assert 0 < np.abs(cut - cut_once).max() <= 1 + max(units)

@@ -12,6 +12,7 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.layers.frame_judge import FrameJudge
 from golden.port import CLOCKED, Port, group, input_port, output_port
 from golden.precision import SIGNAL
@@ -113,7 +114,7 @@ class Network(Block):
         return self
 
     @property
-    def argmax(self) -> Argmax | None:
+    def argmax(self) -> Argmax | ArgmaxTree | None:
         """What finds the largest output of a frame, where there are ports of it."""
         return None
 

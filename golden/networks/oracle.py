@@ -66,9 +66,14 @@ def _(design: Engine, frames: Codes) -> Codes:
 
 @exact.register
 def _(design: AdderGraph, frames: Codes) -> Codes:
-    q = design.first.exact(frames)
-    columns = [a.compute(q[:, j]) for j, a in enumerate(design.activations)]
-    return design.second.exact(np.stack(columns, axis=-1))
+    *hidden, outputs = design.layers
+    codes = frames
+    for matrix, tables in zip(hidden, design.activations, strict=True):
+        codes = matrix.exact(codes)
+        if tables:
+            columns = [table.compute(codes[:, j]) for j, table in enumerate(tables)]
+            codes = np.stack(columns, axis=-1)
+    return outputs.exact(codes)
 
 
 @singledispatch
@@ -91,7 +96,7 @@ def _(design: Engine) -> list[Sequence[int]]:
 
 @hidden_weights.register
 def _(design: AdderGraph) -> list[Sequence[int]]:
-    return list(design.first.weights)
+    return list(design.layers[0].weights)
 
 
 @singledispatch

@@ -17,7 +17,7 @@ def properties(twin):
         Property(
             name="all nodes at once",
             sentence="The flags of all tables of activations are the same.",
-            states=tuple(f"r_valid_{n} == r_valid_0" for n in range(1, len(twin.groups))),
+            states=tuple(f"r_valid_{n} == r_valid_0" for n in range(1, len(twin.groups[0]))),
             reached=("r_valid_0",),
             refuted_by=((r"(?s)(u_bipartite_pair_1 \(.*?\.in_valid\()q_valid", r"\1in_valid"),),
             clocks=twin.latency + 2,
