@@ -11,7 +11,7 @@ from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, Fix
 from golden.layers.argmax import Argmax
-from golden.port import CLOCK, Port, group, input_port, output_port
+from golden.port import CLOCK, Port, group, input_port
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,9 @@ class ConstantMatrix(Block):
         ):
             if count not in (0, expected):
                 raise InputError(f"{self.entity}: got {count} {name}, expected {expected} or none")
-        outside = [e for e in self.in_ends if not self.in_fmt.low <= e[0] <= e[1] <= self.in_fmt.high]
+        outside = [
+            e for e in self.in_ends if not self.in_fmt.low <= e[0] <= e[1] <= self.in_fmt.high
+        ]
         if outside:
             raise InputError(
                 f"{self.entity}: got in_ends {outside[0]}, expected codes of {self.in_fmt}, the "
@@ -241,6 +243,19 @@ class ConstantMatrix(Block):
         return tuple(
             (min(high, max(low, least)), min(high, max(low, most))) for low, (least, most) in pairs
         )
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        ends = [(f"in_data_{k}", "sample", self.in_fmt, e) for k, e in enumerate(self.in_ends)]
+        if self.finishes:
+            results = enumerate(self.result_ends)
+            ends += [(f"out_data_{i}", "result", self.out_fmt, e) for i, e in results]
+        return {
+            f"{port}={code}": f"this {what} is {low} to {high}"
+            for port, what, fmt, (low, high) in ends
+            for code in (fmt.low, fmt.high)
+            if not low <= code <= high
+        }
 
     @property
     def ends(self) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:

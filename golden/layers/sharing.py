@@ -15,7 +15,17 @@ from functools import lru_cache
 from random import Random
 
 from golden.fixed import signed_width
-from golden.layers.shift_add import Constant, Ends, Input, Node, Row, ShiftAdd, Sum, cut_back, sum_ends
+from golden.layers.shift_add import (
+    Constant,
+    Ends,
+    Input,
+    Node,
+    Row,
+    ShiftAdd,
+    Sum,
+    cut_back,
+    sum_ends,
+)
 from golden.signed_digits import signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.

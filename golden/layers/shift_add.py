@@ -13,7 +13,6 @@ from functools import cached_property
 
 from golden.fixed import Codes, signed_width
 
-
 # For each input its least and its largest value.
 Ends = tuple[tuple[int, int], ...]
 

@@ -15,6 +15,7 @@ from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.dense import Trained
 from golden.engine.quantise import integer_networks
+from golden.engine.ranges import Range
 from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
 from golden.layers.argmax_tree import ArgmaxTree
@@ -23,8 +24,16 @@ from golden.layers.input_controller import InputController
 from golden.mlp import Mlp
 from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import Design
+from golden.networks.network import CHUNK
 from golden.networks.settings import Settings
-from golden.networks.whole_layers import GUARD, Chosen, groups_of, tabled, whole_layers
+from golden.networks.whole_layers import (
+    GUARD,
+    Chosen,
+    groups_of,
+    layer_name,
+    tabled,
+    whole_layers,
+)
 from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
@@ -48,6 +57,8 @@ class AdderGraph(Design):
         Hidden nodes that are not built, because they never change: they are part of biases.
     decides : bool
         Whether there are the index and the margin of the largest output.
+    ranges : tuple of Range
+        Of the hidden layers in which saturation would be an error.
 
     Notes
     -----
@@ -70,6 +81,7 @@ class AdderGraph(Design):
     activations: tuple[tuple[Bipartite, ...], ...]
     constant_nodes: int = field(default=0, kw_only=True)
     decides: bool = field(default=False, kw_only=True)
+    ranges: tuple[Range, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         if len(self.layers) != len(self.activations) + 1:
@@ -107,6 +119,7 @@ class AdderGraph(Design):
             found.activations,
             useless_nodes=found.useless_nodes,
             constant_nodes=found.constant_nodes,
+            ranges=found.ranges,
             variant=variant,
         )
 
@@ -214,14 +227,39 @@ class AdderGraph(Design):
         return (*found, *([self.argmax] if self.argmax else []))
 
     def compute(self, frames: Codes) -> Codes:
-        *hidden, outputs = self.layers
-        codes = frames
-        for matrix, tables in zip(hidden, self.activations, strict=True):
-            codes = matrix.process(codes)
+        return self.layers[-1].process(self._taken(frames)[-1])
+
+    def saturations(self, frames: Codes) -> dict[str, Codes]:
+        names = [one.layer for one in self.ranges if one.from_data]
+        found = {name: np.zeros(len(frames), dtype=np.int64) for name in names}
+        for start in range(0, len(frames) if names else 0, CHUNK):
+            part = slice(start, start + CHUNK)
+            taken = zip(self.layers, self._taken(frames[part]), strict=True)
+            for number, (matrix, codes) in enumerate(taken, start=1):
+                if (name := layer_name(number)) in found:
+                    found[name][part] += _beyond(matrix, codes)
+        return found
+
+    def _taken(self, frames: Codes) -> list[Codes]:
+        """What each matrix takes, layer by layer."""
+        found = [frames]
+        for matrix, tables in zip(self.layers, self.activations, strict=False):
+            codes = matrix.process(found[-1])
             if tables:
                 columns = [table.process(codes[:, j]) for j, table in enumerate(tables)]
                 codes = np.stack(columns, axis=-1)
-        return outputs.process(codes)
+            found.append(codes)
+        return found
+
+
+def _beyond(matrix: ConstantMatrix, codes: Codes) -> Codes:
+    """How many sums of each frame saturate; a negative one that becomes 0 does not."""
+    words, low = np.stack(matrix.words(codes.T), axis=-1), np.array(matrix.result_lows)
+    beyond = (words > matrix.out_fmt.high) | ((words < low) & (low < 0))
+    # Of the two rows of a leaky ReLU, the one that is not rectified counts.
+    plain = low < 0
+    counts: Codes = beyond[:, plain if plain.any() else ~plain].sum(axis=-1)
+    return counts
 
 
 def beside(networks: Sequence[Constants]) -> Constants:

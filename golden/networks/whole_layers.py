@@ -7,7 +7,7 @@ behind it. A leaky ReLU is two rows of the same sum, one of them rectified.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
 
@@ -17,6 +17,7 @@ from golden.activation.bipartite_table import RESULT as TANH_RESULT
 from golden.cli import naming
 from golden.engine.formats import OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, Rounding
+from golden.engine.ranges import Range
 from golden.fixed import Fix, signed_width
 from golden.function import TANH
 from golden.input_error import InputError
@@ -66,12 +67,15 @@ class Compiled:
         Hidden nodes that are not built, because no output uses them.
     constant_nodes : int
         Hidden nodes that are not built, because they never change: they are part of biases.
+    ranges : tuple of Range
+        Of the hidden layers in which saturation would be an error.
     """
 
     layers: tuple[ConstantMatrix, ...]
     activations: tuple[tuple[Bipartite, ...], ...]
     useless_nodes: int
     constant_nodes: int
+    ranges: tuple[Range, ...]
 
 
 @dataclass(frozen=True)
@@ -142,11 +146,12 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
     words = Words(SIGNAL, dict.fromkeys(range(network.samples), sample), {})
     matrices: list[ConstantMatrix] = []
     activations: list[tuple[Bipartite, ...]] = []
+    ranges: list[Range] = []
     useless = constant = 0
     used = _used(network.layers)
     for number, (layer, columns) in enumerate(zip(network.layers, used, strict=True), start=1):
         output = number == len(network.layers)
-        with naming(f"layer {number}"):
+        with naming(layer_name(number)):
             step = _Step(layer, output, exact, words, chosen)
             fixed = {} if output else step.fixed(columns)
             # A matrix has one row at least.
@@ -154,6 +159,8 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
             place = number if len(network.layers) > 2 else ""
             name = "outputs" if output else f"hidden{place}"
             matrix = step.matrix(live, f"{chosen.prefix}{name}")
+        if layer.range:
+            ranges.append(replace(layer.range, fmt=matrix.out_fmt, layer=layer_name(number)))
         matrices.append(matrix)
         if not output:
             useless += layer.nodes - len(step.nodes(columns))
@@ -163,7 +170,12 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
             left = {column: value for column, value in fixed.items() if column not in given}
             fmt = TANH_RESULT if activations[-1] else matrix.out_fmt
             words = Words(fmt, given, left)
-    return Compiled(tuple(matrices), tuple(activations), useless, constant)
+    return Compiled(tuple(matrices), tuple(activations), useless, constant, tuple(ranges))
+
+
+def layer_name(number: int) -> str:
+    """What a layer is called in messages; the first one has number 1."""
+    return f"layer {number}"
 
 
 def tabled(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[Bipartite, ...]:
