@@ -370,7 +370,8 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
     """
     precision, design = PRECISIONS[hardware["precision"]], DESIGNS[hardware["design"]]
     # A design that knows one activation has it without being asked.
-    usual = design.known_activations if len(design.known_activations) == 1 else ()
+    alone = len(design.known_activations) == 1 and precision.name in design.precisions
+    usual = design.known_activations if alone else ()
     activation: str = hardware["activation"] or (*usual, precision.activation)[0]
     place = f"{path}: hardware.activation_options"
     scheme = SCHEMES[activation].configured(hardware["activation_options"], place)

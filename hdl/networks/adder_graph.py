@@ -103,11 +103,11 @@ def adder_graph(
     answers = [r_valid[first] for first in firsts]
     flags = waits(spec, in_.valid, asked, answers, y_valid if spec.argmax else out.valid)
     return (
-        # The layer that saturates comes first, because proofs of a block are made of its first
-        # entity.
+        # The layer with the most of a finish comes first, because proofs of a block are made of its
+        # first entity.
         [
             constant_matrix(clk, taken[n], given[n], spec=spec.layers[n])
-            for n in reversed(range(len(spec.layers)))
+            for n in sorted(range(len(taken)), key=lambda n: (not spec.layers[n].finishes, -n))
         ],
         [delay(clk, rst, before, late, clocks=clocks) for before, late, clocks in flags[:-1]],
         [connect(sums[n][j], short[g][i]) for g, i, n, j in places],
