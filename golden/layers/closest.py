@@ -109,4 +109,5 @@ def _others(
     part = float(np.clip((target - start - (row * middle).sum() / 2**shift) / span, -1, 1))
     noise = rng.uniform(-1, 1, len(row)) * (1 - abs(part))
     real = middle + (part * np.sign(row) + noise) * half
-    return np.clip(np.round(real), low, high).astype(np.int64)
+    found: Codes = np.clip(np.round(real), low, high).astype(np.int64)
+    return found

@@ -16,7 +16,7 @@ from golden.activation.bipartite_pair import NODES
 from golden.activation.bipartite_table import RESULT as TANH_RESULT
 from golden.cli import naming
 from golden.engine.formats import OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
-from golden.engine.integer_network import IntegerLayer, IntegerNetwork, Rounding
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
 from golden.fixed import Fix, signed_width
 from golden.function import TANH
@@ -249,7 +249,7 @@ class _Step:
     @property
     def half(self) -> int:
         """What is added to a sum to round it. A code of q stands for the middle of its step."""
-        down = self.layer.rounding is Rounding.DOWN or self.layer.functions
+        down = self.layer.rounding is LayerRounding.DOWN or self.layer.functions
         return 0 if down else 1 << (self.shift - 1)
 
     def nodes(self, columns: Sequence[int]) -> set[int]:
@@ -284,7 +284,8 @@ class _Step:
         layer = self.layer
         if layer.functions:
             q = EXACT.hidden_fmt
-            (code,) = self.table.process([max(q.low, min(q.high, total >> self.shift))]).tolist()
+            q_code = max(q.low, min(q.high, total >> self.shift))
+            code = int(self.table.process([q_code])[0])
             return _of_tanh(code, code).offset + (code << _TANH_SHIFT)
         code = layer.code(total)
         return (max(0, code) if self.rectified(column) else code) << layer.cut
@@ -292,7 +293,7 @@ class _Step:
     def matrix(self, columns: Sequence[int], variant: str) -> ConstantMatrix:
         """The matrix that gives the codes of some words."""
         pairs = [self.row(column) for column in columns]
-        even = self.layer.rounding is Rounding.EVEN
+        even = self.layer.rounding is LayerRounding.EVEN
         # Zeros at the end of all weights are no part of the graph.
         bits = reduce(or_, (abs(weight) for row, _ in pairs for weight in row))
         zeros = min((bits & -bits).bit_length() - 1 if bits else self.shift, self.shift - even)
