@@ -51,7 +51,7 @@ def properties(twin):
                 (r"(pair0_loses = \(\S+) <", r"\1 <="),
                 (r"(pair0_winner_index <=) 1", r"\1 0"),
                 (r"(meet0_closer = \(\S+) <", r"\1 >"),
-                (r"meet0_other_index \|", "meet0_other_index &"),
+                (r"pair1_winner_index \|", "pair1_winner_index &"),
                 (r"(subtract0_lead = \(\S+) -", r"\1 +"),
             ),
             clocks=late + 3,

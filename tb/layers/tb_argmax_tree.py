@@ -23,7 +23,7 @@ FAULTS = [
     (r"(pair0_winner_index <=) 1", r"\1 0"),
     (r"(meet0_closer = \(\S+) <", r"\1 >"),
     (r"alone0_winner_second <= \(?-8192\)?", "alone0_winner_second <= 0"),
-    (r"meet0_other_index \|", "meet0_other_index &"),
+    (r"pair1_winner_index \|", "pair1_winner_index &"),
 ]
 
 

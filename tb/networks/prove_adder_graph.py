@@ -43,14 +43,16 @@ def winner(twin):
 def properties(twin):
     tabled = any(twin.activations)
     # The last delay of the flag begins behind the tables, where there are any.
-    begun, number = ("r_valid_0", 1) if tabled else ("in_valid", 0)
-    taps = rf"delay{number}_taps\[0\]"
     broken = (
-        (rf"({taps}) <= {begun}", rf"\1 <= ({begun} || out_valid)"),
-        (rf"({taps}) <= 0;", ""),
+        (r"(delay1_taps\[0\]) <= r_valid_0", r"\1 <= (r_valid_0 || out_valid)"),
+        (r"q_valid <= in_valid", "q_valid <= (in_valid && !q_valid)"),
+        (r"(delay1_taps\[0\]) <= 0;", ""),
     )
-    if tabled:
-        broken += ((r"q_valid <= in_valid", "q_valid <= (in_valid && !q_valid)"),)
+    if not tabled:
+        broken = (
+            (r"(delay0_taps\[0\]) <= in_valid", r"\1 <= (in_valid && !\1)"),
+            (r"(delay0_taps\[0\]) <= 0;", ""),
+        )
     return [
         pipeline(twin, broken),
         *([at_once(twin)] if tabled else []),
