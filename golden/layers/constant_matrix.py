@@ -288,6 +288,8 @@ class ConstantMatrix(Block):
     def ties(self, row: int) -> Codes:
         """Frames whose sum of a row lies half way between two results, if some are found.
 
+        In further frames a single bit of the sum says that it does not, next to an odd result.
+
         Returns
         -------
         Codes, shape (frames, inputs)
@@ -383,13 +385,15 @@ def _beside(matrix: ConstantMatrix, row: int, at: int) -> Codes:
 def _ties(matrix: ConstantMatrix, row: int) -> Codes:
     weights, bias, rng = np.array(matrix.weights[row]), matrix.biases[row], np.random.default_rng(0)
     low, high = matrix.result_ends[row]
+    words, unit = np.linspace(low, high, TRIES, dtype=np.int64).tolist(), 1 << matrix.out_shift
+    halfway = {near * unit for word in words for near in (word & ~1, word | 1)}
+    bits = [1 << place for place in range(matrix.out_shift)]
+    apart = {(exact | unit) + bit for exact in halfway for bit in bits}
     found = []
-    for word in np.linspace(low, high, TRIES, dtype=np.int64).tolist():
-        for near in (word, word + 1 if word < high else word - 1):
-            exact = near << matrix.out_shift
-            frame = closest(matrix.sample_ends, weights, bias, 0, exact, True, rng)
-            if frame is not None and bias + int(frame @ weights) == exact:
-                found.append(frame)
+    for exact in sorted(halfway | apart):
+        frame = closest(matrix.sample_ends, weights, bias, 0, exact, True, rng)
+        if frame is not None and bias + int(frame @ weights) == exact:
+            found.append(frame)
     return np.array(found, dtype=np.int64).reshape(-1, matrix.inputs)
 
 

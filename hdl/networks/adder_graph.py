@@ -25,6 +25,16 @@ def never(clk, error):
     return hold
 
 
+def order(spec: AdderGraph, n: int) -> tuple[bool, int]:
+    """The place of a layer among the entities, because proofs of a block are of its first entity.
+
+    The first layer with a finish comes first, since its samples have all codes. Without one it is
+    the last layer, which saturates.
+    """
+    finished = bool(spec.layers[n].finishes)
+    return not finished, n if finished else -n
+
+
 def spans(words: Words, counts: list[int]) -> list[Words]:
     """The words in groups of so many, one behind the other."""
     there = iter([words[i] for i in range(len(words))])
@@ -103,11 +113,9 @@ def adder_graph(
     answers = [r_valid[first] for first in firsts]
     flags = waits(spec, in_.valid, asked, answers, y_valid if spec.argmax else out.valid)
     return (
-        # The layer with the most of a finish comes first, because proofs of a block are made of its
-        # first entity.
         [
             constant_matrix(clk, taken[n], given[n], spec=spec.layers[n])
-            for n in sorted(range(len(taken)), key=lambda n: (not spec.layers[n].finishes, -n))
+            for n in sorted(range(len(taken)), key=lambda n: order(spec, n))
         ],
         [delay(clk, rst, before, late, clocks=clocks) for before, late, clocks in flags[:-1]],
         [connect(sums[n][j], short[g][i]) for g, i, n, j in places],

@@ -72,8 +72,8 @@ def wrong(twin, signals, places):
     largest = max(places, key=lambda place: reaches[place].most - reaches[place].least)
     total = signals.there[largest, twin.clocks[largest]]
     return (
-        (rf"({total} =) (\$signed\(result)", r"\1 ~\2"),
-        (rf"({total} = \$signed\(result\[\d+)-1", r"\1-3"),
+        (rf"({total} =) (\$signed\(\{{?result)", r"\1 ~\2"),
+        (rf"({total} = \$signed\(\{{?result\[\d+)-1", r"\1-3"),
     )
 
 
