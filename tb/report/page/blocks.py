@@ -64,7 +64,8 @@ def shipped() -> Iterator[tuple[str, Network]]:
     """The precision and the design of every scene, and of variants of it.
 
     The networks of an engine are also folded. A scene of adders also gets the largest output, and
-    so does a scene with a front end, which also gets every converter. At the end comes one network in every existing form.
+    so does a scene with a front end, which also gets every converter. At the end comes one network
+    in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
