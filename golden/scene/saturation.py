@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from golden.dense import layers_of
+from golden.dense import layers_of, passed
 from golden.fixed import Codes
 from golden.function import LOW
 
@@ -63,9 +63,8 @@ def held(scene: Scene) -> list[str]:
     for member, network in zip(scene.members, scene.networks(), strict=True):
         if not any(f.goes_on for layer in layers_of(network) for f in layer.functions):
             continue
-        values = scene.inputs_of(network)
-        for number, layer in enumerate(layers_of(network), start=1):
-            sums = values @ layer.weights.T + layer.biases
+        for number, found in enumerate(passed(network, scene.inputs_of(network)), start=1):
+            layer, sums = found.layer, found.sums
             goes_on = [function.goes_on for function in layer.functions]
             beyond = (np.abs(sums) > -LOW) & goes_on if goes_on else np.zeros_like(sums, dtype=bool)
             if beyond.any():
@@ -77,8 +76,6 @@ def held(scene: Scene) -> list[str]:
                     f"{len(sums)} recorded frames; beyond {LOW:g} and {-LOW:g} "
                     f"{', '.join(names)} keeps its value"
                 )
-            values, _ = layer.activate(sums)
-            values = layer.quantiser.process(values) if layer.quantiser else values
     return sentences
 
 
