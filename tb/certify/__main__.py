@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -44,11 +45,15 @@ def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[Result]:
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     with replace_folder(build / scene.name / "certificate") as folder:
         with stage(f"{scene.name}: writing the certificate"):
-            made = deliver(scene, build, folder, wanted, lambda part: print(f"    {part}", flush=True))
+            made = deliver(
+                scene, build, folder, wanted, lambda part: print(f"  {part}", flush=True)
+            )
         digests = write_digests(folder)
         print(f"{scene.name}: running {SCRIPT}", flush=True)
         results = check(folder)
         write_page(made, results, digests, folder)
+        if all(result.colour != "red" for result in results):
+            shutil.rmtree(folder / "run")
         write_digests(folder)
     return results
 

@@ -44,7 +44,8 @@ module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN,
     wire [WR_PORTS*ABITS-1:0] place;
     genvar n;
     generate for (n = 0; n < WR_PORTS; n = n + 1) begin: port
-        assign place[n*ABITS +: ABITS] = WR_ADDR[n*ABITS +: ABITS] & {{ABITS{{|WR_EN[n*WIDTH +: WIDTH]}}}};
+        wire written = |WR_EN[n*WIDTH +: WIDTH];
+        assign place[n*ABITS +: ABITS] = WR_ADDR[n*ABITS +: ABITS] & {{ABITS{{written}}}};
     end endgenerate
     \\$mem_v2 #({passed}) _TECHMAP_REPLACE_ (
         .RD_CLK(RD_CLK), .RD_EN(RD_EN), .RD_ARST(RD_ARST), .RD_SRST(RD_SRST), .RD_ADDR(RD_ADDR),

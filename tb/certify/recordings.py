@@ -1,4 +1,4 @@
-"""The frames of a certificate, as packages for the VHDL test bench and files for the Verilog one."""
+"""The frames of a certificate: packages for the VHDL test bench, files for the Verilog one."""
 
 from __future__ import annotations
 

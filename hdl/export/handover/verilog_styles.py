@@ -265,9 +265,7 @@ VERILOG_STYLES = {
         f"{_STREAM_BEGIN}        ticks = 0;\n        taking = 0;\n",
         lambda design: (
             _AXIS_CHECK
-            + _stream_check(
-                "taking && m_axis_tvalid === 1'b1", "m_axis_tdata", "m_axis_tlast"
-            )
+            + _stream_check("taking && m_axis_tvalid === 1'b1", "m_axis_tdata", "m_axis_tlast")
         ),
         lambda design: _AXIS_SEND,
     ),
