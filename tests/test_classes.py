@@ -276,7 +276,7 @@ def test_labels_that_are_none(labels, message: str) -> None:
         (
             "[network]",
             "full_scale = { day = 1 }\n[network]",
-            "data.full_scale: got {'day': 1} with",
+            "data.full_scale: got { day = 1 } with",
         ),
         ('"single"', '"cascade"', "network.arrangement: got 'cascade' with data.classes, expected"),
         ("[training]", "[training]\ndigits = 9", "training.digits: got 9 with data.classes"),

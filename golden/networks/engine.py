@@ -126,7 +126,7 @@ class Engine(Design):
             )
         if serial and reload:
             raise InputError(
-                "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
+                "hardware.reload: got true with multiplier 'serial', expected multiplier 'dsp'"
             )
         integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
         graph = graph_of(integers, lean)

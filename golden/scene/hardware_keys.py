@@ -72,8 +72,8 @@ HARDWARE = Table(
             Text(("dsp", "serial")),
             "",
             "Only for `engine`. `dsp` uses one multiplier. `serial` works [without a "
-            "multiplier](blocks/engine.md#without-a-multiplier): it takes ten times the clocks and "
-            "gives the same results.",
+            "multiplier](blocks/engine.md#without-a-multiplier): it takes about twelve times "
+            "the clocks and gives the same results.",
             "`dsp`",
         ),
         "pipeline": Key(
@@ -104,8 +104,8 @@ HARDWARE = Table(
             False,
             "Only for `engine`. With `true` the program is not part of the hardware: it is an "
             "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
-            "depends only on `program_words`, `operand_words`, `segment_width`, `pipeline`, and on "
-            "whether the scene's own network has ReLU or quantisers, and which. A "
+            "depends only on `program_words`, `operand_words`, `segment_width` and `pipeline`, on "
+            "whether the scene's own network has ReLU, and on the kinds of its quantisers. A "
             "scene with a section [uart](#uart) loads the image over that line. Any other scene "
             "must have no front end, no visualisation and no `axi_stream`.",
         ),

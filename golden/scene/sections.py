@@ -21,6 +21,7 @@ from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column, with_units
 from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
+from golden.schema import written
 from golden.table import read_table, suggest
 
 
@@ -77,6 +78,8 @@ class Member:
         The functions that activations may name.
     function_files : tuple of Path
         The files from which the points of some of them come.
+    labels : tuple of str
+        The labels that the outputs stand for; empty if outputs are numbers.
     """
 
     inputs: int
@@ -88,6 +91,7 @@ class Member:
     nearest: bool = False
     functions: tuple[Function, ...] = ()
     function_files: tuple[Path, ...] = ()
+    labels: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
@@ -107,7 +111,7 @@ class Member:
         """
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
-        network = load_network(self.weights_path, shape, by_name(self.functions))
+        network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
         found = tuple(layer.activation for layer in layers_of(network)[:-1])
         if self.activations and found != self.activations:
             raise InputError(
@@ -268,8 +272,8 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     count = len(values["data"]["outputs"])
     if hardware["argmax"] and count < 2:
         raise InputError(
-            f"{path}: hardware.argmax: got true for {count} output, expected false: the largest "
-            "of 2 or more is looked for"
+            f"{path}: hardware.argmax: got true for {count} output, expected false: argmax "
+            "compares 2 outputs or more"
         )
     check_uart(values, path)
     unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
@@ -330,7 +334,8 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
     for key in ("program_words", "operand_words"):
         if hardware[key] and not hardware["reload"]:
             raise InputError(
-                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected true"
+                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected "
+                "hardware.reload = true, or no such key"
             )
 
 
@@ -348,7 +353,8 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
         if hardware[name] and name not in design.options:
             fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
             raise InputError(
-                f"{path}: hardware.{name}: got {hardware[name]!r} with design {design.block!r}, "
+                f"{path}: hardware.{name}: got {written(hardware[name])} with design "
+                f"{design.block!r}, "
                 f"expected design {fitting}"
             )
     return {name: hardware[name] for name in design.options if hardware[name]}
@@ -424,10 +430,11 @@ def members(
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
         if len(values) != count:
-            one = "one for all outputs" if single else "one for each output"
+            wanted = "one: single has one for all outputs"
+            if not single:
+                wanted = f"a list of {count}: {network['arrangement']} has one for each output"
             raise InputError(
-                f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
-                f"{network['arrangement']} has {one}"
+                f"{path}: network.{key}: got {written(network[key])}, expected {wanted}"
             )
     weights_files = [beside(path, "network.weights", name) for name in weights]
     for i, file in enumerate(weights_files):
@@ -449,6 +456,7 @@ def members(
             network["quantised"] == "nearest",
             functions,
             tuple(files.values()),
+            data.get("labels", ()),
         )
         for i in range(count)
     )
