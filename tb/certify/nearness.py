@@ -94,9 +94,7 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
             width, met = design.program.segment_width, scene.settings().met
             own = met[len(parts)] if met else ()
             parts.append(of_engine.error_bounds(network, width, sensors, own))
-        elif (
-            isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1
-        ):
+        elif isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1:
             parts.append(error_bounds(design, network, scene.precision, sensors))
         else:
             return None
