@@ -405,6 +405,20 @@ COMMANDS = (
         "tb.sign_off.coverage",
     ),
     Command(
+        "certify",
+        "Writes a folder that shows that the export of a scene computes its network: frames in "
+        "both simulators, proofs, mutants, digests, and a script that checks all of it again "
+        "without tactus. FRAMES= is the number of random frames, and NETLIST= adds the mapped "
+        "cells of a family.",
+        (
+            SCENE,
+            FRAMES,
+            SEED,
+            option("NETLIST", "1|virtex-2|series-7|ecp5|ice40"),
+        ),
+        "tb.certify",
+    ),
+    Command(
         "report",
         "Writes one HTML file about a scene: errors, effects of noise, results of the verification "
         "and pictures; FULL=1 adds the errors and costs of every approximation.",
