@@ -141,9 +141,9 @@ def test_a_code_is_clipped_and_moved_to_its_place() -> None:
     assert sums == [14, -12]
     assert [layer.code(total) for total in sums] == [7, 0]
     assert [layer.code(total) for total in (29, 40)] == [15, 15]
-    assert layer.given([7, 0], 9) == [7 << 13, 0]
+    assert layer.words_for_next_layer([7, 0], 9) == [7 << 13, 0]
     leaky = IntegerLayer(((1,), (1,)), (0, 0), RESULT, leaky=True)
-    assert leaky.given([7, -7], 9) == [7, 7, -7, 0]
+    assert leaky.words_for_next_layer([7, -7], 9) == [7, 7, -7, 0]
 
 
 def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:

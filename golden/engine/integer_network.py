@@ -100,7 +100,7 @@ class IntegerLayer:
         """The code of a sum."""
         return max(self.low, min(self.high, self.rounded(total)))
 
-    def given(self, codes: Sequence[int], segment_width: int) -> list[int]:
+    def words_for_next_layer(self, codes: Sequence[int], segment_width: int) -> list[int]:
         """The words that the next layer takes."""
         words = [code << self.cut for code in codes]
         if self.leaky:
@@ -137,7 +137,7 @@ class IntegerNetwork:
             sums = layer.sums(words)
             codes = [layer.code(total) for total in sums]
             yield sums, codes
-            words = layer.given(codes, self.segment_width)
+            words = layer.words_for_next_layer(codes, self.segment_width)
 
     def hidden_codes(self, frames: Codes) -> list[Codes]:
         """The codes of each hidden layer, shape (frames, nodes), for frames of samples alone."""

@@ -185,7 +185,7 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
     for number, exact in enumerate(exact_layers(network), start=1):
         with naming(f"layer {number}"):
             layer = _layer(exact, values, met[number - 1] if met and not exact.output else 0.0)
-        values = _given(exact, layer, values)
+        values = _values_for_next_layer(exact, layer, values)
         found.append(PlannedLayer(exact, layer, values))
     return found
 
@@ -350,7 +350,9 @@ def _ends(layer: IntegerLayer, values: Sequence[Value]) -> tuple[list[int], list
     return low, high
 
 
-def _given(exact: Exact, layer: IntegerLayer, values: Sequence[Value]) -> list[Value]:
+def _values_for_next_layer(
+    exact: Exact, layer: IntegerLayer, values: Sequence[Value]
+) -> list[Value]:
     """The words that a layer gives to the next layer."""
     found = []
     one = Fraction(1)

@@ -280,18 +280,23 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     check_reload(hardware, [] if "uart" in values else unloaded, path)
     if design.stream == "serial":
         return
-    serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
     reasons = {
         "front_end": "because the front end sends a stream of samples",
         "visualisation": "because the visualisation takes a stream of outputs",
-        "argmax": "because argmax takes the outputs one after the other",
+        "argmax": "because argmax takes the outputs one after the other, or those of a design that "
+        "has its own",
     }
     wanted = ["with interface 'axi_stream'"] if framed else []
     wanted += [f"with a section [{section}]" for section in around]
-    if hardware["argmax"]:
+    if hardware["argmax"] and not design.decides_itself:
         around.append("argmax")
         wanted.append("with argmax")
     if wanted:
+        serial = " or ".join(
+            name
+            for name, other in DESIGNS.items()
+            if other.stream == "serial" or (other.decides_itself and around == ["argmax"])
+        )
         reason = f", {reasons[around[0]]}" if around else ""
         raise InputError(
             f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
@@ -369,8 +374,11 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
         For options that the activation does not have, or a precision or a design for which it is
         not made.
     """
-    precision = PRECISIONS[hardware["precision"]]
-    activation: str = hardware["activation"] or precision.activation
+    precision, design = PRECISIONS[hardware["precision"]], DESIGNS[hardware["design"]]
+    # A design that knows one activation has it without being asked.
+    alone = len(design.known_activations) == 1 and precision.name in design.precisions
+    usual = design.known_activations if alone else ()
+    activation: str = hardware["activation"] or (*usual, precision.activation)[0]
     place = f"{path}: hardware.activation_options"
     scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
     if precision not in scheme.precisions:
@@ -379,7 +387,6 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
             f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
             f"expected one of {fitting}"
         )
-    design = DESIGNS[hardware["design"]]
     if design.known_activations and activation not in design.known_activations:
         raise InputError(
             f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "

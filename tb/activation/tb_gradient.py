@@ -22,8 +22,15 @@ FAULTS = [
     (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
-# In the order in which they run.
-sweep, gaps_and_resets = activation.sweep, activation.gaps_and_resets
+
+@cocotb.test()
+async def sweep(dut):
+    await activation.sweep(dut)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    await activation.gaps_and_resets(dut)
 
 
 @cocotb.test()

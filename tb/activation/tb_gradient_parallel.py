@@ -8,6 +8,8 @@ Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures that).
 """
 
+import cocotb
+
 from tb.common import activation
 from tb.common.small import both_precisions, rails
 
@@ -18,5 +20,12 @@ FAULTS = [
     (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
-# In the order in which they run.
-sweep, gaps_and_resets = activation.sweep, activation.gaps_and_resets
+
+@cocotb.test()
+async def sweep(dut):
+    await activation.sweep(dut)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    await activation.gaps_and_resets(dut)

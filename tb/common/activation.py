@@ -1,6 +1,7 @@
-"""The tests of activations that take a code a clock; each bench gives them names of its own."""
+"""What the benches of all activations that take a code a clock do.
 
-import cocotb
+The tests themselves stand in each bench, because the seed of a test follows from its module.
+"""
 
 from tb.common.bench import Bench
 from tb.common.stimulus import all_codes
@@ -14,14 +15,12 @@ def codes(bench):
     return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
-@cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
     await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
     bench.finish(at_least=16384)
 
 
-@cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = {"in_data": codes(bench)}
