@@ -23,7 +23,7 @@ from golden.progress import stage
 from golden.scene import Scene
 from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, deliver, write_digests
 from tb.certify.page import write_page
-from tb.certify.results import Result, read_results
+from tb.certify.results import OUTPUT, Result, read_results
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
 from tb.sign_off.unknown import UNKNOWN
@@ -53,7 +53,7 @@ def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[Result]:
         results = check(folder)
         write_page(made, results, digests, folder)
         if all(result.colour != "red" for result in results):
-            shutil.rmtree(folder / "run")
+            shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
     return results
 

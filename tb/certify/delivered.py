@@ -19,6 +19,7 @@ from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.mutants import Mutants, write_mutants
 from tb.certify.recordings import Frames, frames_of, write_recordings
+from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
 from tb.common.runner import Job, jobs
 from tb.sign_off.properties import Property
@@ -159,7 +160,7 @@ def write_digests(folder: Path) -> dict[str, str]:
     found = {
         file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in files
-        if file.relative_to(folder).parts[0] != "run" and file.name != DIGESTS
+        if file.relative_to(folder).parts[0] != OUTPUT and file.name != DIGESTS
     }
     text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
     (folder / DIGESTS).write_text(text, encoding="utf-8")

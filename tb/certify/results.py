@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+# What the script writes. Not "run": Yosys as WebAssembly takes that for /run.
+OUTPUT = "output"
+
 
 @dataclass(frozen=True)
 class Result:
@@ -26,5 +29,5 @@ class Result:
 
 def read_results(folder: Path) -> list[Result]:
     """The results of the last run of a certificate's script."""
-    text = (folder / "run" / "results.txt").read_text(encoding="utf-8")
+    text = (folder / OUTPUT / "results.txt").read_text(encoding="utf-8")
     return [Result(*line.split("\t")) for line in text.splitlines()]
