@@ -24,7 +24,7 @@ from golden.fixed import Codes, Fix
 from golden.function import Function
 
 
-class Rounding(Enum):
+class LayerRounding(Enum):
     """What the dropped bits of a sum do to its code."""
 
     UP = "to the nearest code, halves up"
@@ -46,7 +46,7 @@ class IntegerLayer:
         Format of the words that its codes become.
     shift : int
         How many of the lowest bits of a sum are dropped.
-    rounding : Rounding
+    rounding : LayerRounding
     low, high : int
         The ends to which codes are clipped; a ReLU has 0 as its low end.
     cut : int
@@ -63,7 +63,7 @@ class IntegerLayer:
     starts: tuple[int, ...]
     result: Fix
     shift: int = DROPPED
-    rounding: Rounding = Rounding.UP
+    rounding: LayerRounding = LayerRounding.UP
     low: int = RESULT.low
     high: int = RESULT.high
     cut: int = 0
@@ -91,9 +91,9 @@ class IntegerLayer:
         """The code of a sum, before it is clipped."""
         code, rest = divmod(total, 1 << self.shift)
         twice, whole = 2 * rest, 1 << self.shift
-        if self.rounding is Rounding.DOWN:
+        if self.rounding is LayerRounding.DOWN:
             return code
-        halfway_up = self.rounding is Rounding.UP or code % 2 == 1
+        halfway_up = self.rounding is LayerRounding.UP or code % 2 == 1
         return code + (twice > whole or (twice == whole and halfway_up))
 
     def code(self, total: int) -> int:

@@ -14,7 +14,6 @@ import numpy as np
 from golden.dense import layers_of, passed
 from golden.fixed import Codes
 from golden.function import LOW
-from golden.networks.engine import Engine
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -89,8 +88,7 @@ def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
     codes : int64 array, shape (frames, inputs)
         Codes of the networks' inputs.
     """
-    core = scene.twin().core
-    return core.saturations(codes) if isinstance(core, Engine) else {}
+    return scene.twin().core.saturations(codes)
 
 
 def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded frames") -> list[str]:
@@ -104,12 +102,9 @@ def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded fr
     rows : str
         What the frames are, in words.
     """
-    core = scene.twin().core
-    if not isinstance(core, Engine):
-        return []
     return [
         f"{one.text}; {_counted('', counts[one.layer], rows)}" if one.from_data else one.text
-        for one in core.graph.ranges
+        for one in scene.twin().core.ranges
     ]
 
 
