@@ -72,6 +72,20 @@ class Benches:
         path.write_bytes(path.read_bytes()[:20])
 
 
+@pytest.mark.parametrize(("frames", "said"), [(3, True), (1000, False)])
+def test_recorded_frames_that_are_not_played_are_told(
+    small_scene: Scene, frames: int, said: bool
+) -> None:
+    scene = small_scene
+    facts = {"frames": frames, "interval": 1}
+    count = len(scene.vectors().codes)
+    text = results.short_text(scene, facts)
+    assert bool(text) == said
+    if said:
+        assert f"3 of {count} recorded frames are played" in text
+        assert text.endswith(f"BLOCK={scene.twin().block} FRAMES={count} plays all.")
+
+
 @pytest.fixture
 def benches(small_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Benches:
     return Benches(small_scene, tmp_path / "build", monkeypatch)

@@ -265,7 +265,7 @@ def run_job(job: Job) -> Outcome:
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
-    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(_scene_argument(job.scene))}"
+    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(scene_argument(job.scene))}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
@@ -335,7 +335,7 @@ def _covered(job: Job, coverage: Counts) -> bool:
     return not lacking
 
 
-def _scene_argument(scene: Scene) -> str:
+def scene_argument(scene: Scene) -> str:
     return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
 
 
