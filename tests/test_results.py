@@ -17,7 +17,7 @@ from golden.block import walk
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
 from tb.common import kept, results
-from tb.common.runner import Job, Outcome
+from tb.common.runner import Job, Outcome, scene_argument
 from tb.common.tools import SIMULATORS
 
 FILE = "exported.v"
@@ -84,6 +84,11 @@ def test_recorded_frames_that_are_not_played_are_told(
     if said:
         assert f"3 of {count} recorded frames are played" in text
         assert text.endswith(f"BLOCK={scene.twin().block} FRAMES={count} plays all.")
+
+
+@pytest.mark.parametrize("name", ["digit", "classes/digits"])
+def test_a_shipped_scene_is_named_by_its_folder(name: str) -> None:
+    assert scene_argument(load_scene(name)) == name
 
 
 @pytest.fixture

@@ -25,7 +25,7 @@ from golden.files import replace_folder, writing
 from golden.fingerprint import ROOT, fingerprint
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.scene import Scene, load_scene, scene_path
+from golden.scene import FOLDER, Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
@@ -336,7 +336,10 @@ def _covered(job: Job, coverage: Counts) -> bool:
 
 
 def scene_argument(scene: Scene) -> str:
-    return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
+    """What SCENE= names it by: a shipped scene by its folder, any other by its file."""
+    folder = scene.path.parent
+    name = folder.relative_to(FOLDER).as_posix() if folder.is_relative_to(FOLDER) else ""
+    return name if name and scene.path == scene_path(name) else str(scene.path)
 
 
 def run_jobs(
