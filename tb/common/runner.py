@@ -25,7 +25,7 @@ from golden.files import replace_folder, writing
 from golden.fingerprint import ROOT, fingerprint
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.scene import Scene, load_scene, scene_path
+from golden.scene import FOLDER, Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
@@ -265,7 +265,7 @@ def run_job(job: Job) -> Outcome:
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
-    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(_scene_argument(job.scene))}"
+    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(scene_argument(job.scene))}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
@@ -335,8 +335,11 @@ def _covered(job: Job, coverage: Counts) -> bool:
     return not lacking
 
 
-def _scene_argument(scene: Scene) -> str:
-    return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
+def scene_argument(scene: Scene) -> str:
+    """What SCENE= names it by: a shipped scene by its folder, any other by its file."""
+    folder = scene.path.parent
+    name = folder.relative_to(FOLDER).as_posix() if folder.is_relative_to(FOLDER) else ""
+    return name if name and scene.path == scene_path(name) else str(scene.path)
 
 
 def run_jobs(
