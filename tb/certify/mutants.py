@@ -67,6 +67,8 @@ def write_mutants(job: Job, folder: Path, seed: int) -> Mutants:
 
     The folder holds ``design`` and ``bench``.
     """
+    # The simulators run in other folders.
+    folder = folder.resolve()
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         for file in job.files:
