@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.export.handover.verilog_bench import PASSED
 from hdl.synth.tools import ENDED
 from tb.certify.recordings import SHORT
@@ -67,8 +67,6 @@ def write_mutants(job: Job, folder: Path, seed: int) -> Mutants:
 
     The folder holds ``design`` and ``bench``.
     """
-    # The simulators run in other folders.
-    folder = folder.resolve()
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         for file in job.files:
@@ -113,7 +111,7 @@ def _differs(netlist: Path, job: Job, folder: Path) -> bool:
 def _found_in(netlist: Path, entity: str, folder: Path, work: Path) -> str:
     """The first recording of the delivered test bench that differs on a netlist; empty for none."""
     verilog = folder / "design" / "verilog"
-    order = (verilog / ORDER).read_text(encoding="utf-8").split()
+    order = compile_order(verilog)
     files = [netlist if name == f"{entity}.v" else verilog / name for name in order]
     built = work / f"{netlist.stem}.vvp"
     (bench,) = (folder / "bench" / "verilog").glob("*_tb.v")

@@ -10,7 +10,7 @@ OUTPUT = "output"
 
 
 @dataclass(frozen=True)
-class Result:
+class StepResult:
     """The result of one step.
 
     Attributes
@@ -27,7 +27,7 @@ class Result:
     figure: str
 
 
-def read_results(folder: Path) -> list[Result]:
+def read_results(folder: Path) -> list[StepResult]:
     """The results of the last run of a certificate's script."""
     text = (folder / OUTPUT / "results.txt").read_text(encoding="utf-8")
-    return [Result(*line.split("\t")) for line in text.splitlines()]
+    return [StepResult(*line.split("\t")) for line in text.splitlines()]

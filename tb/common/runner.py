@@ -26,7 +26,7 @@ from golden.fingerprint import ROOT, fingerprint
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import FOLDER, Scene, load_scene, scene_path
-from hdl.export.exporter import MANIFEST, ORDER
+from hdl.export.exporter import MANIFEST, compile_order
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
@@ -179,7 +179,7 @@ def compile_vhdl(scene: Scene, build: Path = BUILD) -> None:
     """Compile the exported VHDL of a scene, once for the benches of all its entities."""
     folder = build / scene.name / language("ghdl")
     with replace_folder(library(scene, build)) as temporary:
-        analyse([folder / name for name in (folder / ORDER).read_text().split()], temporary)
+        analyse([folder / name for name in compile_order(folder)], temporary)
 
 
 def prepare(scene: Scene, simulator: str, build: Path = BUILD) -> None:
@@ -234,7 +234,7 @@ def jobs(
     parts = {part.entity: part for part in walk(scene.twin())}
     folder = build / scene.name / language(simulator)
     manifest = json.loads((folder / MANIFEST).read_text())
-    order = (folder / ORDER).read_text().split()
+    order = compile_order(folder)
     return [
         Job(
             scene,
