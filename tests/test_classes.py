@@ -393,7 +393,7 @@ def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsy
     call(monkeypatch, scene, csv_file, "--classes", "gesture", "--to", to)
     text = capsys.readouterr()[0]
     assert re.search(r"gesture +classes +3 different labels", text)
-    assert "rows: 30 fist, 30 flat, 30 wave" in text
+    assert "rows: 30 of 'fist', 30 of 'flat', 30 of 'wave'" in text
     found = load_scene(str(to))
     assert (found.classes, found.labels, found.sensors[:2]) == ("gesture", LABELS, ("x", "y"))
     assert found.members[0].layers == (16,)
