@@ -377,7 +377,7 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
             f"{path}: hardware.reload: got true with {around[0]}, expected false: only a "
             "section [uart] can load an engine that has something around it"
         )
-    for key in ("program_words", "operand_words"):
+    for key in ("program_words", "operand_words", "table_blocks"):
         if hardware[key] and not hardware["reload"]:
             raise InputError(
                 f"{path}: hardware.{key}: got {hardware[key]} without reload, expected "
