@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
+from golden.networks.engine import Engine
 from tb.certify.__main__ import certify
 from tb.certify.bits import KINDS, draw, try_bits, what_is_read
 from tb.certify.delivered import STEPS, Wanted, check
@@ -18,6 +19,8 @@ from tb.certify.results import OUTPUT, StepResult, read_results
 
 SCENE = "rails-engine"
 SEED = 3
+# An engine, a design without a multiplier, and a deep network: the scenes that are certified whole.
+CERTIFIED = ("digit", "digit-fast", "classes/wine-fast")
 # Changed bits in every run, and with ALL=1.
 CHANGES, MORE = 6, 50
 
@@ -58,6 +61,25 @@ def test_every_step_is_green_but_the_one_that_was_not_asked_for(certificate: Pat
     assert [result.step for result in results] == list(STEPS)
     assert results[-1] == StepResult("amber", "cells", "no family was asked for")
     assert {result.colour for result in results[:-1]} == {"green"}, results
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("scene", CERTIFIED)
+def test_the_certificate_of_a_shipped_scene_has_no_red_step(
+    shared: Shared, scene: str, tmp_path: Path
+) -> None:
+    results, _ = certify(shared.scene(scene), Wanted(frames=10, seed=SEED), tmp_path)
+    assert [result.step for result in results] == list(STEPS)
+    colours = {result.step: result.colour for result in results}
+    # No family was asked for, and only the sums of an engine are delivered.
+    left = {"cells": "amber"}
+    if not isinstance(shared.scene(scene).twin().core, Engine):
+        left["sums"] = "amber"
+    assert {step: c for step, c in colours.items() if c != "green"} == left, results
+    page = (tmp_path / shared.scene(scene).name / "certificate" / "certificate.md").read_text(
+        encoding="utf-8"
+    )
+    assert "mutants nothing is shown" not in page
 
 
 def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:

@@ -21,9 +21,11 @@ from golden.scene import Scene
 from tb.certify.bits import Fate, try_bits
 from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, check, deliver, write_digests
 from tb.certify.page import bits_line, write_page
+from tb.certify.picture import draw_page, picture_file
 from tb.certify.results import OUTPUT, StepResult, read_results
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.unknown import UNKNOWN
 
 MOST = 100_000
@@ -66,6 +68,7 @@ def main() -> int:
     parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
     parser.add_argument("--netlist")
     parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
+    parser.add_argument("--picture", type=picture_file)
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
     families = chosen(arguments.netlist) if arguments.netlist else []
@@ -78,9 +81,12 @@ def main() -> int:
         arguments.bits,
     )
     results, fates = certify(scene, wanted)
+    if arguments.picture:
+        draw_page(folder / "certificate.html", arguments.picture)
     if fates:
         print(bits_line(fates))
     print(f"wrote {folder / 'certificate.html'}")
+    print(processor_line(processor_minutes()))
     red = any(result.colour == "red" for result in results)
     return 1 if red or any(fate.survives for fate in fates) else 0
 

@@ -20,7 +20,7 @@ from hdl.export.exporter import compile_order
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
-from tb.certify.mutants import Mutants, write_mutants
+from tb.certify.mutants import FIRST, OTHER, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
@@ -115,10 +115,13 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_sums(design, folder)
-    mutants = []
+    mutants: list[Mutants] = []
+    blocks: set[str] = set()
     for job in entities:
         tell(f"mutants of {job.entity}")
-        mutants.append(write_mutants(job, folder, wanted.seed))
+        count = OTHER if job.block in blocks else FIRST
+        blocks.add(job.block)
+        mutants.append(write_mutants(job, folder, count, wanted.seed))
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from scipy.stats import binomtest
 
 from golden.machine import facts, versions
 from tb.certify.bits import Fate
@@ -122,7 +123,7 @@ def content(
     every = _judged(made.mutants)
     left = sum(len(found.left) for found in made.mutants)
     if left:
-        missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
+        missing.append(f"{_colour(every, left)}: of {left} of {every} mutants nothing is shown")
     missing += [f"red: no step but digests finds {fate.where}" for fate in fates if fate.survives]
     kept = ("design/", "inputs/")
     machine = facts(
@@ -212,10 +213,12 @@ def _mutants(made: Delivered) -> Table:
     every = _judged(made.mutants)
     played = sum(found.played for found in made.mutants)
     total = sum(found.found for found in made.mutants)
+    interval = binomtest(total, max(1, every)).proportion_ci(0.95, "exact")
     rows: list[list[Cell]] = [
         [
             found.entity,
             found.count,
+            found.population,
             found.played,
             len(found.differ),
             found.equivalent,
@@ -230,16 +233,20 @@ def _mutants(made: Delivered) -> Table:
         [
             "entity",
             "mutants",
+            "of possible",
             "found by frames",
             "found by the proof of equality",
             "equivalent",
-            "found by nothing",
+            "neither is shown",
             "those that no frame finds",
             "the library's record of the same bytes",
         ],
         rows,
-        f"The frames find {played} of {every} mutants that are not equivalent, and frames and "
-        f"proof together {total}. The frames are good frames, so they do not find every fault of "
+        f"A few frames find {played} of {every} mutants that are not equivalent, and frames and "
+        f"proof together {total}. They are a sample of {sum(f.population for f in made.mutants)} "
+        "possible ones, with most of the first entity of each block: with a probability of 95 %, "
+        f"frames and proof find {100 * interval.low:.1f} to {100 * interval.high:.0f} % of mutants "
+        "that are drawn so. The frames are good frames, so they do not find every fault of "
         "control; the proof compares each mutant of the Verilog with the VHDL. The benches of the "
         "library drive all of control; their score counts where the entity is the same bytes.",
     )
