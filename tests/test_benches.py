@@ -49,7 +49,7 @@ LEFT = (
     *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
     *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
     *("hybrid-winner", "winner-past", "winner-converter", "winner-uart", "least-winner-axis"),
-    *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
+    *("tables-reload", "winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
     *("least-graph", "polynomial-short", "relu-graph"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),

@@ -32,8 +32,10 @@ def recorded(kind: str, block: str) -> Record:
 
 def mutation(record: Record) -> str:
     """A text on how many mutants the bench detects, and what is known about the others."""
+    possible = record.get("population", record["mutants"])
+    drawn = "" if possible == record["mutants"] else f", of {possible} possible ones,"
     facts = [
-        f"{record['killed']} of {record['mutants']} mutants are detected",
+        f"{record['killed']} of {record['mutants']} mutants{drawn} are detected",
         f"{_are(record['same'])} proved equivalent",
     ]
     undetected = record["survivors"]
