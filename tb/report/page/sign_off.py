@@ -12,8 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
@@ -67,6 +65,9 @@ def percent(record: Record) -> str:
         return score
     detected = record["killed"]
     counted = record["mutants"] - record["same"] - record["explained"]
+    # It is imported only here, because that takes half a second.
+    from scipy.stats import binomtest
+
     interval = binomtest(detected, counted).proportion_ci(0.95, "exact")
     return f"{score} ({100 * interval.low:.1f} to {100 * interval.high:.0f} %)"
 
