@@ -4,7 +4,8 @@ Yosys makes one module of each entity (``flatten.ys``), the property is put into
 Yosys writes the transition from one clock to the next as SMT-LIB (``formulas.ys``). The questions
 (``.ask``) unroll this transition, as yosys-smtbmc does: that what is assumed can be; that from a
 reset on nothing fails in the first clocks; and that after so many clocks without a fault there is
-none in the next one.
+none in the next one. There is a file for each number of clocks, since few are quickly answered and
+are mostly enough.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
             )
             text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
-            (place / f"{name}.ask").write_text(_questions(item, job.entity), encoding="ascii")
+            for clocks in range(1, item.induction + 1) if item.induction else [item.clocks]:
+                text = _questions(item, job.entity, clocks)
+                (place / f"{name}.{clocks:03}.ask").write_text(text, encoding="ascii")
             due = ["sat", "unsat", *(["unsat"] if item.induction else [])]
             (place / f"{name}.due").write_text("\n".join([*due, ""]), encoding="ascii")
             written.append((job, item))
@@ -54,9 +57,8 @@ def _inputs(job: Job) -> set[str]:
     return {port.name for port in job.twin.ports if port.direction == "in"}
 
 
-def _questions(item: Property, top: str) -> str:
-    """The questions about a property as SMT-LIB."""
-    last = item.induction or item.clocks
+def _questions(item: Property, top: str, last: int) -> str:
+    """The questions about a property over so many clocks, as SMT-LIB."""
 
     def states(count: int, first: bool) -> list[str]:
         lines = []
