@@ -42,7 +42,7 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
             )
             text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
-            for clocks in range(1, item.induction + 1) if item.induction else [item.clocks]:
+            for clocks in _depths(item):
                 text = _questions(item, job.entity, clocks)
                 (place / f"{name}.{clocks:03}.ask").write_text(text, encoding="ascii")
             due = ["sat", "unsat", *(["unsat"] if item.induction else [])]
@@ -51,6 +51,14 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
     for name, lines in (("flatten", flatten), ("formulas", formulas)):
         (place / f"{name}.ys").write_text("\n".join([*lines, ""]), encoding="utf-8")
     return written
+
+
+def _depths(item: Property) -> list[int]:
+    """Over how many clocks it is asked, until a proof closes."""
+    if not item.induction:
+        return [item.clocks]
+    doubled = (1 << n for n in range(item.induction.bit_length()))
+    return sorted({item.induction, *(n for n in doubled if n < item.induction)})
 
 
 def _inputs(job: Job) -> set[str]:
