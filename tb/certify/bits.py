@@ -193,18 +193,33 @@ def _try(folder: Path, change: Change, copy: Path) -> Fate:
         return check(copy, step, quiet=True, SECONDS_EACH=str(SECONDS), **variables) == 1
 
     digest = red("digests")
-    found = (step for step in READERS[change.language] if red(step, ENTITIES=change.entity))
-    step = next(found, "")
-    same = "" if step else _same(folder, copy, change)
+    quick, slow = READERS[change.language]
+    step = same = ""
+    if red(quick, ENTITIES=change.entity):
+        step = quick
+    elif _is_read_alike(folder, copy, change):
+        same = TEXT
+    elif red(slow):
+        step = slow
+    else:
+        same = _same(folder, copy, change)
     shutil.rmtree(copy)
     return Fate(change, change.describe(folder), digest, step, same)
 
 
-def _same(folder: Path, copy: Path, change: Change) -> str:
-    """Why a change that no step finds changes nothing; empty where that is not shown."""
+def _texts(folder: Path, copy: Path, change: Change) -> tuple[str, str]:
+    """The file as it was and as it is."""
     sound, changed = ((place / change.file).read_bytes() for place in (folder, copy))
-    if what_is_read(sound, change.language) == what_is_read(changed, change.language):
-        return TEXT
+    return sound.decode("latin-1"), changed.decode("latin-1")
+
+
+def _is_read_alike(folder: Path, copy: Path, change: Change) -> bool:
+    sound, changed = _texts(folder, copy, change)
+    return what_is_read(sound, change.language) == what_is_read(changed, change.language)
+
+
+def _same(folder: Path, copy: Path, change: Change) -> str:
+    """Why a change of what is read changes nothing; empty where that is not shown."""
     # A tool may refuse the changed file.
     with suppress(InputError):
         if change.language == "vhdl":
@@ -212,14 +227,14 @@ def _same(folder: Path, copy: Path, change: Change) -> str:
             netlist = (folder / "equal" / NETLIST).read_text(encoding="utf-8")
             return SAME_NETLIST if ghdl_netlist(copy, top) == netlist else ""
         others = [f for f in (folder / "design/verilog").glob("*.v") if f.stem != change.entity]
-        found = compare(change.entity, sound.decode(), changed.decode("latin-1"), others)
+        sound, changed = _texts(folder, copy, change)
+        found = compare(change.entity, sound, changed, others)
         return PROVED if found["result"] == EQUAL else ""
     return ""
 
 
-def what_is_read(data: bytes, language: str) -> str:
+def what_is_read(text: str, language: str) -> str:
     """The code of a file, in which nothing is left that a compiler does not read."""
-    text = data.decode("latin-1")
     text = re.sub(r"--.*" if language == "vhdl" else r"//.*", "", text)
     text = re.sub(r"\s+", " ", text, flags=re.ASCII)
     if language == "vhdl":
