@@ -362,8 +362,9 @@ COMMANDS = (
     ),
     Command(
         "peers",
-        "Builds other projects' hardware for the same weights, and compares it with ours.",
-        (SEED,),
+        "Builds other projects' hardware for the same weights, and compares it with ours; ONLY= "
+        "names some of them.",
+        (option("ONLY", "alkaid"), SEED),
         "tb.peers",
     ),
     Command(

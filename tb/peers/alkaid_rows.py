@@ -1,0 +1,57 @@
+"""alkaid: runs it, simulates the Verilog that it writes, and counts the cells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.activation.bipartite_table import BLOCK_RAM, bipartite_table
+from tb.peers.cells import in_one_piece
+from tb.peers.collected import KEPT, Edits, collected
+from tb.peers.comparison import Row, Task
+from tb.peers.installed import installed, pinned, run_isolated
+from tb.peers.simulated import check
+
+PROGRAM = Path(__file__).with_name("alkaid_network.py")
+VERSION = f"alkaid {pinned('alkaid')}"
+# The rows: the operands of an adder, and the changes of its Verilog.
+WAYS: dict[str, tuple[str, Edits]] = {
+    "as written": ("three", {}),
+    "adders of two, sums kept": ("two", KEPT),
+}
+
+
+def brought(folder: Path) -> Path:
+    """The Python of an environment with alkaid; see ``installed``."""
+    return installed(folder, "alkaid")
+
+
+def question(task: Task) -> dict[str, Any]:
+    """The task, and the words of our tables, in a form for JSON."""
+    table = bipartite_table(BLOCK_RAM)
+    return {**task.question(), "bases": table.bases, "corrections": table.corrections}
+
+
+def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
+    """The rows of the networks of ``alkaid_network.py``.
+
+    Raises
+    ------
+    InputError
+        When alkaid or a tool fails, or when Verilog does not compute what alkaid's model does.
+    """
+    for task in tasks.values():
+        place = folder / task.scene
+        place.mkdir()
+        answer = run_isolated(python, PROGRAM, question(task), place)
+        outputs = np.array(answer["outputs"], dtype=np.int64)
+        for way, (operands, edits) in WAYS.items():
+            verilog = place / way.replace(" ", "_").replace(",", "")
+            collected("alkaid", place / operands / "src", verilog, edits)
+            clocks = answer["clocks"][operands]
+            check("alkaid", verilog, task.frames, outputs, clocks)
+            cells = in_one_piece(verilog, "peer")
+            yield Row(task.scene, f"alkaid, {way}", cells, clocks, 1, task.errors(outputs))
