@@ -22,7 +22,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
+.PHONY: help demo test sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
 
 # What is wanted, and of whom, is said once, in tb/commands.py, which needs no environment for this.
 help:
@@ -30,9 +30,9 @@ help:
 
 # What these are given goes to a module as tb/commands.py says.
 CALLED := demo sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations \
-	figures sensors lean synth bitstream peers prove mutate coverage report
+	figures sensors lean synth bitstream peers prove mutate coverage certify report
 
-demo report peers mutate: $(if $(DRY_RUN),,tools)
+demo report peers mutate certify: $(if $(DRY_RUN),,tools)
 
 $(CALLED): $(READY)
 	@$(RUN) -m tb.commands $@

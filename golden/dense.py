@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar, cast
 
@@ -240,12 +240,10 @@ class DenseNetwork:
 
         ``activation`` replaces tanh in the layers that have tanh.
         """
-        values = np.asarray(frames, dtype=np.float64)
-        for layer in self.layers:
-            values, _ = layer.activate(values @ layer.weights.T + layer.biases, activation)
-            if layer.quantiser:
-                values = layer.quantiser.process(values)
-        return values
+        outputs = np.asarray(frames, dtype=np.float64)
+        for found in passed(self, outputs, activation):
+            outputs = found.outputs
+        return outputs
 
 
 # A trained network: one hidden layer of tanh, or any other.
@@ -279,6 +277,39 @@ def layers_of(network: Trained) -> tuple[Dense, ...]:
     if isinstance(network, DenseNetwork):
         return network.layers
     return Dense(network.w1, network.b1, "tanh"), Dense(network.w2, network.b2)
+
+
+@dataclass(frozen=True)
+class Pass:
+    """What frames become in one layer; every array has the shape (..., nodes).
+
+    Attributes
+    ----------
+    layer : Dense
+    sums : float array
+    values : float array
+        The activation of the sums.
+    outputs : float array
+        The values behind the quantiser, if the layer has one.
+    """
+
+    layer: Dense
+    sums: Real
+    values: Real
+    outputs: Real
+
+
+def passed(network: Trained, frames: ArrayLike, activation: Activation = tanh) -> Iterator[Pass]:
+    """Frames, shape (..., inputs), in each layer of a network, in double precision.
+
+    ``activation`` replaces tanh in the layers that have tanh.
+    """
+    outputs = np.asarray(frames, dtype=np.float64)
+    for layer in layers_of(network):
+        sums = outputs @ layer.weights.T + layer.biases
+        values, _ = layer.activate(sums, activation)
+        outputs = layer.quantiser.process(values) if layer.quantiser else values
+        yield Pass(layer, sums, values, outputs)
 
 
 def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:

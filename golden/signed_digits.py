@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from golden.fixed import Codes
-
-Real = NDArray[np.float64]
+from golden.real import Real
 
 
 def signed_digits(number: int) -> tuple[tuple[int, int], ...]:

@@ -162,10 +162,9 @@ COMMANDS = (
         "test",
         "Runs the tests: all, those that TESTS= names, those that concern the block that BLOCK= "
         "names, or with PAGES=1 those of the documentation. ALL=1 adds every constant of every "
-        "scene; "
-        "SAMPLE= adds a random part of these tests that takes about so many seconds. RECORD=1 with "
-        "ALL=1 records how long each test takes. MACHINE= imitates another machine and runs the "
-        "tests of its group, whose result may differ there; GROUP= chooses a group.",
+        "scene; SAMPLE= adds a random part of these tests that takes about so many seconds. "
+        "RECORD=1 with ALL=1 records how long each test takes. MACHINE= imitates another machine "
+        "and runs the tests of its group, whose result may differ there; GROUP= chooses a group.",
         (
             TESTS,
             BLOCK,
@@ -181,9 +180,11 @@ COMMANDS = (
         "sim",
         "Runs the benches of one block, or of every block of a scene. Without SCENE= a block is "
         "looked for in scenes thesis and digit, then in the other shipped scenes, then in the "
-        "cases of its bench. NETLIST= runs the benches on the mapped cells of a family, of each "
-        "family (1), or on registers that are unknown until they are written; RECORD=1 then "
-        "records the result.",
+        "cases of its bench. SIM= names one simulator; without it both run. SEED= changes the "
+        "random stimuli, FRAMES= says how many random frames there are, and WAVES=1 records "
+        "waveforms. NETLIST= runs the benches on the mapped cells of a family, of each family (1), "
+        "or on registers that are unknown until they are written; RECORD=1 then records the "
+        "result.",
         (
             OPTIONAL_SCENE,
             BLOCK,
@@ -214,9 +215,10 @@ COMMANDS = (
     ),
     Command(
         "scene",
-        "Writes a scene for your own readings, and prints what the readings show; CLASSES= names "
-        "a column of labels instead of OUTPUTS=, HARDWARE= the scene whose board took them, "
-        "NETWORK= a trained network that the scene is for.",
+        "Writes a scene for your own readings, and prints what the readings show. OUTPUTS= names "
+        "the columns that the hardware computes; CLASSES= names a column of labels instead. "
+        "HARDWARE= names the scene whose board took the readings, and NETWORK= a trained network "
+        "that the scene is for.",
         (
             word("CSV", "readings.csv", default="", needed=True),
             word("OUTPUTS", "a,b", default=""),
@@ -243,9 +245,9 @@ COMMANDS = (
     Command(
         "recalibrate",
         "Finds gain and offset of each sensor from readings at known placements, and writes a "
-        "corrected copy of the scene if the correction is sure to help. Without CSV= it prints "
-        "the placements that tell most. NOISE= is the noise of a reading, DRIFT= the expected "
-        "drift of gain and offset.",
+        "corrected copy of the scene to the folder TO= if the correction is sure to help. Without "
+        "CSV= it prints the placements that are most informative. NOISE= is the noise of a "
+        "reading, DRIFT= the expected drift of gain and offset.",
         (
             SCENE,
             word("CSV", "placements.csv", default=""),
@@ -257,8 +259,8 @@ COMMANDS = (
     ),
     Command(
         "predict",
-        "Writes the outputs of the hardware for new readings, and marks the readings that are "
-        "unlike any that the networks were trained on.",
+        "Writes the outputs of the hardware for the new readings in CSV= to the file TO=, and "
+        "marks the readings that are unlike any that the networks were trained on.",
         (
             SCENE,
             word("CSV", "new.csv", default="", needed=True),
@@ -275,19 +277,25 @@ COMMANDS = (
     ),
     Command(
         "image",
-        "Writes the image with which a reloadable engine runs the networks of a scene.",
+        "Writes the image with which a reloadable engine runs the networks of a scene. HARDWARE= "
+        "names the scene whose engine runs it, if that is another one.",
         (RELOADED_SCENE, HARDWARE),
         "golden.commands.image",
     ),
     Command(
         "monitor",
-        "Shows in the browser what a board sends; PORT=twin and PORT=sim simulate a board.",
+        "Shows in the browser what a board sends over the serial line PORT=; PORT=twin and "
+        "PORT=sim simulate a board. HARDWARE= names the scene that the board was built from, if "
+        "that is another one. TO= names a CSV file for all that is received, and BAUD= the bits "
+        "per second of the line, if they are not those of the scene.",
         (BOARD_SCENE, PORT, HARDWARE, option("TO", "all.csv"), BAUD),
         "tb.monitor",
     ),
     Command(
         "record",
-        "Records readings of a board at known placements, in the format that make scene reads.",
+        "Records readings of a board at known placements, in the format that make scene reads. "
+        "LABELS= names a CSV file of the placements; without it the command asks for each. FRAMES= "
+        "is the number of readings at a placement, and BAUD= the bits per second of the line.",
         (
             BOARD_SCENE,
             PORT,
@@ -300,13 +308,15 @@ COMMANDS = (
     ),
     Command(
         "load",
-        "Sends the image of a scene to a board, and waits until it runs there.",
+        "Sends the image of a scene to a board, and waits until it runs there. HARDWARE= names the "
+        "scene that the board was built from, if that is another one, and BAUD= the bits per "
+        "second of the line.",
         (BOARD_SCENE, PORT, HARDWARE, BAUD),
         "tb.monitor.load",
     ),
     Command(
         "bench",
-        "Measures the speed and the memory of a scene's bit-true twin.",
+        "Measures the speed and the memory of a scene's bit-true twin on FRAMES= frames.",
         (SCENE, FRAMES),
         "tb.report.measure.benchmark",
     ),
@@ -325,13 +335,14 @@ COMMANDS = (
     Command(
         "figures",
         "Measures the figures that are compared with the thesis, and writes them to build/figures; "
-        "TABLE= names one table, and RECORD=1 records it.",
+        "TABLE= names one table, SEED= changes the random choices, and RECORD=1 records the table.",
         (TABLE, SEED, RECORD),
         "tb.report.measure",
     ),
     Command(
         "sensors",
-        "Finds the best places of gauges on a beam, and writes a picture and a table.",
+        "Finds the best places of gauges on the beam that RIG= describes, and writes a picture and "
+        "a table.",
         (word("RIG", "my-beam.toml", default="digit"),),
         "tb.report.measure.gauges",
     ),
@@ -345,13 +356,16 @@ COMMANDS = (
     Command(
         "synth",
         "Counts the cells of every block of a scene and finds its highest clock, prints both "
-        "beside the thesis, and compares them with the recorded figures.",
+        "beside the thesis, and compares them with the recorded figures. RECORD=1 records them "
+        "anew.",
         (SCENE, RECORD),
         "hdl.synth",
     ),
     Command(
         "bitstream",
-        "Writes a file to program a board with, and prints its resource use on the board's device.",
+        "Writes a file to program a board with, and prints its resource use on the board's device. "
+        "DEVICE= names another device that the board is sold with, and RECORD=1 records the "
+        "resource use.",
         (
             BOARD_SCENE,
             word("BOARD", "ulx3s", default="", needed=True),
@@ -363,29 +377,46 @@ COMMANDS = (
     Command(
         "peers",
         "Builds other projects' hardware for the same weights, and compares it with ours; ONLY= "
-        "names some of them.",
+        "names some of them, and SEED= changes the random frames.",
         (option("ONLY", "alkaid"), SEED),
         "tb.peers",
     ),
     Command(
         "prove",
         "Proves properties of one block or of every block, shows that broken copies of a block "
-        "violate them, and proves that VHDL and Verilog compute the same function.",
+        "violate them, and proves that VHDL and Verilog compute the same function. RECORD=1 "
+        "records the results.",
         (BLOCK, RECORD),
         "tb.sign_off.prove",
     ),
     Command(
         "mutate",
         "Counts how many random faults (mutants) of a block its bench detects; ALL=1 tries the "
-        "recorded ones again.",
-        (BLOCK, option("SCENE"), ALL, RECORD),
+        "recorded ones again, SCENE= takes the entities of a scene, SEED= draws other mutants, and "
+        "RECORD=1 records the result.",
+        (BLOCK, option("SCENE"), ALL, RECORD, SEED),
         "tb.sign_off.mutate",
     ),
     Command(
         "coverage",
-        "Counts how often each bench reaches the borders and states of its block.",
+        "Counts how often each bench reaches the borders and states of its block. RECORD=1 records "
+        "the counts.",
         (BLOCK, RECORD),
         "tb.sign_off.coverage",
+    ),
+    Command(
+        "certify",
+        "Writes a folder that shows that the export of a scene computes its network: frames in "
+        "both simulators, proofs, mutants, digests, and a script that checks all of it again "
+        "without tactus. FRAMES= is the number of random frames, and NETLIST= adds the mapped "
+        "cells of a family.",
+        (
+            SCENE,
+            FRAMES,
+            SEED,
+            option("NETLIST", "1|virtex-2|series-7|ecp5|ice40"),
+        ),
+        "tb.certify",
     ),
     Command(
         "report",

@@ -28,7 +28,6 @@ FRONT_DOORS = ("make", "tactus")
 # The pages show values that only a user has. For each, this names a value that a test can use.
 STAND_INS = {
     ("SCENE", "path/to/rig.toml"): "tutorial/rig.toml",
-    ("SCENE", "../rig/my-rig.toml"): "digit",
     ("SCENE", "my-rig.toml"): "digit",
     ("SCENE", "mine.toml"): "digit-board",
     ("SCENE", "my-digit/digit.toml"): "digit",

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from golden.mlp import Mlp, tanh
+from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
+from golden.function import read_function
+from golden.input_error import InputError
+from golden.layers import sharing
+from golden.layers.sharing import shared
+from golden.mlp import tanh
 from golden.networks.adder_graph import AdderGraph
+from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact
 from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
-from tb.common.cases import random_mlp
+from tb.common.cases import random_mlp, random_network, write_scene
 from tb.common.stimulus import corner_frames
 from tb.report.measure.adder_errors import stages
 
@@ -20,12 +30,22 @@ ENDS = (SIGNAL.low, SIGNAL.high)
 SHAPES = [((1, 1, 1), 1.0), ((3, 4, 2), 20.0), ((5, 3, 4), 0.3)]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _few_runs() -> Iterator[None]:
+    """Limit the number of runs. More runs only find smaller graphs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sharing, "RUNS", 2)
+        shared.cache_clear()
+        yield
+    shared.cache_clear()
+
+
 def frames_of(inputs: int) -> np.ndarray:
     random = np.random.default_rng(2).integers(SIGNAL.low, SIGNAL.high + 1, (300, inputs))
     return np.concatenate([corner_frames(SIGNAL, inputs), random])
 
 
-def off(design: AdderGraph, mlp: Mlp, outputs: slice) -> np.ndarray:
+def off(design: AdderGraph, mlp: Trained, outputs: slice) -> np.ndarray:
     """The distance of the outputs from real arithmetic that saturates, in real units."""
     frames = frames_of(design.inputs)
     real = mlp.process(SIGNAL.to_real(frames), tanh)
@@ -59,13 +79,117 @@ def test_networks_side_by_side() -> None:
         assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
 
 
+KINDS = [
+    ((4, 3), ()),
+    ((3, 5, 2), ("relu",)),
+    ((3, 4, 3, 2), ("leaky_relu", "hard_tanh")),
+    ((3, 4, 3, 2), ("tanh", "relu")),
+    ((2, 4, 3, 3, 1), ("relu", "sigmoid", "linear")),
+]
+CODES = Quantiser(2.0**-3, 0, 0, 15)
+
+
+@pytest.mark.parametrize(("shape", "kinds"), KINDS, ids=[str(shape) for shape, _ in KINDS])
+def test_a_network_of_any_depth_is_within_its_bounds(
+    shape: tuple[int, ...], kinds: tuple[str, ...]
+) -> None:
+    network = random_network(shape, kinds, 1.0, 3)
+    design = AdderGraph.of([network], Settings(EXACT, "bipartite"))
+    assert len(design.layers) == len(shape) - 1
+    assert (off(design, network, slice(None)) <= error_bounds(design, network, EXACT, 4)).all()
+    frames = frames_of(design.inputs)
+    assert (exact(design, frames) == design.process(frames)).all()
+
+
+@pytest.mark.parametrize("rounding", ["even", "away", "floor"])
+@pytest.mark.parametrize("kinds", [("relu", "relu"), ("linear", "linear")])
+def test_a_quantised_network_is_that_of_the_engine(rounding: str, kinds: tuple[str, ...]) -> None:
+    """No bit of any sum is cut, so ties are where they are in the integer network."""
+    quantiser = replace(CODES, rounding=rounding)
+    network = random_network((3, 5, 4, 3), kinds, 2.0, 12, quantiser)
+    design = AdderGraph.of([network], Settings(EXACT, "bipartite"))
+    frames = frames_of(3)
+    assert (design.process(frames) == Engine.of([network]).process(frames)).all()
+    assert all(matrix.place == 0 for matrix in design.layers)
+    even = [finish.even for matrix in design.layers[:-1] for finish in matrix.row_finishes]
+    assert any(even) == (rounding == "even")
+
+
+def test_different_quantisers_and_the_float_network_agree() -> None:
+    """An engine refuses these, because it rounds all words alike."""
+    layers = list(layers_of(random_network((2, 4, 3, 2), ("relu", "linear"), 2.0, 4, CODES)))
+    layers[1] = replace(layers[1], quantiser=Quantiser(2.0**-2, 0, -4, 3))
+    network = network_of(layers)
+    with pytest.raises(InputError, match="quantisers: got layers of"):
+        Engine.of([network])
+    design = AdderGraph.of([network], Settings(EXACT, "bipartite"))
+    frames = frames_of(2)
+    real = np.clip(8192 * network.process(SIGNAL.to_real(frames)), *ENDS)
+    assert (design.process(frames) == np.floor(real + 0.5).clip(*ENDS)).all()
+
+
+def test_a_scene_of_layers_needs_no_activation(tmp_path: Path) -> None:
+    network = random_network((2, 3, 3, 2), ("relu", "relu"), 1.0, 1)
+    path = write_scene(tmp_path, "deep", "exact", [network], design="adder_graph")
+    path.write_text(path.read_text().replace('activation = "gradient"\n', ""))
+    scene = load_scene(str(path))
+    assert scene.activation == "bipartite"
+    frames = frames_of(2)
+    assert (scene.twin().process(frames) == scene.twin(lean=False).process(frames)).all()
+
+
+def test_nodes_that_never_change_are_part_of_biases() -> None:
+    """Of five nodes, one is never positive, one is constant, and no output uses a third."""
+    weights = np.array([[0.5, 0.1], [0.3, -0.2], [0.0, 0.0], [-0.4, 0.2], [0.6, 0.3]])
+    first = Dense(weights, np.array([0.1, -0.9, 0.7, 0.2, 0.0]), "relu")
+    second = Dense(np.array([[0.5, 0.3, 0.25, -0.5, 0.0]]), np.array([0.1]))
+    design = AdderGraph.of([network_of([first, second])], Settings(EXACT, "bipartite"))
+    assert (design.constant_nodes, design.useless_nodes) == (2, 1)
+    assert len(design.layers[0].weights) == design.layers[1].inputs == 2
+    texts = left_out(design)
+    assert "2 hidden nodes that never change, now in biases" in texts
+    assert "1 hidden nodes whose weights to the outputs are 0" in texts
+    kept = [0, 3]
+    small = [
+        Dense(weights[kept], first.biases[kept], "relu"),
+        Dense(second.weights[:, kept], second.biases + 0.7 * 0.25),
+    ]
+    other = AdderGraph.of([network_of(small)], Settings(EXACT, "bipartite"))
+    frames = frames_of(2)
+    assert np.abs(design.process(frames) - other.process(frames)).max() <= 1
+
+
+def test_a_network_of_constants_keeps_a_node() -> None:
+    first = Dense(np.zeros((2, 2)), np.array([0.5, 0.25]), "relu")
+    second = Dense(np.array([[0.5, 1.0]]), np.array([0.125]))
+    design = AdderGraph.of([network_of([first, second])], Settings(EXACT, "bipartite"))
+    assert len(design.layers[0].weights) == 1
+    assert (design.process(frames_of(2)) == 8192 * 0.625).all()
+
+
+def test_what_it_cannot_compute_is_refused_by_name() -> None:
+    swish = read_function("swish", "x / (1 + exp(-x))")
+    network = random_network((2, 3, 1), ("table: swish",), 1.0, 1, functions=(swish,))
+    with pytest.raises(InputError, match=r"layer 1: .*'adder_graph' with the functions swish, exp"):
+        AdderGraph.of([network], Settings(EXACT, "bipartite"))
+    deep = [random_network((2, 3, 3, 1), ("relu", "relu"), 1.0, seed) for seed in (1, 2)]
+    with pytest.raises(InputError, match="got 'adder_graph' for hidden layers of relu, relu, exp"):
+        AdderGraph.of(deep, Settings(EXACT, "bipartite"), "multiple")
+    design = AdderGraph.of(deep[:1], Settings(EXACT, "bipartite"))
+    with pytest.raises(InputError, match="got 3 layers and activations of 1, expected those of"):
+        replace(design, activations=((),))
+    with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
+        replace(design, decides=True)
+
+
 def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
     design = AdderGraph.of([random_mlp((2, 5, 1), 5.0, 1)], Settings(EXACT, "bipartite"))
-    assert sorted(j for nodes in design.groups for j in nodes) == list(range(5))
-    widths = [design.first.result_widths[j] for nodes in design.groups for j in nodes]
+    (groups,), (activations,) = design.groups, design.activations
+    assert sorted(j for nodes in groups for j in nodes) == list(range(5))
+    widths = [design.layers[0].result_widths[j] for nodes in groups for j in nodes]
     assert widths == sorted(widths)
-    for nodes in design.groups:
-        assert len({design.activations[j] for j in nodes}) == 1
+    for nodes in groups:
+        assert len({activations[j] for j in nodes}) == 1
 
 
 def test_no_multiplier_and_a_frame_a_clock() -> None:
@@ -84,5 +208,6 @@ def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
     assert len({output.tobytes() for _, output in others}) == 2
     assert np.abs(tabled - others[1][1]).max() <= np.ceil(np.abs(mlp.w2).sum(axis=1)).max()
     assert (tabled != cut_once).any()
-    units = [max(map(abs, ends)) / 2.0**design.second.out_shift for ends in design.second.errors]
+    outputs = design.layers[-1]
+    units = [max(map(abs, ends)) / 2.0**outputs.out_shift for ends in outputs.errors]
     assert 0 < np.abs(cut - cut_once).max() <= 1 + max(units)

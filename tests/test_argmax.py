@@ -15,6 +15,7 @@ from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.scene import Scene
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 from tb.common.small import ADDER_GRAPH
@@ -66,6 +67,28 @@ def test_one_output_has_no_winner(outputs: int) -> None:
         Argmax(FMT, outputs)
 
 
+@given(st.lists(st.integers(FMT.low, FMT.high), min_size=2, max_size=9))
+def test_a_tree_decides_as_the_block_that_takes_one_output_after_the_other(codes) -> None:
+    tree = ArgmaxTree(FMT, len(codes))
+    index, margin = tree.process(codes)
+    best = sorted(codes)
+    assert (index, margin) == (codes.index(best[-1]), best[-1] - best[-2])
+    assert 1 << tree.levels >= len(codes) > 1 << tree.levels - 1
+    # Every output but one loses against another.
+    assert len(tree.quantities(np.array([codes]))) == len(tree.borders) == len(codes) - 1
+
+
+def test_a_design_of_outputs_at_once_has_a_tree(tmp_path: Path) -> None:
+    plain, decides = (
+        scene_of(ADDER_GRAPH, tmp_path, hardware=hardware).twin() for hardware in ("", DECIDES)
+    )
+    assert replace(decides, decides=False) == plain
+    added = [port.name for port in decides.ports if port.name not in {p.name for p in plain.ports}]
+    assert added == ["winner_valid", "winner_index", "winner_margin"]
+    assert isinstance(decides.argmax, ArgmaxTree)
+    assert decides.latency == plain.latency
+
+
 def scene_of(case: Case, folder: Path, **changes) -> Scene:
     return replace(case, **changes).scene(folder, "mine")
 
@@ -98,10 +121,13 @@ def test_a_profile_is_drawn_of_held_outputs(tmp_path: Path) -> None:
 
 
 REFUSED = [
-    (ADDER_GRAPH, "got 'adder_graph' with argmax, expected engine or hybrid, because argmax takes"),
     (
         replace(ADDER_GRAPH, activation="gradient", design="parallel"),
-        "got 'parallel' with argmax, expected engine or hybrid, because argmax takes",
+        "got 'parallel' with argmax, expected adder_graph or engine or hybrid, because argmax",
+    ),
+    (
+        replace(ADDER_GRAPH, interface="axi_stream"),
+        "got 'adder_graph' with interface 'axi_stream', expected engine or hybrid",
     ),
     (replace(ENGINE, shapes=[(3, 4, 1)]), "hardware.argmax: got true for 1 output, expected false"),
 ]

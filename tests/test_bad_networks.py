@@ -241,7 +241,7 @@ ONNX = {
     ),
     "an attribute of another type": (
         onnx({0: node("Gemm", "x w1", "a", transB="yes")}),
-        "operator Gemm ('my'): got another transB, expected numbers",
+        "operator Gemm ('my'): got transB of another type, expected numbers",
     ),
     "another shape": (
         onnx({4: node("Reshape", "d s", "y")}, s=np.array([2, -1])),

@@ -16,6 +16,8 @@ COLUMNS = "expected column names, each once"
 NUMBER = "expected a number"
 HIDDEN = "expected the least and the largest number of hidden nodes"
 OPTIONS = "activation_options = {}"
+CASCADE = 'arrangement = "cascade"\nweights = ["a.npz", "b.npz"]'
+PARALLEL = f'{CASCADE}\n\n[hardware]\ndesign = "parallel"'
 
 # A text of the scene, and its replacements with the message for each.
 TABLE: dict[str, dict[str, str]] = {
@@ -54,13 +56,13 @@ TABLE: dict[str, dict[str, str]] = {
         'group_by = ["y0"]': f"data.group_by: got ['y0'], {TEXT}",
         "where = 5": "data.where: got 5, expected a table",
         'where = { x0 = "a" }': f"data.where.x0: got 'a', {NUMBER}",
-        "where = { x0 = true }": f"data.where.x0: got True, {NUMBER}",
+        "where = { x0 = true }": f"data.where.x0: got true, {NUMBER}",
         "where = { x0 = 1e999 }": f"data.where.x0: got inf, {NUMBER}",
         f"where = {{ x0 = {LONG} }}": "data.where.x0: got a number of 1326 bits, expected 64",
         "full_scale = { y9 = 1 }": "data.full_scale: 'y9' is no output, expected one of y0, y1",
         "full_scale = { y0 = 0 }": f"data.full_scale.y0: got 0, {NUMBER} above 0",
         "full_scale = { y0 = nan }": f"data.full_scale.y0: got nan, {NUMBER} above 0",
-        "full_scale = { y0 = true }": f"data.full_scale.y0: got True, {NUMBER} above 0",
+        "full_scale = { y0 = true }": f"data.full_scale.y0: got true, {NUMBER} above 0",
         "full_scale = { y0 = {} }": f"data.full_scale.y0: got {{}}, {NUMBER} above 0",
         f"full_scale = {{ y0 = -{LONG} }}": "data.full_scale.y0: got a number of 1326 bits",
         "length_mm = { y0 = 1 }": "data.length_mm: 'y0' is no output with a full_scale",
@@ -74,31 +76,44 @@ TABLE: dict[str, dict[str, str]] = {
         'arrangement = "cascad"': "network.arrangement: got 'cascad', .* did you mean 'cascade'?",
         "arrangement = 5": f"network.arrangement: got 5, {TEXT}",
         "": f"network.arrangement: missing, {TEXT}",
-        'arrangement = "cascade"': "network.weights: got 'mine.npz', expected 2: cascade has one",
-        'arrangement = "multiple"': "network.weights: got 'mine.npz', expected 2: multiple has",
+        'arrangement = "cascade"': "weights: got 'mine.npz', expected a list of 2: cascade has one",
+        'arrangement = "multiple"': "weights: got 'mine.npz', expected a list of 2: multiple has",
     },
     "hidden = 5": {
         "hidden = -1": "network.hidden: got -1, expected 0 to 1024",
         "hidden = 1000000000000": "network.hidden: got 1000000000000, expected 0 to 1024",
         f"hidden = {LONG}": "network.hidden: got a number of 1326 bits, expected 64 at most",
-        "hidden = true": "network.hidden: got True, expected a whole number",
+        "hidden = true": "network.hidden: got true, expected a whole number",
         "hidden = 5.0": "network.hidden: got 5.0, expected a whole number",
         'hidden = "5"': "network.hidden: got '5', expected a whole number",
-        "hidden = []": "network.hidden: got [], expected 1: single has one for all outputs",
+        "hidden = []": "network.hidden: got [], expected one: single has one for all outputs",
         "hidden = [5, 5]": "mine.npz: hidden layers: got 1, expected 2 of a 3:5:5:2 network",
         "hidden = [5, 0]": "network.hidden: got [5, 0], expected 1 or more nodes in each layer",
         "hidden = [[5]]": "network.hidden: got [[5]], expected a whole number",
         "hidden = 4": "mine.npz: w1: got shape (5, 3), expected (4, 3) of a 3:4:2 network",
+        'hidden = 5\nactivations = ["relu", "tanh"]': (
+            "network.activations: got 2 for 1 hidden layers, expected one for each"
+        ),
+        'hidden = 5\nactivations = ["rellu"]': (
+            "network.activations: got ['rellu'], expected a list with an activation"
+        ),
+    },
+    'arrangement = "single"\nhidden = 5': {
+        'arrangement = "cascade"\nhidden = 5\nactivations = ["relu"]': (
+            "network.activations: got ['relu'] with arrangement 'cascade', expected none"
+        ),
     },
     'weights = "mine.npz"': {
         "weights = 5": f"network.weights: got 5, {TEXT}",
-        "weights = []": "network.weights: got [], expected 1: single has one",
+        "weights = []": "network.weights: got [], expected one: single has one",
         'weights = ""': "network.weights: got '', expected the name of a file",
         r'weights = "a\u0000.npz"': r"network.weights: got 'a\x00.npz', expected the name",
-        'weights = ["mine.npz", "mine.npz"]': "expected 1: single has one for all outputs",
+        'weights = ["mine.npz", "mine.npz"]': "expected one: single has one for all outputs",
         'weights = "mine.csv"': "mine.csv: got the ending '.csv', expected one of .npz, .mat",
         'weights = "mine"': "mine: got the ending '', expected one of .npz, .mat, .onnx",
+        'weights = "mine.onx"': "got the ending '.onx', expected one of .*did you mean '.onnx'",
         'weights = "no.npz"': "no.npz: no such network; make train SCENE=... writes it",
+        'weights = ["a.npz", 1]': "network.weights: got ['a.npz', 1], expected text, or a list",
     },
     'design = "hybrid"': {
         'design = "hybird"': "hardware.design: got 'hybird', .* did you mean 'hybrid'?",
@@ -110,7 +125,7 @@ TABLE: dict[str, dict[str, str]] = {
         'design = "hybrid"\nsegment_width = 7': "hardware.segment_width: got 7 with design",
         'design = "hybrid"\nclocks = 5': "hardware.clocks: got 5 with design 'hybrid', expected",
         'design = "hybrid"\nclocks = 0': f"hardware.clocks: got 0, {NUMBER} above 0, or no such",
-        'design = "hybrid"\nreload = true': "hardware.reload: got True with design 'hybrid'",
+        'design = "hybrid"\nreload = true': "hardware.reload: got true with design 'hybrid'",
         'design = "hybrid"\nreload = "yes"': "hardware.reload: got 'yes', expected true or false",
         'design = "hybrid"\nprogram_words = 8': "hardware.program_words: got 8 without reload",
         'design = "hybrid"\noperand_words = 8': "hardware.operand_words: got 8 without reload",
@@ -120,12 +135,14 @@ TABLE: dict[str, dict[str, str]] = {
         'design = "hybrid"\nclock_mhz = 1e308': "hardware.clock_mhz: got 1e+308, expected 0.001",
         'design = "hybrid"\nclock_mhz = 1e-320': "hardware.clock_mhz: got 1e-320, expected",
         'design = "hybrid"\nclock_mhz = "64"': f"hardware.clock_mhz: got '64', {NUMBER}",
-        'design = "hybrid"\nclock_mhz = true': f"hardware.clock_mhz: got True, {NUMBER}",
+        'design = "hybrid"\nclock_mhz = true': f"hardware.clock_mhz: got true, {NUMBER}",
         f'design = "hybrid"\nclock_mhz = {LONG}': "hardware.clock_mhz: got a number of 1326 bits",
     },
     'activation = "gradient"': {
         'activation = "bipartite"': "hardware.activation: got 'bipartite', whose codes stand for",
         'activation = "tanh"': "hardware.activation: got 'tanh', expected one of gradient",
+        'activation = "gradiant"': "hardware.activation: got 'gradiant', .* you mean 'gradient'",
+        'activation = ""': "hardware.activation: got '', expected one of gradient, ",
         "activation = 5": f"hardware.activation: got 5, {TEXT}",
     },
     f'activation = "gradient"\n{OPTIONS}': {
@@ -133,11 +150,17 @@ TABLE: dict[str, dict[str, str]] = {
         'activation = "pade"\nactivation_options = { rho = nan }': "rho: got nan, expected",
         'activation = "pade"\nactivation_options = { rho = "1" }': "rho: got '1', expected",
         'activation = "pade"\nactivation_options = { iterations = 0 }': "iterations: got 0",
-        'activation = "pade"\nactivation_options = { roh = 1 }': "option 'roh' is not known",
+        'activation = "pade"\nactivation_options = { iterations = 2.5 }': "iterations: got 2.5",
+        'activation = "pade"\nactivation_options = { roh = 1 }': (
+            "option 'roh' is not known, expected rho, iterations; did you mean 'rho'"
+        ),
         'activation = "precise"\nactivation_options = { coefficients = "x" }': "coefficients: got",
         'activation = "precise"\nactivation_options = { coefficients = 1 }': "coefficients: got 1",
         'activation = "bipartite"\nactivation_options = { memory = "x" }': "memory: got 'x'",
         'activation = "gradient"\nactivation_options = 4': "got 4, expected a table",
+    },
+    'arrangement = "single"\nhidden = 5\nweights = "mine.npz"\n\n[hardware]\ndesign = "hybrid"': {
+        PARALLEL: "network.arrangement: got 'cascade' with design 'parallel', expected single",
     },
     f'design = "hybrid"\nactivation = "gradient"\n{OPTIONS}': {
         f'design = "engine"\nactivation = "precise"\n{OPTIONS[:-2]}{{ coefficients = "logic" }}': (
@@ -160,6 +183,7 @@ TABLE: dict[str, dict[str, str]] = {
         "optimiser = 5": f"training.optimiser: got 5, {TEXT}",
         "hidden = 5": "training.hidden: got 5, expected a list",
         "hidden = []": f"training.hidden: got [], {HIDDEN}",
+        "hidden = [4]": f"training.hidden: got [4], {HIDDEN}",
         "hidden = [5, 4]": f"training.hidden: got [5, 4], {HIDDEN}",
         "hidden = [0, 4]": f"training.hidden: got [0, 4], {HIDDEN}",
         'hidden = ["a", "b"]': f"training.hidden: got ['a', 'b'], {HIDDEN}",
@@ -173,6 +197,21 @@ TABLE: dict[str, dict[str, str]] = {
         "patience = 0": "training.patience: got 0, expected above 0",
         'earlier_outputs = "x"': "training.earlier_outputs: got 'x', expected one of bit-true",
         "epochs = 5": "training: key 'epochs' is not known, expected",
+        'split = "block"': "training.split: got 'block', .*did you mean 'blocks'",
+        'split_by = ["y0"]': "training.split_by: got ['y0'] with split 'random', expected",
+        'split = "groups"': "training.split_by: got none with split 'groups', expected",
+        'split = "groups"\nsplit_by = ["y0", "y0"]': "split_by: got .*, expected columns, each",
+        "block_rows = 0": "training.block_rows: got 0, expected above 0",
+        "noise = -1": "training.noise: got -1.0, expected a number from 0 to 100",
+        "noise = nan": "training.noise: got nan, expected a number from 0 to 100",
+        "drift = 0.1": "training.drift: got 0.1, expected a table",
+        "drift = { gian = 1 }": "drift: 'gian' is not known, .*did you mean 'gain'",
+        "drift = { gain = true }": "training.drift.gain: got true, expected a number",
+        "digits = 2": "training.digits: got 2, expected at least 3: one for each",
+        "digits = -1": "training.digits: got -1, expected at least 3",
+        'digits = "few"': "training.digits: got 'few', expected a whole number or 'fewest'",
+        'digits = "fewest"\ndigits_tolerance = -0.1': "digits_tolerance: got -0.1, expected 0 or",
+        "digits = 30\ndigits_tolerance = 0.1": "tolerance: got 0.1 with digits 30, expected digits",
     },
     "steps = 20": {
         "steps = 0": "training.steps: got 0, expected above 0",
@@ -200,12 +239,12 @@ TABLE: dict[str, dict[str, str]] = {
     },
 }
 ENGINE: dict[str, str] = {
-    "program_words = 8": "hardware.program_words: got 8 without reload, expected true",
+    "program_words = 8": "program_words: got 8 without reload, expected hardware.reload = true",
     "reload = true\nprogram_words = 5": "hardware.program_words: got 5, expected a power of two",
     "reload = true\nprogram_words = -8": "hardware.program_words: got -8, expected a power of",
     "reload = true\nprogram_words = 1099511627776": "hardware.program_words: got 1099511627776",
     "reload = true\noperand_words = 1099511627776": "hardware.operand_words: got 1099511627776",
-    'reload = true\nmultiplier = "serial"': "hardware.reload: got True with multiplier 'serial'",
+    'reload = true\nmultiplier = "serial"': "hardware.reload: got true with multiplier 'serial'",
     'reload = true\ninterface = "axi_stream"': "hardware.reload: got true with interface",
     "segment_width = -1": "segment_width: got -1, expected one of 7, 8, 9",
     "segment_width = 1000000000000": "segment_width: got 1000000000000, expected one of 7, 8, 9",

@@ -47,7 +47,7 @@ LEFT = (
     *("hybrid-winner", "winner-past", "winner-converter", "winner-uart", "least-winner-axis"),
     *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
-    *("least-graph", "polynomial-short"),
+    *("least-graph", "polynomial-short", "relu-graph"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
 )
 # So are these of cases whose other blocks are simulated in every run.

@@ -27,9 +27,9 @@ def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
     return changed
 
 
-def job_of(shared: Shared, block: str, pattern: str = "") -> Job:
-    """The first entity of a block that contains a pattern, in the first case of its bench."""
-    case = CASES_OF[block][0]
+def job_of(shared: Shared, block: str, pattern: str = "", case: str = "") -> Job:
+    """The first entity of a block that contains a pattern, by default in the bench's first case."""
+    case = case or CASES_OF[block][0]
     # The jobs are listed in the reverse order of the entities.
     for job in reversed(shared.jobs(case, "icarus")):
         source = (job.hdl_folder / f"{job.entity}.v").read_text()
@@ -54,6 +54,27 @@ def test_a_fault_turns_the_bench_red(
     outcome = run_job(with_fault(job_of(shared, block, pattern), tmp_path, pattern, text))
     assert not outcome.passed, f"{pattern} as {text}"
     # The bench ran and found the fault, and not the compiler.
+    assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
+
+
+# A pattern in a matrix of a case, and the text that replaces it: negative results pass, halves
+# round away from the even code, others are taken for halves, and a result that is too large wraps.
+FINISH_FAULTS = [
+    ("exact-graph", r"(rectify0_keep(?s:.*?)if \()word", r"\1!word"),
+    ("exact-graph", r"(word\[\d+\] = )0;", r"\g<1>1;"),
+    ("exact-graph", r"(tie_to_even0(?s:.*?)) == 0\)", r"\1 == 1)"),
+    ("exact-graph", r"else if \(\(?top == 0\)?\)", "else if (1)"),
+]
+
+
+@pytest.mark.parametrize("number", tiered([0], range(1, len(FINISH_FAULTS))))
+def test_a_fault_of_a_finish_turns_the_bench_red(
+    shared: Shared, tmp_path: Path, number: int
+) -> None:
+    case, pattern, text = FINISH_FAULTS[number]
+    job = job_of(shared, "constant_matrix", pattern, case)
+    outcome = run_job(with_fault(job, tmp_path, pattern, text))
+    assert not outcome.passed, f"{pattern} as {text}"
     assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
 
 

@@ -19,6 +19,10 @@ CODES = range(SMALL.low, SMALL.high + 1)
 WEIGHT = st.integers(-15, 15)
 
 
+def ends_of(fmt: Fix, weights) -> tuple[tuple[int, int], ...]:
+    return ((fmt.low, fmt.high),) * len(weights)
+
+
 def total(weights: list[int], frame, start: int, shift: int) -> int:
     return start + sum((w * int(x)) >> shift for w, x in zip(weights, frame, strict=True))
 
@@ -34,7 +38,7 @@ def test_of_two_weights_none_is_closer(weights, start, shift, target, above) -> 
     sums = [total(weights, frame, start, shift) for frame in product(CODES, repeat=len(weights))]
     side = [s for s in sums if (s >= target if above else s <= target)]
     row = np.array(weights)
-    found = closest(SMALL, row, start, shift, target, above, np.random.default_rng(0))
+    found = closest(ends_of(SMALL, row), row, start, shift, target, above, np.random.default_rng(0))
     if not any(weights):
         return
     if not side:
@@ -53,14 +57,15 @@ def test_of_many_weights_the_sum_is_the_target(shift: int, above: bool) -> None:
     weights = rng.integers(-8191, 8192, 5)
     reach = int((np.abs(weights).sum() * 8191) >> shift)
     for target in (reach // 2, -reach // 3, 17):
-        found = closest(fmt, weights, 5, shift, target, above, rng)
+        found = closest(ends_of(fmt, weights), weights, 5, shift, target, above, rng)
         assert found is not None
         assert total(weights.tolist(), found, 5, shift) == target
 
 
 def test_even_weights_stop_at_the_closest_sum() -> None:
     weights = np.array([4, 6, 10])
-    found = closest(Fix(14, 13), weights, 1, 0, 100, True, np.random.default_rng(0))
+    ends = ends_of(Fix(14, 13), weights)
+    found = closest(ends, weights, 1, 0, 100, True, np.random.default_rng(0))
     assert found is not None
     assert total([4, 6, 10], found, 1, 0) == 101
 

@@ -9,9 +9,11 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
+from golden.dense import Quantiser
 from golden.finding import OK
 from golden.input_error import InputError
-from golden.network_files.held import Ending
+from golden.network_files.classes import for_labels
+from golden.network_files.held import Ending, Held
 from golden.network_files.network_file import held_in, load_network, write_network
 from golden.rig.check import networks_there
 from golden.scene import load_scene
@@ -62,6 +64,7 @@ CONSTANTS = {
     "one": 1.0,
     "two": 2.0,
     "names": np.array(["up", "down"]),
+    "sizes": np.array(["10", "9"]),
     "more": np.array([1, 2, 3]),
     "row": np.array([-1]),
 }
@@ -226,3 +229,84 @@ def test_what_cannot_be_classes(tmp_path: Path) -> None:
         InputError, match=r"net.onnx: operator Softmax .*: stands in front of every"
     ):
         load_network(path, (3, 0, 2))
+
+
+def scene_of_classes(tmp_path: Path, network: Path, labels: tuple[str, ...]) -> Path:
+    """A scene of three sensors and five hidden nodes, with a row for each label."""
+    rows = [f"{n / 8},{-n / 8},0.25,{label}" for n, label in enumerate(labels)]
+    (tmp_path / "own.csv").write_text("\n".join(["a,b,c,kind", *rows, ""]))
+    scene = tmp_path / "own.toml"
+    scene.write_text(
+        '[data]\nfile = "own.csv"\nsensors = ["a", "b", "c"]\nclasses = "kind"\n[network]\n'
+        f'arrangement = "single"\nhidden = 5\nweights = ["{network}"]\n[hardware]\n'
+        'design = "engine"\nprecision = "exact"\n'
+    )
+    return scene
+
+
+DRAWN = np.random.default_rng(1).uniform(-1, 1, (200, 3))
+
+
+@pytest.mark.parametrize("labels", [("none", "touch"), ("touch", "none")])
+def test_one_output_tells_two_classes_apart(tmp_path: Path, labels: tuple[str, ...]) -> None:
+    """What scikit-learn writes for two classes decides as it does, whatever the labels' order."""
+    path = DATA / "sklearn-two-classes.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, labels)))
+    assert scene.labels == ("none", "touch")
+    (member,) = scene.members
+    with np.load(path.with_suffix(".npz")) as recorded:
+        decided = member.load().process(recorded["x"]).argmax(axis=1)
+        assert [scene.labels[n] for n in decided] == recorded["labels"].tolist()
+    (found,) = networks_there(scene)
+    assert found.text.endswith("its classes are none, touch")
+
+
+def test_outputs_stand_in_the_order_of_the_labels(tmp_path: Path) -> None:
+    """scikit-learn sorts texts, so 10 stands in front of 9; a scene sorts whole numbers."""
+    path = classifier(tmp_path, [SOFTMAX, ARGMAX, node("Gather", "sizes k", "y")], "y")
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("10", "9"))))
+    assert scene.labels == ("9", "10")
+    own = NETWORKS[2].process(DRAWN)
+    assert np.allclose(scene.members[0].load().process(DRAWN), own[:, ::-1], atol=1e-6)
+
+
+def test_numbers_of_classes_stand_for_labels_in_their_order(tmp_path: Path) -> None:
+    path = DATA / "sklearn-two-classes-plain.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("up", "down"))))
+    (found,) = networks_there(scene)
+    assert found.text.endswith("its classes are 0, 1, which are taken for down, up in this order")
+
+
+def test_a_file_of_other_classes_is_refused(tmp_path: Path) -> None:
+    path = DATA / "sklearn-two-classes.onnx"
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("up", "down"))))
+    expected = r"\.onnx: got a network for the classes none, touch, expected down, up, the labels"
+    with pytest.raises(InputError, match=expected):
+        scene.networks()
+
+
+@pytest.mark.parametrize(("width", "tail"), [(1, "Sigmoid"), (1, ""), (2, "Sigmoid")])
+def test_a_sigmoid_at_the_end_is_left_out(tmp_path: Path, width: int, tail: str) -> None:
+    """Keras ends with it, and PyTorch with the value in front of it."""
+    path = tmp_path / "net.onnx"
+    write_network(path, NETWORKS[width])
+    if tail:
+        model = onnx.load(str(path))
+        graph = model.graph
+        graph.node.append(node("Sigmoid", graph.node[-1].output[0], "p"))
+        graph.output[0].name = "p"
+        onnx.save(model, str(path))
+    scene = load_scene(str(scene_of_classes(tmp_path, path, ("a", "b"))))
+    network, own = scene.members[0].load(), NETWORKS[width].process(DRAWN)
+    assert network.shape == (3, 5, 2)
+    expected = own.argmax(axis=1) if width > 1 else (own[:, 0] > 0).astype(int)
+    assert 0 < expected.sum() < len(expected)
+    assert np.array_equal(network.process(DRAWN).argmax(axis=1), expected)
+
+
+def test_a_quantised_sigmoid_at_the_end_decides_at_a_half() -> None:
+    layers = {"w1": np.ones((1, 3)), "b1": np.zeros(1), "w2": np.eye(1), "b2": np.zeros(1)}
+    held = Held(layers, ("sigmoid",), quantisers=(Quantiser(1 / 8, 0, 0, 7),))
+    found = for_labels(Path("net.npz"), held, ("a", "b")).arrays
+    assert found["w2"].tolist() == [[0], [1]]
+    assert found["b2"].tolist() == [0.5, 0]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.layers import sharing
-from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
 from golden.layers.shift_add import Sum
 from golden.signed_digits import signed_digits
@@ -107,6 +107,76 @@ def test_no_number_leaves_its_bounds_and_none_comes_late(matrix: ConstantMatrix)
 
 @settings(max_examples=30, deadline=None)
 @given(matrices())
+def test_samples_within_ends_need_no_more_bits(matrix: ConstantMatrix) -> None:
+    narrow = replace(matrix, in_ends=tuple((0, 3 + k) for k in range(matrix.inputs)))
+    frames = some_frames(matrix) % (4 + np.arange(matrix.inputs))
+    for number, (low, high) in zip(
+        narrow.graph.numbers(frames.T), narrow.graph.bounds, strict=True
+    ):
+        assert low <= number.min()
+        assert number.max() <= high
+    assert sum(narrow.graph.widths) <= sum(matrix.graph.widths)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    matrices(),
+    st.integers(3, 8),
+    st.lists(st.builds(Finish, st.booleans(), st.booleans()), min_size=4, max_size=4),
+)
+def test_a_finish_rounds_and_rectifies(
+    matrix: ConstantMatrix, width: int, finishes: list[Finish]
+) -> None:
+    """The result in Python's integers: the nearest code, halves up or to even, then clipped."""
+    shift = matrix.out_shift + 1
+    half = 1 << (shift - 1)
+    rounded = replace(
+        matrix,
+        out_fmt=Fix(width, 0),
+        out_shift=shift,
+        guard=shift,
+        # Sums of about the size of a result, with the half that rounds them.
+        weights=tuple(tuple(w >> 4 for w in row) for row in matrix.weights),
+        biases=tuple((bias >> 8) + half for bias in matrix.biases),
+        finishes=tuple(finishes[: len(matrix.weights)]),
+    )
+    frames = some_frames(rounded)
+    results = rounded.process(frames)
+    assert (results == rounded.exact(frames)).all()
+    for i, finish in enumerate(rounded.finishes):
+        low, high = 0 if finish.rectified else rounded.out_fmt.low, rounded.out_fmt.high
+        for total, result in zip(products(rounded, frames)[:, i], results[:, i], strict=True):
+            code, rest = divmod(total - half, 2 * half)
+            up = rest > half or (rest == half and (not finish.even or code % 2 == 1))
+            assert result == max(low, min(high, code + up))
+
+
+def test_a_matrix_publishes_the_borders_of_a_finish() -> None:
+    matrix = ConstantMatrix(
+        SAMPLES,
+        Fix(4, 5),
+        ((3, -2), (3, -2)),
+        (2, 2),
+        2,
+        2,
+        4,
+        finishes=(Finish(rectified=True), Finish(even=True)),
+    )
+    assert [border.name for border in matrix.borders] == [
+        "result 0 is rectified",
+        "result 0 saturates above",
+        "result 1 saturates below",
+        "result 1 saturates above",
+        "result 1 becomes even",
+    ]
+    assert all(not border.unreachable for border in matrix.borders)
+    assert matrix.result_ends == ((0, 7), (-8, 7))
+    last = matrix.quantities(matrix.ties(1))["last bit of tie 1"]
+    assert set(last.tolist()) == {0, 1}
+
+
+@settings(max_examples=30, deadline=None)
+@given(matrices())
 def test_sharing_takes_no_more_adders_than_the_digits(matrix: ConstantMatrix) -> None:
     sums = sum(isinstance(node, Sum) for node in matrix.graph.nodes)
     # These are the digits of a row and of its constant.
@@ -145,6 +215,11 @@ def test_results_saturate() -> None:
         ({"biases": (1,)}, "got 1 biases"),
         ({"guard": -1}, "got guard=-1, expected 0 or more"),
         ({"adders_per_clock": 0}, "got adders_per_clock=0, expected 1 or more"),
+        ({"finishes": (Finish(),)}, "got 1 finishes, expected 2 or none"),
+        ({"in_ends": ((0, 1),)}, "got 1 in_ends, expected 2 or none"),
+        ({"in_ends": ((0, 1), (3, 2))}, r"got in_ends \(3, 2\), expected codes of Fix\(6,5\)"),
+        ({"in_ends": ((0, 1), (0, 32))}, r"got in_ends \(0, 32\), expected codes of Fix\(6,5\)"),
+        ({"weights": ((1, 2), (3, 1 << 60))}, "got sums of 67 bits, expected 62 at most"),
         ({"biases": (1 << 40, 0)}, "biases"),
     ],
 )

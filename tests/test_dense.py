@@ -433,11 +433,9 @@ def test_a_scene_may_name_activations_or_leave_them_to_the_file(tmp_path: Path) 
         load_scene(str(path)).twin()
 
 
-@pytest.mark.parametrize("design", ["hybrid", "parallel", "adder_graph"])
+@pytest.mark.parametrize("design", ["hybrid", "parallel"])
 def test_other_designs_refuse_other_networks(tmp_path: Path, design: str) -> None:
     path = scene_of(tmp_path, random((3, 4, 2), ("relu",)), design)
-    if design == "adder_graph":
-        path.write_text(path.read_text().replace("precise", "bipartite"))
     with pytest.raises(
         InputError, match=rf"several.toml: hardware.design: got '{design}' for hidd"
     ):

@@ -41,10 +41,10 @@ def test_networks_have_as_few_clocks_as_the_digits_of_their_weights_let_them(cou
     scene = load_scene(adder_chains.SCENE)
     design = adder_chains.with_adders(scene, count).twin()
     assert isinstance(design, AdderGraph)
-    first = -(-least_levels(design.first) // count)
+    first = -(-least_levels(design.layers[0]) // count)
     # The saturation adds one clock.
-    second = -(-(least_levels(design.second) + 1) // count)
-    assert clocks == design.latency == first + design.activations[0].latency + second
+    second = -(-(least_levels(design.layers[-1]) + 1) // count)
+    assert clocks == design.latency == first + design.activations[0][0].latency + second
 
 
 def test_each_adder_more_takes_time_and_a_faster_grade_less() -> None:

@@ -311,7 +311,7 @@ FAULTS = {
     "softsign = 3": "network.functions.softsign: got 3, expected an expression of x, points",
     "softsign = { x = [0, 1] }": "functions.softsign: got x, expected x and y, or points alone",
     'softsign = { x = [0, 1], points = "a.csv" }': "functions.softsign: got x, points, expected x",
-    "softsign = { z = [0, 1] }": r"functions.softsign: got {'z': \[0, 1\]}, expected an expression",
+    "softsign = { z = [0, 1] }": r"functions.softsign: got { z = \[0, 1\] }, expected an expr",
     'softsign = { points = "none.csv" }': "none.csv: no such file",
     'softsign = { points = "own.csv" }': "own.csv: no column 'x'",
     'softsign = { points = "" }': "functions.softsign.points: got '', expected",

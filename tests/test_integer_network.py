@@ -14,7 +14,7 @@ from golden.dense import ACTIVATIONS, Dense, Quantiser, Trained, network_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
 from golden.engine.integer_network import (
     IntegerLayer,
-    Rounding,
+    LayerRounding,
     evaluate,
     sample_words,
 )
@@ -121,17 +121,17 @@ def test_a_quantised_network_does_not_see_the_half_unit_of_an_earlier_output() -
 @pytest.mark.parametrize(
     ("rounding", "expected"),
     [
-        (Rounding.UP, [-2, -1, -1, 0, 0, 0, 1, 1, 2, 2]),
-        (Rounding.EVEN, [-2, -2, -1, 0, 0, 0, 0, 1, 2, 2]),
-        (Rounding.DOWN, [-2, -2, -2, -1, -1, 0, 0, 0, 1, 2]),
+        (LayerRounding.UP, [-2, -1, -1, 0, 0, 0, 1, 1, 2, 2]),
+        (LayerRounding.EVEN, [-2, -2, -1, 0, 0, 0, 0, 1, 2, 2]),
+        (LayerRounding.DOWN, [-2, -2, -2, -1, -1, 0, 0, 0, 1, 2]),
     ],
 )
-def test_a_sum_is_rounded_as_its_layer_says(rounding: Rounding, expected: list[int]) -> None:
+def test_a_sum_is_rounded_as_its_layer_says(rounding: LayerRounding, expected: list[int]) -> None:
     """In quarters of a code: -8, -6, -5, -2, -1, 0, 2, 3, 6 and 8."""
     layer = IntegerLayer(((1,),), (0,), RESULT, shift=2, rounding=rounding)
     sums = [-8, -6, -5, -2, -1, 0, 2, 3, 6, 8]
     assert [layer.rounded(total) for total in sums] == expected
-    if rounding is Rounding.EVEN:
+    if rounding is LayerRounding.EVEN:
         assert expected == [round(Fraction(total, 4)) for total in sums]
 
 
@@ -141,9 +141,9 @@ def test_a_code_is_clipped_and_moved_to_its_place() -> None:
     assert sums == [14, -12]
     assert [layer.code(total) for total in sums] == [7, 0]
     assert [layer.code(total) for total in (29, 40)] == [15, 15]
-    assert layer.given([7, 0], 9) == [7 << 13, 0]
+    assert layer.words_for_next_layer([7, 0], 9) == [7 << 13, 0]
     leaky = IntegerLayer(((1,), (1,)), (0, 0), RESULT, leaky=True)
-    assert leaky.given([7, -7], 9) == [7, 7, -7, 0]
+    assert leaky.words_for_next_layer([7, -7], 9) == [7, 7, -7, 0]
 
 
 def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
@@ -155,9 +155,9 @@ def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
     ]
     (whole,) = integer_networks("single", [network_of(layers)])
     layer, last = whole.layers
-    assert (layer.rounding, layer.low, layer.high, layer.cut) == (Rounding.EVEN, 0, 7, 14)
+    assert (layer.rounding, layer.low, layer.high, layer.cut) == (LayerRounding.EVEN, 0, 7, 14)
     assert layer.shift == DROPPED + layer.cut
-    assert last.rounding is Rounding.DOWN
+    assert last.rounding is LayerRounding.DOWN
     samples = np.array([[-1.0], [-0.5], [-0.25], [0.0], [0.25], [0.5], [0.75]])
     frames, _ = SIGNAL.quantise(samples)
     # (x + 1/8) / (1/4) + 2: -1.5, 0.5, 1.5, 2.5, 3.5, 4.5 and 5.5

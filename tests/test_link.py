@@ -165,7 +165,7 @@ def test_a_scene_has_a_line(tmp_path) -> None:
         (
             CLOCK,
             f"{PART}[uart]\nbaud = 900_000\n",
-            "uart.baud: got 900000, expected within 2 % of a whole part of 4 MHz, such as 1e",
+            "uart.baud: got 900000, expected within 2 % of 4 MHz divided by a whole number, such",
         ),
         (
             CLOCK,

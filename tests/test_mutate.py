@@ -19,13 +19,14 @@ from golden.input_error import InputError
 from golden.store import VARIABLE
 from tb.common.collected import BENCHES
 from tb.common.runner import run_job
+from tb.report.page.sign_off import percent
 from tb.sign_off.current import of_this_verilog
 from tb.sign_off.mutate import flat
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
-from tb.sign_off.mutate.score import Subject, prepare, run_bench
+from tb.sign_off.mutate.score import COUNT, Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import RECORDS, read_record
@@ -217,3 +218,16 @@ def test_the_processor_time_is_that_of_what_was_started_too() -> None:
 def test_scores_are_found_every_night() -> None:
     workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text()
     assert "- run: make mutate ALL=1 RECORD=1\n" in workflow
+    assert "- run: make mutate SEED=${{ github.run_number }}\n" in workflow
+
+
+def test_the_page_tells_how_sure_a_score_is() -> None:
+    """The limits are those of the binomial distribution: 0.025 is left on either side."""
+    facts = {"mutants": COUNT, "same": 7, "explained": 3, "killed": 189, "score": 0.9947}
+    score, low = re.fullmatch(r"(\S+ %) \((\S+) to 100 %\)", percent(facts)).groups()
+    assert score == "99.5 %"
+    chance = float(low) / 100
+    lost = 1 - chance
+    at_least = chance**190 + 190 * chance**189 * lost
+    assert at_least == pytest.approx(0.025, rel=0.1)
+    assert percent({"mutants": 31, "score": 1}) == "100 %"

@@ -202,7 +202,7 @@ def adders(request: pytest.FixtureRequest, shared: Shared) -> AdderGraph:
 
 
 def matrices(design: AdderGraph) -> list[ConstantMatrix]:
-    return [design.first, design.second]
+    return [*design.layers]
 
 
 def test_bits_are_cut_as_the_page_says(adders: AdderGraph) -> None:
@@ -244,7 +244,7 @@ def test_the_page_shows_lines_of_a_listing_of_adders() -> None:
     name, text = re.search(r"`make listing SCENE=([\w-]+)`:\n\n```\n(.*?)```", page, re.S).groups()
     shown = [line for line in text.splitlines() if line != "..."]
     assert len(shown) > 5
-    lines = listing(load_scene(name).twin().core.first)
+    lines = listing(load_scene(name).twin().core.layers[0])
     assert [line for line in lines if line in shown] == shown
 
 
@@ -255,12 +255,13 @@ def test_the_sums_of_an_adder_graph() -> None:
     (mlp,) = scene.mlps()
     constants = constants_of(mlp, scene.settings())
     first, second = constants.first, constants.second
-    assert core.first.weights == first.weights
-    assert core.first.biases == tuple(bias * 2**13 for bias in first.biases)
-    assert core.first.out_shift == first.fmt.frac - 1
-    shift = core.second.out_shift
+    hidden, outputs = core.layers
+    assert hidden.weights == first.weights
+    assert hidden.biases == tuple(bias * 2**13 for bias in first.biases)
+    assert hidden.out_shift == first.fmt.frac - 1
+    shift = outputs.out_shift
     assert shift == second.fmt.frac + 1
-    assert core.second.biases == tuple(
+    assert outputs.biases == tuple(
         bias * 2**14 + sum(row) // 2 + 2 ** (shift - 1)
         for row, bias in zip(second.weights, second.biases, strict=True)
     )

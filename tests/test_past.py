@@ -247,7 +247,7 @@ def test_the_digit_has_no_past() -> None:
 REFUSED = {
     "window = []": "data.window: got [], expected whole numbers of frames, such as [0, 4, 8]",
     "window = [0, 1.5]": "data.window: got [0, 1.5], expected whole numbers of frames",
-    "window = [true]": "data.window: got [True], expected whole numbers of frames",
+    "window = [true]": "data.window: got [true], expected whole numbers of frames",
     "window = 4": "data.window: got 4, expected a list or a table",
     "window = [0, -1]": "data.window: got [0, -1], expected delays from 0 to 65536",
     "window = [0, 65537]": "data.window: got [0, 65537], expected delays from 0 to 65536",
@@ -257,7 +257,7 @@ REFUSED = {
     "window = { x0 = 3 }": "data.window.x0: got 3, expected whole numbers of frames",
     "window = { x0 = [4, 0] }": "data.window.x0: got [4, 0], expected ascending delays",
     "window = [0, 1]": "training.split: got 'random' with a data.window, expected 'blocks' or",
-    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got {'x0': 1} with a data.window",
+    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got { x0 = 1 } with a data.window",
 }
 
 

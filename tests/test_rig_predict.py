@@ -282,7 +282,7 @@ def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n")
     with pytest.raises(
         InputError,
-        match=r"is read, expected|got a folder, expected",
+        match=r"is read by this command, expected|got a folder, expected",
     ):
         check_place(scene, source, scene.path.parent / name)
     check_place(scene, source, scene.path.parent / "out.csv")

@@ -159,7 +159,7 @@ def test_page_and_schema_are_those_of_the_declaration() -> None:
             RIGS / "digit.toml",
             {"count = 3\n": "", "length_mm = 228.6": "length_mm = true", '"mean"': '"maen"'},
             [
-                "beam.length_mm: got True, expected a number, 1e-06 to 1000000",
+                "beam.length_mm: got true, expected a number, 1e-06 to 1000000",
                 "gauges.count: missing, expected a whole number, 1 to 32",
                 "errors.objective: got 'maen', expected mean or worst; did you mean 'mean'?",
             ],

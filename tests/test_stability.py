@@ -15,10 +15,12 @@ from golden.activation.abs_unit import AbsUnit
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.sign_retriever import SignRetriever
 from golden.engine.formats import DROPPED
+from golden.engine.graph import Graph
 from golden.engine.program import Program
 from golden.fixed import Fix
 from golden.layers import input_integral
 from golden.layers.weighted_sum import WeightedSum
+from golden.networks import engine
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.physics.plate import Plate
@@ -227,6 +229,21 @@ def test_a_fault_in_several_layers_says_no(monkeypatch, fault: str, cases, figur
     else:
         monkeypatch.setattr(Engine, "process", _halves_up(Engine.process))
     assert ("deep engine", figure) in broken(cases)
+
+
+@pytest.mark.parametrize(
+    ("least", "figure"),
+    [
+        ("LEAST_ACC_WIDTH", "bits of the sum"),
+        ("WHOLE_ACC_WIDTH", "bits of the sum, all nodes built"),
+    ],
+)
+def test_an_accumulator_that_is_too_narrow_says_no(monkeypatch, least: str, figure: str) -> None:
+    """Lean and whole engines take the width of their sums from the same place."""
+    right = Graph.sum_bits
+    monkeypatch.setattr(Graph, "sum_bits", lambda self, table: right(self, table) - 2)
+    monkeypatch.setattr(engine, least, 0)
+    assert ("deep engine", figure) in broken(layered.ends)
 
 
 def _halves_up(right):

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from golden.activation.abs_unit import AbsUnit
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.g_memory import GMemory
 from golden.activation.grad_eqn import GradEqn
 from golden.activation.i_memory import IMemory
+from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import SegmentTable, gradient_real, segment_table
-from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Rounding
 from golden.precision import SIGNAL, Precision
 
 
 @dataclass(frozen=True)
-class Gradient(ActivationBlock):
+class Gradient(OddActivation):
     """r = tanh(Q qbar), approximated by straight segments (thesis section 5.4.3, Figure 5.10).
 
     Parameters
@@ -49,10 +47,6 @@ class Gradient(ActivationBlock):
     rounding: Rounding
 
     @property
-    def abs_unit(self) -> AbsUnit:
-        return AbsUnit(self.in_fmt)
-
-    @property
     def comparator_bank(self) -> ComparatorBank:
         return ComparatorBank(self.abs_unit.mag_width, self.table.thresholds, variant=self.variant)
 
@@ -80,10 +74,6 @@ class Gradient(ActivationBlock):
             self.rounding,
             variant=self.variant,
         )
-
-    @property
-    def sign_retriever(self) -> SignRetriever:
-        return SignRetriever(self.out_fmt)
 
     @property
     def latency(self) -> int:

@@ -9,12 +9,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.abs_unit import AbsUnit
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below
-from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Rounding, cut
 from golden.input_error import InputError
@@ -47,7 +45,7 @@ def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 @dataclass(frozen=True)
-class Lut(ActivationBlock):
+class Lut(OddActivation):
     """r = tanh(Q qbar), read from a table (thesis section 4.5.2.3.4).
 
     Word n holds tanh(3.5 n / 128) and stands for 3.5 n / 128 <= q < 3.5 (n + 1) / 128; from 3.5 on
@@ -79,16 +77,8 @@ class Lut(ActivationBlock):
     thresholds: tuple[int, ...]
 
     @property
-    def abs_unit(self) -> AbsUnit:
-        return AbsUnit(self.in_fmt)
-
-    @property
     def comparator_bank(self) -> ComparatorBank:
         return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
-
-    @property
-    def sign_retriever(self) -> SignRetriever:
-        return SignRetriever(self.out_fmt)
 
     @property
     def addr_width(self) -> int:

@@ -9,11 +9,9 @@ from math import floor
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.abs_unit import AbsUnit
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Option, Scheme
-from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
 from golden.input_error import InputError
@@ -151,7 +149,7 @@ class PadeFormats:
 
 
 @dataclass(frozen=True)
-class Pade(ActivationBlock):
+class Pade(OddActivation):
     """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
 
     d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, which takes one
@@ -203,16 +201,8 @@ class Pade(ActivationBlock):
         return self.iterations
 
     @property
-    def abs_unit(self) -> AbsUnit:
-        return AbsUnit(self.in_fmt)
-
-    @property
     def comparator_bank(self) -> ComparatorBank:
         return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
-
-    @property
-    def sign_retriever(self) -> SignRetriever:
-        return SignRetriever(self.out_fmt)
 
     @property
     def q_width(self) -> int:

@@ -8,12 +8,10 @@ from math import ldexp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.activation.abs_unit import AbsUnit
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below, nearest
-from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Fix, Rounding, cut, signed_width
 from golden.input_error import InputError
@@ -70,7 +68,7 @@ class PolynomialFormats:
 
 
 @dataclass(frozen=True)
-class Polynomial(ActivationBlock):
+class Polynomial(OddActivation):
     """r = tanh(Q qbar), approximated by two quadratics (thesis section 4.5.2.3.2, Figure 4.19).
 
     It computes (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28. From 3.5
@@ -107,16 +105,8 @@ class Polynomial(ActivationBlock):
     rounding: Rounding
 
     @property
-    def abs_unit(self) -> AbsUnit:
-        return AbsUnit(self.in_fmt)
-
-    @property
     def comparator_bank(self) -> ComparatorBank:
         return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
-
-    @property
-    def sign_retriever(self) -> SignRetriever:
-        return SignRetriever(self.out_fmt)
 
     @property
     def square_shift(self) -> int:

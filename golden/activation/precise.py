@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.activation.abs_unit import AbsUnit
-from golden.activation.activation_block import ActivationBlock
+from golden.activation.odd_activation import OddActivation
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
 from golden.activation.scheme import Option, Scheme
-from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
@@ -25,7 +23,7 @@ STAGES = 5
 
 
 @dataclass(frozen=True)
-class Precise(ActivationBlock):
+class Precise(OddActivation):
     """r = tanh(q), approximated by a parabola in each segment, on one multiplier.
 
     Let the magnitude m of q lie in segment s, let x be its distance from the middle of the segment,
@@ -87,14 +85,6 @@ class Precise(ActivationBlock):
         """The coefficients of the words kept."""
         whole, kept = self.whole, slice(self.words)
         return CurveTable(whole.intercepts[kept], whole.gradients[kept], whole.curves[kept])
-
-    @property
-    def abs_unit(self) -> AbsUnit:
-        return AbsUnit(self.in_fmt)
-
-    @property
-    def sign_retriever(self) -> SignRetriever:
-        return SignRetriever(self.out_fmt)
 
     @property
     def memory_latency(self) -> int:

@@ -10,12 +10,11 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.activation.pade import DENOMINATOR, fraction
 from golden.input_error import InputError
-
-Real = NDArray[np.float64]
+from golden.real import Real
 
 
 def taylor(q: ArrayLike) -> Real:

@@ -17,14 +17,14 @@ from fractions import Fraction
 
 from golden.dense import Dense
 from golden.engine.formats import WIDTH
-from golden.engine.integer_network import Rounding
+from golden.engine.integer_network import LayerRounding
 from golden.fixed import Fix
 from golden.input_error import InputError
 
 # At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2
 # Halves are rounded away from 0 only where no code is below it, so upwards.
-ROUNDINGS = {"even": Rounding.EVEN, "away": Rounding.UP, "floor": Rounding.DOWN}
+ROUNDINGS = {"even": LayerRounding.EVEN, "away": LayerRounding.UP, "floor": LayerRounding.DOWN}
 # What a scene may say where an exact network is not possible.
 OR_NEAREST = ', or network.quantised = "nearest"'
 
@@ -39,7 +39,7 @@ class Grid:
         Format of the words, which are differences from the lowest code.
     cut : int
         How many of the lowest bits of a word are 0.
-    rounding : Rounding
+    rounding : LayerRounding
     lowest : Fraction
         The value of the lowest code.
     factor : Fraction
@@ -50,7 +50,7 @@ class Grid:
 
     result: Fix
     cut: int
-    rounding: Rounding
+    rounding: LayerRounding
     lowest: Fraction
     factor: Fraction = Fraction(1)
     nearest: bool = False

@@ -24,7 +24,7 @@ from golden.fixed import Codes, Fix
 from golden.function import Function
 
 
-class Rounding(Enum):
+class LayerRounding(Enum):
     """What the dropped bits of a sum do to its code."""
 
     UP = "to the nearest code, halves up"
@@ -46,7 +46,7 @@ class IntegerLayer:
         Format of the words that its codes become.
     shift : int
         How many of the lowest bits of a sum are dropped.
-    rounding : Rounding
+    rounding : LayerRounding
     low, high : int
         The ends to which codes are clipped; a ReLU has 0 as its low end.
     cut : int
@@ -63,7 +63,7 @@ class IntegerLayer:
     starts: tuple[int, ...]
     result: Fix
     shift: int = DROPPED
-    rounding: Rounding = Rounding.UP
+    rounding: LayerRounding = LayerRounding.UP
     low: int = RESULT.low
     high: int = RESULT.high
     cut: int = 0
@@ -91,16 +91,16 @@ class IntegerLayer:
         """The code of a sum, before it is clipped."""
         code, rest = divmod(total, 1 << self.shift)
         twice, whole = 2 * rest, 1 << self.shift
-        if self.rounding is Rounding.DOWN:
+        if self.rounding is LayerRounding.DOWN:
             return code
-        halfway_up = self.rounding is Rounding.UP or code % 2 == 1
+        halfway_up = self.rounding is LayerRounding.UP or code % 2 == 1
         return code + (twice > whole or (twice == whole and halfway_up))
 
     def code(self, total: int) -> int:
         """The code of a sum."""
         return max(self.low, min(self.high, self.rounded(total)))
 
-    def given(self, codes: Sequence[int], segment_width: int) -> list[int]:
+    def words_for_next_layer(self, codes: Sequence[int], segment_width: int) -> list[int]:
         """The words that the next layer takes."""
         words = [code << self.cut for code in codes]
         if self.leaky:
@@ -137,7 +137,7 @@ class IntegerNetwork:
             sums = layer.sums(words)
             codes = [layer.code(total) for total in sums]
             yield sums, codes
-            words = layer.given(codes, self.segment_width)
+            words = layer.words_for_next_layer(codes, self.segment_width)
 
     def hidden_codes(self, frames: Codes) -> list[Codes]:
         """The codes of each hidden layer, shape (frames, nodes), for frames of samples alone."""

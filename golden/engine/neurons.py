@@ -8,7 +8,7 @@ from dataclasses import replace
 from golden.engine.formats import DROPPED, RESULT, WIDTH, coeff_frac
 from golden.engine.function_table import format_of
 from golden.engine.graph import Graph, Kind, Neuron, Term, start_of
-from golden.engine.integer_network import IntegerLayer, IntegerNetwork, Rounding
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
 from golden.input_error import InputError
 
@@ -101,7 +101,7 @@ def _outputs(layers: Sequence[IntegerLayer]) -> list[bool]:
 
 def _biases(layer: IntegerLayer, output: bool) -> list[tuple[int, int]]:
     """The bias of each node, and what remains of the start of its sum below the unit of a bias."""
-    half = 0 if layer.rounding is Rounding.DOWN else 1 << (layer.shift - 1)
+    half = 0 if layer.rounding is LayerRounding.DOWN else 1 << (layer.shift - 1)
     return [divmod(start + half - start_of(output), 1 << DROPPED) for start in layer.starts]
 
 
@@ -134,7 +134,7 @@ def _check_quantisers(layers: Sequence[IntegerLayer]) -> None:
     InputError
     """
     kinds = {
-        (WIDTH - 1 - layer.cut, layer.rounding is Rounding.EVEN) if layer.cut else None
+        (WIDTH - 1 - layer.cut, layer.rounding is LayerRounding.EVEN) if layer.cut else None
         for layer in layers
         if layer.rectifies or layer.leaky
     }
@@ -165,7 +165,7 @@ def _node(
         itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))
         yield Neuron(f"{name} relu", layer.result, (itself,), relu=True)
     else:
-        even = layer.rounding is Rounding.EVEN
+        even = layer.rounding is LayerRounding.EVEN
         yield Neuron(name, layer.result, terms, False, layer.rectifies, layer.cut, even)
 
 

@@ -35,7 +35,7 @@ from golden.engine.formats import (
 )
 from golden.engine.function_table import SEGMENT_WIDTH, format_of
 from golden.engine.grid import OR_NEAREST, Grid, grid_of
-from golden.engine.integer_network import IntegerLayer, IntegerNetwork, Rounding
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.fixed import Fix
 from golden.function import TANH, Function
@@ -103,7 +103,7 @@ class Exact:
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlannedLayer:
     """One layer on its way into whole numbers.
 
     Parameters
@@ -171,7 +171,7 @@ def first_values(samples: int, earlier: int) -> list[Value]:
     return found + [Value(k, one, RESULT, _LOW, _HIGH, earlier=True) for k in more]
 
 
-def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[Planned]:
+def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[PlannedLayer]:
     """Every layer of a network whose inputs are ``values``, in codes and formats.
 
     ``met`` is what ``met_by`` finds on recorded frames; without it every range is from bounds.
@@ -181,12 +181,12 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
     InputError
         When the sums of a layer are too large for any format, and see ``grid_of`` and ``_codes``.
     """
-    found: list[Planned] = []
+    found: list[PlannedLayer] = []
     for number, exact in enumerate(exact_layers(network), start=1):
         with naming(f"layer {number}"):
             layer = _layer(exact, values, met[number - 1] if met and not exact.output else 0.0)
-        values = _given(exact, layer, values)
-        found.append(Planned(exact, layer, values))
+        values = _values_for_next_layer(exact, layer, values)
+        found.append(PlannedLayer(exact, layer, values))
     return found
 
 
@@ -295,7 +295,7 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
         codes,
         tuple(begun),
         result,
-        rounding=Rounding.DOWN if exact.output else Rounding.UP,
+        rounding=LayerRounding.DOWN if exact.output else LayerRounding.UP,
         low=0 if exact.activation == "relu" else _LOW,
         leaky=exact.activation == "leaky_relu",
         functions=exact.functions,
@@ -350,7 +350,9 @@ def _ends(layer: IntegerLayer, values: Sequence[Value]) -> tuple[list[int], list
     return low, high
 
 
-def _given(exact: Exact, layer: IntegerLayer, values: Sequence[Value]) -> list[Value]:
+def _values_for_next_layer(
+    exact: Exact, layer: IntegerLayer, values: Sequence[Value]
+) -> list[Value]:
     """The words that a layer gives to the next layer."""
     found = []
     one = Fraction(1)

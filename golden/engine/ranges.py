@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.dense import Trained, layers_of
+from golden.dense import Trained, passed
 from golden.fixed import Fix
 from golden.real import Real
 
@@ -85,16 +85,10 @@ def met_by(network: Trained, inputs: Real) -> tuple[float, ...]:
     inputs : float array, shape (frames, inputs)
         Inputs of the network, as signals.
     """
-    found, values = [], inputs
-    for layer in layers_of(network)[:-1]:
-        # Sums that no float holds fit in no format either.
-        with np.errstate(over="ignore", invalid="ignore"):
-            sums = values @ layer.weights.T + layer.biases
-            values, _ = layer.activate(sums)
-        # A node with leaky ReLU stores its sum.
-        words = sums if layer.activation == "leaky_relu" else values
-        # Six digits, because the last bits of a sum depend on the machine.
-        found.append(float(f"{np.abs(words).max(initial=0.0):.6g}"))
-        if layer.quantiser:
-            values = layer.quantiser.process(values)
-    return tuple(found)
+    # Sums that no float holds fit in no format either.
+    with np.errstate(over="ignore", invalid="ignore"):
+        *hidden, _ = passed(network, inputs)
+    # A node with leaky ReLU stores its sum.
+    words = (p.sums if p.layer.activation == "leaky_relu" else p.values for p in hidden)
+    # Six digits, because the last bits of a sum depend on the machine.
+    return tuple(float(f"{np.abs(w).max(initial=0.0):.6g}") for w in words)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax
+from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, group, output_port
@@ -72,7 +72,7 @@ class Readout(Network):
     @property
     def argmax(self) -> Argmax | None:
         """The part that finds the largest output, where there is one."""
-        return Argmax(SIGNAL, self.outputs) if self.decides else None
+        return argmax_of_signals(self.outputs, self.decides)
 
     @property
     def inputs(self) -> int:

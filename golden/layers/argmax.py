@@ -12,6 +12,7 @@ from golden.border import Border, State
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
@@ -134,3 +135,14 @@ class Argmax(Block):
             )
         ordered = np.sort(codes, axis=-1)
         return codes.argmax(axis=-1), ordered[..., -1] - ordered[..., -2]
+
+
+def argmax_of_signals(outputs: int, decides: bool) -> Argmax | None:
+    """What finds the largest of a network's outputs; None if nothing is to decide.
+
+    Raises
+    ------
+    InputError
+        See ``Argmax``.
+    """
+    return Argmax(SIGNAL, outputs) if decides else None

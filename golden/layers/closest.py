@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from golden.fixed import Codes, Fix
+from golden.fixed import Codes
+from golden.layers.shift_add import Ends
 
 # How often all samples but two are chosen at random. Each choice leaves 2**28 pairs for the other
 # two samples, so that few sums are missed.
@@ -12,7 +13,7 @@ CHOICES = 400
 
 
 def closest(
-    fmt: Fix,
+    ends: Ends,
     weights: Codes,
     start: int,
     shift: int,
@@ -28,8 +29,8 @@ def closest(
 
     Parameters
     ----------
-    fmt : Fix
-        Format of the samples.
+    ends : tuple of tuple of int
+        For each sample its least and its largest value.
     weights : int64 array
     start : int
         Number to which the products are added.
@@ -48,19 +49,19 @@ def closest(
     """
     row = np.asarray(weights, dtype=np.int64)
     places = np.flatnonzero(row)
-    codes = np.arange(fmt.low, fmt.high + 1)
     # Products without dropped bits differ by multiples of this step, so no sum is closer than
     # ``least``.
     step = 1 if shift else max(1, int(np.gcd.reduce(row)))
     least = (start - target if above else target - start) % step
     best, found = None, None
     for _ in range(CHOICES if len(places) > 2 else 1):
-        frame = _others(fmt, row, start, shift, target, rng)
+        frame = _others(ends, row, start, shift, target, rng)
         pair = rng.choice(places, min(2, len(places)), replace=False)
         frame[pair] = 0
         need = target - start - int(((row * frame) >> shift).sum())
+        codes = [np.arange(ends[k][0], ends[k][1] + 1) for k in pair]
         first, second = (
-            ((row[pair[n]] * codes) >> shift if len(pair) > n else np.zeros(1, dtype=np.int64))
+            ((row[pair[n]] * codes[n]) >> shift if len(pair) > n else np.zeros(1, dtype=np.int64))
             for n in (1, 0)
         )
         gap, at_first, at_second = _closest_pair(first, second, need, above, rng)
@@ -69,7 +70,7 @@ def closest(
         best, found = gap, frame
         for n, at in ((1, at_first), (0, at_second)):
             if len(pair) > n:
-                found[pair[n]] = codes[at]
+                found[pair[n]] = codes[n][at]
         if best == least:
             break
     return found
@@ -99,11 +100,14 @@ def _closest_pair(
 
 
 def _others(
-    fmt: Fix, row: Codes, start: int, shift: int, target: int, rng: np.random.Generator
+    ends: Ends, row: Codes, start: int, shift: int, target: int, rng: np.random.Generator
 ) -> Codes:
-    """Random samples that are about as far from zero as the target requires."""
-    span = max(1.0, float(np.abs(row).sum()) * -fmt.low / 2**shift)
-    part = float(np.clip((target - start) / span, -1, 1))
+    """Random samples that are about as far from the middle of their ends as the target requires."""
+    low, high = np.array(ends, dtype=np.float64).T
+    middle, half = (low + high + 1) / 2, (high - low + 1) / 2
+    span = max(1.0, float((np.abs(row) * half).sum()) / 2**shift)
+    part = float(np.clip((target - start - (row * middle).sum() / 2**shift) / span, -1, 1))
     noise = rng.uniform(-1, 1, len(row)) * (1 - abs(part))
-    real = (part * np.sign(row) + noise) * -fmt.low
-    return np.clip(np.round(real), fmt.low, fmt.high).astype(np.int64)
+    real = middle + (part * np.sign(row) + noise) * half
+    found: Codes = np.clip(np.round(real), low, high).astype(np.int64)
+    return found

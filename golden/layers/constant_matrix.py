@@ -16,18 +16,39 @@ from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
 from golden.layers.closest import closest
 from golden.layers.sharing import Matrix, shared
-from golden.layers.shift_add import Row, ShiftAdd, clocks_of
+from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
 from golden.port import CLOCK, Port, group, input_port, output_port
 from golden.precision import FACTOR_LIMIT
 
 # Dropped bits move a result by a unit or so, so a sum in the middle between two results may still
 # miss the wanted one.
 TRIES = 6
+# Twins compute in 64 bits.
+_MOST_WIDTH = 62
+
+
+@dataclass(frozen=True)
+class Finish:
+    """What becomes of a row's sum besides being cut and saturated.
+
+    Parameters
+    ----------
+    rectified : bool
+        A result below 0 becomes 0, which is a ReLU.
+    even : bool
+        If all bits that the result drops are 0, the last bit of the result becomes 0. If half a
+        unit of the result is part of the bias, this rounds halves to the even result.
+    """
+
+    rectified: bool = False
+    even: bool = False
 
 
 @dataclass(frozen=True)
 class ConstantMatrix(Block):
-    """y_i = floor((b_i + sum_k w_ik x_k) / 2**out_shift), except for dropped bits; saturated.
+    """y_i = floor((b_i + sum_k w_ik x_k) / 2**out_shift), except for dropped bits; then finished.
+
+    A result is saturated. A row may have more of a finish; see ``Finish``.
 
     Parameters
     ----------
@@ -44,6 +65,11 @@ class ConstantMatrix(Block):
         before the addition.
     adders_per_clock : int
         Most adders in series between two registers.
+    finishes : tuple of Finish
+        One for each row; empty for results that are saturated alone.
+    in_ends : tuple of tuple of int
+        For each sample its least and its largest code; empty for those of ``in_fmt``. No other code
+        may come.
 
     Notes
     -----
@@ -57,7 +83,8 @@ class ConstantMatrix(Block):
     Raises
     ------
     InputError
-        For rows of unequal length, or numbers that are out of range.
+        For rows of unequal length, for numbers that are out of range, and for sums of more than 62
+        bits.
     """
 
     block = "constant_matrix"
@@ -69,6 +96,8 @@ class ConstantMatrix(Block):
     out_shift: int
     guard: int
     adders_per_clock: int
+    finishes: tuple[Finish, ...] = ()
+    in_ends: Ends = ()
 
     def __post_init__(self) -> None:
         if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
@@ -84,6 +113,25 @@ class ConstantMatrix(Block):
         ):
             if value < least:
                 raise InputError(f"{self.entity}: got {name}={value}, expected {least} or more")
+        for name, count, expected in (
+            ("finishes", len(self.finishes), len(self.weights)),
+            ("in_ends", len(self.in_ends), self.inputs),
+        ):
+            if count not in (0, expected):
+                raise InputError(f"{self.entity}: got {count} {name}, expected {expected} or none")
+        outside = [
+            e for e in self.in_ends if not self.in_fmt.low <= e[0] <= e[1] <= self.in_fmt.high
+        ]
+        if outside:
+            raise InputError(
+                f"{self.entity}: got in_ends {outside[0]}, expected codes of {self.in_fmt}, the "
+                "least first"
+            )
+        width = max(map(signed_width, self.sum_ends))
+        if width > _MOST_WIDTH:
+            raise InputError(
+                f"{self.entity}: got sums of {width} bits, expected {_MOST_WIDTH} at most"
+            )
         most = max(abs(bias) >> self.place for bias in self.biases)
         if most >= FACTOR_LIMIT >> 1:
             raise InputError(
@@ -102,24 +150,44 @@ class ConstantMatrix(Block):
         return max(0, self.out_shift - self.guard)
 
     @property
+    def sample_ends(self) -> Ends:
+        """For each sample its least and its largest code."""
+        return self.in_ends or ((self.in_fmt.low, self.in_fmt.high),) * self.inputs
+
+    @property
+    def sum_ends(self) -> list[tuple[int, int]]:
+        """For each row the least and the largest value of its exact sum."""
+        pairs = zip(self.weights, self.biases, strict=True)
+        return [sum_ends(row, bias, self.sample_ends) for row, bias in pairs]
+
+    @property
     def graph(self) -> ShiftAdd:
         """The graph of adders."""
-        samples = self.in_fmt.low, self.in_fmt.high
-        matrix = Matrix(self.weights, self.biases, *samples, self.place)
-        return shared(matrix, self.adders_per_clock, int(self.saturates))
+        matrix = Matrix(self.weights, self.biases, self.sample_ends, self.place)
+        return shared(matrix, self.adders_per_clock, self.finish_levels)
+
+    @property
+    def row_finishes(self) -> tuple[Finish, ...]:
+        """The finish of each row."""
+        return self.finishes or (Finish(),) * len(self.weights)
+
+    @property
+    def result_lows(self) -> tuple[int, ...]:
+        """For each row the least result."""
+        return tuple(0 if f.rectified else self.out_fmt.low for f in self.row_finishes)
 
     @property
     def saturates(self) -> bool:
-        """Whether a sum can exceed the result's format."""
-        for row, bias in zip(self.weights, self.biases, strict=True):
-            ends = [(w * self.in_fmt.low, w * self.in_fmt.high) for w in row]
-            low, high = (bias + sum(map(end, ends)) for end in (min, max))
-            if (
-                low >> self.out_shift < self.out_fmt.low
-                or high >> self.out_shift > self.out_fmt.high
-            ):
-                return True
-        return False
+        """Whether a sum can be below the least result of its row or above the largest."""
+        return any(
+            low >> self.out_shift < least or high >> self.out_shift > self.out_fmt.high
+            for least, (low, high) in zip(self.result_lows, self.sum_ends, strict=True)
+        )
+
+    @property
+    def finish_levels(self) -> int:
+        """How many levels of LUTs follow the last adder of a row, counted as adders."""
+        return int(self.saturates or any(finish.even for finish in self.row_finishes))
 
     @property
     def clocks(self) -> tuple[int, ...]:
@@ -128,7 +196,7 @@ class ConstantMatrix(Block):
 
     @property
     def latency(self) -> int:
-        levels = self.graph.depth + int(self.saturates)
+        levels = self.graph.depth + self.finish_levels
         return max(1, -(-levels // self.adders_per_clock))
 
     @property
@@ -156,7 +224,7 @@ class ConstantMatrix(Block):
 
     @property
     def result_bounds(self) -> tuple[tuple[int, int], ...]:
-        """The least and the largest value of each result before it saturates."""
+        """The least and the largest value of each result before it is finished."""
         bounds, found = self.graph.bounds, []
         for row in self.graph.rows:
             ends = [_result(row, end, self.drop(row)) for end in bounds[row.node]]
@@ -169,13 +237,34 @@ class ConstantMatrix(Block):
         return tuple(signed_width(ends) for ends in self.result_bounds)
 
     @property
+    def result_ends(self) -> Ends:
+        """The least and the largest value of each result."""
+        high, pairs = self.out_fmt.high, zip(self.result_lows, self.result_bounds, strict=True)
+        return tuple(
+            (min(high, max(low, least)), min(high, max(low, most))) for low, (least, most) in pairs
+        )
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        ends = [(f"in_data_{k}", "sample", self.in_fmt, e) for k, e in enumerate(self.in_ends)]
+        if self.finishes:
+            results = enumerate(self.result_ends)
+            ends += [(f"out_data_{i}", "result", self.out_fmt, e) for i, e in results]
+        return {
+            f"{port}={code}": f"this {what} is {low} to {high}"
+            for port, what, fmt, (low, high) in ends
+            for code in (fmt.low, fmt.high)
+            if not low <= code <= high
+        }
+
+    @property
     def ends(self) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
         """For each row, the frames that drive its sum to its lower and to its upper end."""
-        low, high = self.in_fmt.low, self.in_fmt.high
+        samples = self.sample_ends
         return tuple(
             (
-                tuple(high if w < 0 else low for w in row),
-                tuple(low if w < 0 else high for w in row),
+                tuple(e[w < 0] for w, e in zip(row, samples, strict=True)),
+                tuple(e[w >= 0] for w, e in zip(row, samples, strict=True)),
             )
             for row in self.weights
         )
@@ -196,19 +285,39 @@ class ConstantMatrix(Block):
         """
         return _beside(self, row, at)
 
+    def ties(self, row: int) -> Codes:
+        """Frames whose sum of a row lies half way between two results, if some are found.
+
+        In further frames a single bit of the sum says that it does not, next to an odd result.
+
+        Returns
+        -------
+        Codes, shape (frames, inputs)
+        """
+        return _ties(self, row)
+
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (frames,) = inputs
-        words = self.words(np.moveaxis(np.asarray(frames), -1, 0))
-        return {f"result {i}": word for i, word in enumerate(words)}
+        samples = np.moveaxis(np.asarray(frames), -1, 0)
+        found = {f"result {i}": word for i, word in enumerate(self.words(samples))}
+        numbers = self.graph.numbers(samples)
+        for i, (row, finish) in enumerate(zip(self.graph.rows, self.row_finishes, strict=True)):
+            if finish.even:
+                result, rest = _split(row, numbers[row.node], self.drop(row))
+                found[f"last bit of tie {i}"] = (result & 1)[rest == 0]
+        return found
 
     def drop(self, row: Row) -> int:
         """By how many places a row shifts the number of its node right to get the result."""
         return self.out_shift - row.shift - self.graph.lows[row.node]
 
     def words(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
-        """Results before they saturate, from the values of each sample."""
-        numbers = self.graph.numbers(samples)
-        return [_result(row, numbers[row.node], self.drop(row)) for row in self.graph.rows]
+        """Results before they saturate or are rectified, from the values of each sample."""
+        numbers, found = self.graph.numbers(samples), []
+        for row, finish in zip(self.graph.rows, self.row_finishes, strict=True):
+            result, rest = _split(row, numbers[row.node], self.drop(row))
+            found.append(result - (result & 1) * (rest == 0) if finish.even else result)
+        return found
 
     def process(self, frames: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (..., rows), for frames of samples, shape (..., inputs).
@@ -217,15 +326,19 @@ class ConstantMatrix(Block):
         ------
         InputError
             For a wrong last axis or a code outside ``in_fmt``.
+
+        Notes
+        -----
+        A code outside ``in_ends`` gives what the exact sum would, not what the hardware does.
         """
         x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
         words = np.stack(self.words(np.moveaxis(x, -1, 0)), axis=-1)
-        return np.clip(words, self.out_fmt.low, self.out_fmt.high)
+        return np.clip(words, self.result_lows, self.out_fmt.high)
 
     def exact(self, frames: Codes) -> Codes:
         """The same in Python's integers, which never overflow; see ``process``."""
         words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
-        clipped = np.clip(np.stack(words, axis=-1), self.out_fmt.low, self.out_fmt.high)
+        clipped = np.clip(np.stack(words, axis=-1), self.result_lows, self.out_fmt.high)
         return clipped.astype(np.int64)
 
 
@@ -234,15 +347,25 @@ def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
     """The values at which each row saturates."""
     found = []
     for i, ends in enumerate(matrix.ends):
-        least, most = (matrix.quantities(np.array(end))[f"result {i}"] for end in ends)
-        for side, at in (("below", matrix.out_fmt.low), ("above", matrix.out_fmt.high + 1)):
+        least, most = (matrix.quantities(np.array([end]))[f"result {i}"][0] for end in ends)
+        finish = matrix.row_finishes[i]
+        below = "is rectified" if finish.rectified else "saturates below"
+        for name, at in (
+            (below, matrix.result_lows[i]),
+            ("saturates above", matrix.out_fmt.high + 1),
+        ):
             within, why = 1, ""
             if least < at <= most:
                 words = matrix.quantities(matrix.beside(i, at))[f"result {i}"]
                 within = int(max(at - words[words < at].max(), words[words >= at].min() - at + 1))
             else:
                 why = f"result {i} is {least} to {most}"
-            found.append(Border(f"result {i} saturates {side}", f"result {i}", at, within, why))
+            found.append(Border(f"result {i} {name}", f"result {i}", at, within, why))
+        if finish.even:
+            tie = f"last bit of tie {i}"
+            bits = matrix.quantities(matrix.ties(i))[tie]
+            why = "" if len(np.unique(bits)) == 2 else "no frame of those tried gives both bits"
+            found.append(Border(f"result {i} becomes even", tie, 1, 1, why))
     return tuple(found)
 
 
@@ -252,10 +375,32 @@ def _beside(matrix: ConstantMatrix, row: int, at: int) -> Codes:
     found = list(matrix.ends[row])
     for word in (at - 1, at) * TRIES:
         middle = (word << matrix.out_shift) + ((1 << matrix.out_shift) >> 1)
-        frame = closest(matrix.in_fmt, weights, bias, 0, middle, word == at, rng)
+        frame = closest(matrix.sample_ends, weights, bias, 0, middle, word == at, rng)
         if frame is not None:
             found.append(tuple(frame.tolist()))
     return np.array(found)
+
+
+@lru_cache(maxsize=256)
+def _ties(matrix: ConstantMatrix, row: int) -> Codes:
+    weights, bias, rng = np.array(matrix.weights[row]), matrix.biases[row], np.random.default_rng(0)
+    low, high = matrix.result_ends[row]
+    words, unit = np.linspace(low, high, TRIES, dtype=np.int64).tolist(), 1 << matrix.out_shift
+    halfway = {near * unit for word in words for near in (word & ~1, word | 1)}
+    bits = [1 << place for place in range(matrix.out_shift)]
+    apart = {(exact | unit) + bit for exact in halfway for bit in bits}
+    found = []
+    for exact in sorted(halfway | apart):
+        frame = closest(matrix.sample_ends, weights, bias, 0, exact, True, rng)
+        if frame is not None and bias + int(frame @ weights) == exact:
+            found.append(frame)
+    return np.array(found, dtype=np.int64).reshape(-1, matrix.inputs)
+
+
+def _split(row: Row, number: Any, drop: int) -> tuple[Any, Any]:
+    """A row's result, and the bits that it drops, as a number from 0."""
+    rest = (~number if row.minus else number) & ((1 << max(0, drop)) - 1)
+    return _result(row, number, drop), rest
 
 
 def _result(row: Row, number: Any, drop: int) -> Any:

@@ -19,6 +19,12 @@ def listing(matrix: ConstantMatrix) -> list[str]:
         drop = matrix.drop(row)
         node = f"{'~' if row.minus else ''}n{row.node}"
         moved = f"{node} {'>>' if drop >= 0 else '<<'} {abs(drop)}"
+        finish = matrix.row_finishes[i]
+        if finish.even:
+            tie = f"{node} % {1 << max(0, drop)} == 0"
+            moved = f"({moved}) - (({moved}) & 1) * ({tie})"
+        if finish.rectified:
+            moved = f"({moved}) * ({node} >= 0)"
         rows.append((f"out_data_{i}", str(matrix.out_shift), moved))
     name, cut = (max(map(len, column)) for column in list(zip(*rows, strict=True))[:2])
     low, high = matrix.out_fmt.low, matrix.out_fmt.high

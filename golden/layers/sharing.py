@@ -15,7 +15,17 @@ from functools import lru_cache
 from random import Random
 
 from golden.fixed import signed_width
-from golden.layers.shift_add import Constant, Input, Node, Row, ShiftAdd, Sum, cut_back
+from golden.layers.shift_add import (
+    Constant,
+    Ends,
+    Input,
+    Node,
+    Row,
+    ShiftAdd,
+    Sum,
+    cut_back,
+    sum_ends,
+)
 from golden.signed_digits import signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.
@@ -37,11 +47,11 @@ PAIRS = 400_000
 class Growing:
     """A graph of sums that is still being extended."""
 
-    def __init__(self, inputs: int, low: int, high: int):
-        self.low, self.high = low, high
+    def __init__(self, ends: Ends):
+        self.ends, inputs = ends, len(ends)
         self.nodes: list[Node] = [Input(k) for k in range(inputs)]
         self.levels = [0] * inputs
-        self.widths = [signed_width((low, high))] * inputs
+        self.widths = [signed_width(pair) for pair in ends]
         # For each node its factors of all inputs, and its constant at the end.
         self._weights = [tuple(int(j == k) for j in range(inputs + 1)) for k in range(inputs)]
 
@@ -56,17 +66,15 @@ class Growing:
         return self._append(node, 1 + max(self.levels[node.low], self.levels[node.high]), weights)
 
     def _append(self, node: Node, level: int, weights: tuple[int, ...]) -> int:
-        ends = [(w * self.low, w * self.high) for w in weights[:-1]]
-        bounds = (weights[-1] + sum(map(min, ends)), weights[-1] + sum(map(max, ends)))
         self.nodes.append(node)
         self.levels.append(level)
-        self.widths.append(signed_width(bounds))
+        self.widths.append(signed_width(sum_ends(weights[:-1], weights[-1], self.ends)))
         self._weights.append(weights)
         return len(self.nodes) - 1
 
     def copy(self) -> Growing:
         """Another graph that begins with the same nodes."""
-        other = Growing(0, self.low, self.high)
+        other = Growing(self.ends)
         for name, values in vars(self).items():
             if isinstance(values, list):
                 setattr(other, name, list(values))
@@ -229,16 +237,15 @@ class Matrix:
         A row for each sum.
     biases : tuple of int
         The constant of each sum.
-    low, high : int
-        The least and the largest value of an input.
+    ends : tuple of tuple of int
+        For each input its least and its largest value.
     place : int
         The lowest bit position of a sum that is kept.
     """
 
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
-    low: int
-    high: int
+    ends: Ends
     place: int
 
 
@@ -262,7 +269,7 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
     pairs = sum(len(row) ** 2 for row in digits)
     found: dict[int, list[tuple[int, int, ShiftAdd]]] = defaultdict(list)
     for run in range(max(1, min(RUNS, PAIRS // max(1, pairs)))):
-        graph = Growing(len(matrix.weights[0]), matrix.low, matrix.high)
+        graph = Growing(matrix.ends)
         rows = [dict(row) for row in digits]
         Sharing(graph, rows, matrix.place, SPREADS[run % len(SPREADS)], Random(run)).run()
         clocks, least = max(1, -(-(least_depth(graph, rows) + spare) // levels)), 0
@@ -305,7 +312,7 @@ def finished(
     nodes = list(graph.nodes)
     for constant in constants:
         nodes[constant] = Constant(1)
-    made = cut_back(matrix.low, matrix.high, nodes, results, place)
+    made = cut_back(matrix.ends, nodes, results, place)
     values = [
         _constant(made, row, bias, place)
         for row, bias in zip(made.rows, matrix.biases, strict=True)

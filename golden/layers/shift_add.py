@@ -13,6 +13,9 @@ from functools import cached_property
 
 from golden.fixed import Codes, signed_width
 
+# For each input its least and its largest value.
+Ends = tuple[tuple[int, int], ...]
+
 
 @dataclass(frozen=True)
 class Input:
@@ -94,8 +97,8 @@ class ShiftAdd:
 
     Parameters
     ----------
-    low, high : int
-        The least and the largest value of an input.
+    ends : tuple of tuple of int
+        For each input its least and its largest value.
     nodes : tuple of Node
         All nodes; a sum comes after its operands.
     lows : tuple of int
@@ -104,8 +107,7 @@ class ShiftAdd:
     rows : tuple of Row
     """
 
-    low: int
-    high: int
+    ends: Ends
     nodes: tuple[Node, ...]
     lows: tuple[int, ...]
     rows: tuple[Row, ...]
@@ -113,7 +115,7 @@ class ShiftAdd:
     @property
     def inputs(self) -> int:
         """The number of inputs."""
-        return sum(isinstance(node, Input) for node in self.nodes)
+        return len(self.ends)
 
     def step(self, place: int) -> Alignment:
         """How the sum at index ``place`` is formed from the numbers of its operands."""
@@ -159,9 +161,7 @@ class ShiftAdd:
         """The range of each node."""
         found: list[Reach] = []
         for place, node in enumerate(self.nodes):
-            ends = [(w * self.low, w * self.high) for w in self.weights[place][:-1]]
-            start = self.weights[place][-1]
-            exact = Reach(start + sum(map(min, ends)), start + sum(map(max, ends)))
+            exact = Reach(*sum_ends(self.weights[place][:-1], self.weights[place][-1], self.ends))
             if isinstance(node, Sum):
                 exact = self._with_errors(exact, place, node, found)
             found.append(exact)
@@ -219,9 +219,13 @@ class ShiftAdd:
         return found
 
 
-def cut_back(
-    low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: int
-) -> ShiftAdd:
+def sum_ends(weights: Sequence[int], start: int, ends: Ends) -> tuple[int, int]:
+    """The least and the largest value of ``start`` and the products of weights and inputs."""
+    both = [(w * low, w * high) for w, (low, high) in zip(weights, ends, strict=True)]
+    return start + sum(map(min, both)), start + sum(map(max, both))
+
+
+def cut_back(ends: Ends, nodes: Sequence[Node], rows: Sequence[Row], least: int) -> ShiftAdd:
     """The graph without the bits that no row needs, where ``least`` is the lowest place to keep.
 
     Nodes that no row uses are left out.
@@ -249,8 +253,7 @@ def cut_back(
         return node
 
     return ShiftAdd(
-        low,
-        high,
+        ends,
         tuple(moved(nodes[n]) for n in kept),
         tuple((needed[n] or 0) if isinstance(nodes[n], Sum) else 0 for n in kept),
         tuple(Row(places[row.node], row.shift, row.minus) for row in rows),

@@ -129,7 +129,8 @@ class WeightedSum(Block):
         self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
     ) -> Codes | None:
         """Search samples whose sum is closest to ``target``; see ``golden.layers.closest``."""
-        return closest(self.in_fmt, row, start, self.product_shift, target, above, rng)
+        ends = ((self.in_fmt.low, self.in_fmt.high),) * len(row)
+        return closest(ends, row, start, self.product_shift, target, above, rng)
 
     def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
         """Exact sums, shape (..., rows), of checked samples, shape (..., inputs).

@@ -12,7 +12,7 @@ from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax
+from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
 from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.precision import SIGNAL
@@ -101,7 +101,7 @@ class PacketSender(Block):
     @property
     def argmax(self) -> Argmax | None:
         """What finds the largest output in front of this block, where a packet carries it."""
-        return Argmax(SIGNAL, self.outputs) if self.decides else None
+        return argmax_of_signals(self.outputs, self.decides)
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -29,6 +29,7 @@ from golden.files import (
 )
 from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
+from golden.network_files.classes import for_labels
 from golden.network_files.held import Held
 from golden.real import Real
 from golden.table import suggest
@@ -61,7 +62,10 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
 
 
 def load_network(
-    path: Path, shape: tuple[int, ...], functions: Mapping[str, Function] | None = None
+    path: Path,
+    shape: tuple[int, ...],
+    functions: Mapping[str, Function] | None = None,
+    labels: Sequence[str] = (),
 ) -> Trained:
     """Load the network at ``path``.
 
@@ -73,6 +77,8 @@ def load_network(
         the only number of hidden nodes, any number of layers and nodes is accepted.
     functions : mapping of str to Function
         The functions that an activation of the file may name, besides those that it defines.
+    labels : sequence of str, optional
+        The labels that the outputs stand for, in their order; see ``for_labels``.
 
     Raises
     ------
@@ -94,6 +100,8 @@ def load_network(
             f"{path}: got an array {beyond!r} and {len(held.activations)} activations, expected an "
             "activation for each layer but the last"
         )
+    if labels:
+        held = for_labels(path, held, labels)
     inputs, *hidden, outputs = shape
     if hidden == [0]:
         hidden = [np.size(held.arrays[name]) for name in held.names[1:-1:2]]

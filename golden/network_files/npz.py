@@ -70,7 +70,10 @@ def _quantiser(row: list[float]) -> Quantiser | None:
         return None
     scale, *others = row
     if not all(float(value).is_integer() for value in others) or not 0 <= others[3] < 3:
-        raise InputError(f"got {row}, expected a scale, three whole numbers, 0 to 2, and 0 or 1")
+        raise InputError(
+            f"got {row}, expected a scale, whole numbers for the zero point and both ends of the "
+            "codes, a rounding from 0 to 2, and 0 or 1"
+        )
     zero, low, high, rounding, before_zero = map(int, others)
     return Quantiser(scale, zero, low, high, ROUNDINGS[rounding], bool(before_zero))
 

@@ -334,7 +334,7 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         if attribute.name in ATTRIBUTES:
             field, kind = ATTRIBUTES[attribute.name]
             if attribute.type != kind:
-                raise chain.refuse(node, f"got another {attribute.name}, expected numbers")
+                raise chain.refuse(node, f"got {attribute.name} of another type, expected numbers")
             attributes[attribute.name] = getattr(attribute, field)
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:

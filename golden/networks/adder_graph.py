@@ -1,80 +1,134 @@
-"""Adder graph: a network of two layers without a multiplier, which takes a frame every clock."""
+"""Adder graph: a network of any depth without a multiplier, which takes a frame every clock."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite import MEMORY, Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.dense import Trained
+from golden.engine.quantise import integer_networks
+from golden.engine.ranges import Range
 from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
+from golden.mlp import Mlp
 from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import Design
+from golden.networks.network import CHUNK
 from golden.networks.settings import Settings
+from golden.networks.whole_layers import (
+    GUARD,
+    Chosen,
+    groups_of,
+    layer_name,
+    tabled,
+    whole_layers,
+)
+from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
 # The most adders between two registers, where a scene does not set it.
 ADDERS_PER_CLOCK = 5
-# Bits below the last place of q and of y that take part in the additions.
-GUARD = (1, 1)
 
 
 @dataclass(frozen=True)
 class AdderGraph(Design):
-    """y = f2(tanh(f1(x))); shifted adds form all sums of a layer together, without a multiplier.
+    """Layer after layer; shifted adds form all sums of a layer together, without a multiplier.
 
     Parameters
     ----------
-    first : ConstantMatrix
-        A row for each hidden node; its result has as many bits of q as its sum can need.
-    activations : tuple of Bipartite
-        One per hidden node.
-    second : ConstantMatrix
-        A row for each output.
+    layers : tuple of ConstantMatrix
+        A matrix for each layer, with a row for each node; the rows of the last one are the outputs.
+    activations : tuple of tuple of Bipartite
+        For each hidden layer a table of tanh for each row, or none if the finish of the matrix is
+        its activation. The result of a matrix in front of tables has as many bits of q as its sum
+        can need.
+    constant_nodes : int
+        Hidden nodes that are not built, because they never change: they are part of biases.
+    decides : bool
+        Whether there are the index and the margin of the largest output.
+    ranges : tuple of Range
+        Of the hidden layers in which saturation would be an error.
 
     Notes
     -----
-    A code of q or r stands for the middle of its step. So q is rounded down, and half the sum of an
-    output's weights is part of that output's bias. The output is rounded half up.
+    A code of q or r stands for the middle of its step. So q is rounded down, and half the sum of
+    the weights of a row behind tables is part of its bias. An output is rounded half up.
+
+    A network of one hidden layer of tanh has the weights of every other design
+    (``golden.networks.constants``). Any other is compiled from its integer network
+    (``golden.networks.whole_layers``).
     """
 
     block = "adder_graph"
     arrangements = together = ("single", "multiple")
     precisions = (EXACT.name,)
     known_activations = ("bipartite",)
-    half_codes = True
+    half_codes = decides_itself = True
     options = ("adders_per_clock",)
     stream = "words"
-    first: ConstantMatrix
-    activations: tuple[Bipartite, ...]
-    second: ConstantMatrix
+    layers: tuple[ConstantMatrix, ...]
+    activations: tuple[tuple[Bipartite, ...], ...]
+    constant_nodes: int = field(default=0, kw_only=True)
+    decides: bool = field(default=False, kw_only=True)
+    ranges: tuple[Range, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        rows = len(self.first.weights)
-        if not rows == len(self.activations) == self.second.inputs:
+        if len(self.layers) != len(self.activations) + 1:
             raise InputError(
-                f"{self.entity}: got {rows} hidden sums, {len(self.activations)} activations and "
-                f"{self.second.inputs} weights per output, expected equal numbers"
+                f"{self.entity}: got {len(self.layers)} layers and activations of "
+                f"{len(self.activations)}, expected those of all layers but the last"
             )
+        _ = self.argmax
+        for matrix, tables, after in zip(
+            self.layers, self.activations, self.layers[1:], strict=False
+        ):
+            rows = len(matrix.weights)
+            if after.inputs != rows or len(tables) not in (0, rows):
+                raise InputError(
+                    f"{self.entity}: got {rows} hidden sums, {len(tables)} activations and "
+                    f"{after.inputs} weights per row behind them, expected equal numbers"
+                )
 
     @classmethod
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        chosen: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
-        adders_per_clock = chosen["adders_per_clock"]
+        options: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
+        chosen = Chosen(
+            options["adders_per_clock"],
+            str(settings.activation_options.get("memory", MEMORY)),
+            f"{variant}_" if variant else "",
+        )
+        if len(networks) > 1 or isinstance(networks[0], Mlp):
+            return cls._of_tanh(networks, settings, chosen, variant)
+        (network,) = integer_networks("single", networks, settings.met)
+        found = whole_layers(network, chosen)
+        return cls(
+            found.layers,
+            found.activations,
+            useless_nodes=found.useless_nodes,
+            constant_nodes=found.constant_nodes,
+            ranges=found.ranges,
+            variant=variant,
+        )
+
+    @classmethod
+    def _of_tanh(
+        cls, networks: Sequence[Trained], settings: Settings, chosen: Chosen, variant: str
+    ) -> Self:
+        """The design of networks of one hidden layer of tanh."""
         constants = beside([constants_of(mlp, settings) for mlp in cls.plain(networks)])
-        prefix = f"{variant}_" if variant else ""
         first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac
         shift = SIGNAL.frac + first.fmt.frac - frac
@@ -86,8 +140,8 @@ class AdderGraph(Design):
             biases,
             shift,
             GUARD[0],
-            adders_per_clock,
-            variant=f"{prefix}hidden",
+            chosen.adders_per_clock,
+            variant=f"{chosen.prefix}hidden",
         )
         # The bias makes up for half a step of each r, and rounds the output with half a step of its
         # own.
@@ -103,41 +157,48 @@ class AdderGraph(Design):
             biases,
             shift,
             GUARD[1],
-            adders_per_clock,
-            variant=f"{prefix}outputs",
+            chosen.adders_per_clock,
+            variant=f"{chosen.prefix}outputs",
         )
-        widths = hidden.result_widths
-        activations = [_halved(activation) for activation in constants.activations]
-        for nodes in _groups(activations, widths):
-            least = activations[nodes[0]].formats.group_width + 2
-            width = max(least, *(widths[j] for j in nodes))
-            for j in nodes:
-                activations[j] = activations[j].taking(width)
+        activations = tabled(list(map(_halved, constants.activations)), hidden.result_widths)
         return cls(
-            hidden,
-            tuple(activations),
-            outputs,
+            (hidden, outputs),
+            (activations,),
             useless_nodes=constants.useless_nodes,
             variant=variant,
         )
 
     @property
-    def groups(self) -> tuple[tuple[int, ...], ...]:
-        """The hidden nodes that share their tables."""
-        return _groups(self.activations, self.first.result_widths)
+    def groups(self) -> tuple[tuple[tuple[int, ...], ...], ...]:
+        """For each hidden layer, the nodes that share their tables; none without tables."""
+        pairs = zip(self.layers, self.activations, strict=False)
+        return tuple(groups_of(tables, matrix.result_widths) for matrix, tables in pairs)
 
-    def shared(self, nodes: tuple[int, ...]) -> Bipartite | BipartitePair:
-        """The block that computes the activation of the given nodes."""
-        activation = self.activations[nodes[0]]
+    def shared(self, layer: int, nodes: tuple[int, ...]) -> Bipartite | BipartitePair:
+        """The block that computes the activation of the given nodes of a hidden layer."""
+        activation = self.activations[layer][nodes[0]]
         return pair_for(activation) if len(nodes) == NODES else activation
+
+    def tables(self, layer: int) -> tuple[Bipartite | BipartitePair, ...]:
+        """The blocks that compute the activations of a hidden layer."""
+        return tuple(self.shared(layer, nodes) for nodes in self.groups[layer])
 
     @property
     def inputs(self) -> int:
-        return self.first.inputs
+        return self.layers[0].inputs
 
     @property
     def outputs(self) -> int:
-        return len(self.second.weights)
+        return len(self.layers[-1].weights)
+
+    @property
+    def argmax(self) -> ArgmaxTree | None:
+        return ArgmaxTree(SIGNAL, self.outputs) if self.decides else None
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        winner = self.argmax.serial.result_ports("winner") if self.argmax else ()
+        return (*super().ports, *winner)
 
     @property
     def unreachable(self) -> dict[str, str]:
@@ -149,7 +210,8 @@ class AdderGraph(Design):
 
     @property
     def latency(self) -> int:
-        return self.first.latency + self.activations[0].latency + self.second.latency
+        tables = sum(tables[0].latency for tables in self.activations if tables)
+        return tables + sum(matrix.latency for matrix in self.layers)
 
     @property
     def input_controller(self) -> InputController:
@@ -157,12 +219,47 @@ class AdderGraph(Design):
         return InputController(1, 0)
 
     def parts(self) -> tuple[Block, ...]:
-        return (self.first, *(self.shared(nodes) for nodes in self.groups), self.second)
+        found: list[Block] = []
+        for n, matrix in enumerate(self.layers):
+            found.append(matrix)
+            if n < len(self.activations):
+                found += self.tables(n)
+        return (*found, *([self.argmax] if self.argmax else []))
 
     def compute(self, frames: Codes) -> Codes:
-        q = self.first.process(frames)
-        columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
-        return self.second.process(np.stack(columns, axis=-1))
+        return self.layers[-1].process(self._taken(frames)[-1])
+
+    def saturations(self, frames: Codes) -> dict[str, Codes]:
+        names = [one.layer for one in self.ranges if one.from_data]
+        found = {name: np.zeros(len(frames), dtype=np.int64) for name in names}
+        for start in range(0, len(frames) if names else 0, CHUNK):
+            part = slice(start, start + CHUNK)
+            taken = zip(self.layers, self._taken(frames[part]), strict=True)
+            for number, (matrix, codes) in enumerate(taken, start=1):
+                if (name := layer_name(number)) in found:
+                    found[name][part] += _beyond(matrix, codes)
+        return found
+
+    def _taken(self, frames: Codes) -> list[Codes]:
+        """What each matrix takes, layer by layer."""
+        found = [frames]
+        for matrix, tables in zip(self.layers, self.activations, strict=False):
+            codes = matrix.process(found[-1])
+            if tables:
+                columns = [table.process(codes[:, j]) for j, table in enumerate(tables)]
+                codes = np.stack(columns, axis=-1)
+            found.append(codes)
+        return found
+
+
+def _beyond(matrix: ConstantMatrix, codes: Codes) -> Codes:
+    """How many sums of each frame saturate; a negative one that becomes 0 does not."""
+    words, low = np.stack(matrix.words(codes.T), axis=-1), np.array(matrix.result_lows)
+    beyond = (words > matrix.out_fmt.high) | ((words < low) & (low < 0))
+    # Of the two rows of a leaky ReLU, the one that is not rectified counts.
+    plain = low < 0
+    counts: Codes = beyond[:, plain if plain.any() else ~plain].sum(axis=-1)
+    return counts
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
@@ -211,10 +308,3 @@ def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) 
         for row, bias in zip(weights, biases, strict=True)
     )
     return signed_width([(most >> shift) + 1])
-
-
-def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """The nodes that share their tables. In block RAM two nodes of similar width form a group."""
-    count = NODES if activations[0].memory == "block_ram" else 1
-    order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
-    return tuple(tuple(order[n : n + count]) for n in range(0, len(order), count))

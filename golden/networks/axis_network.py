@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.layers.argmax import Argmax
+from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
 from golden.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
@@ -57,7 +57,7 @@ class AxisNetwork(Network):
 
     @property
     def argmax(self) -> Argmax | None:
-        return Argmax(SIGNAL, self.outputs) if self.decides else None
+        return argmax_of_signals(self.outputs, self.decides)
 
     @property
     def inputs(self) -> int:

@@ -8,6 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
+from golden.dense import DenseNetwork
+from golden.engine.formats import ONE, coeff_frac
+from golden.engine.quantise import first_values, planned
+from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
 from golden.networks.constants import Layer, quantised
 from golden.precision import SIGNAL, Precision
@@ -31,6 +35,47 @@ def two_layer_bounds(
     ]
     result: Real = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
     return result + np.abs(mlp.w2) @ r_off
+
+
+def layered_bounds(
+    network: DenseNetwork,
+    layers: Sequence[ConstantMatrix],
+    activations: Sequence[Sequence[ActivationBlock]],
+) -> Real:
+    """The bounds of the error of each output of a network in matrices and tables.
+
+    Layer by layer the error of a sum is that of its operands, times their weights, plus the error
+    of the rounded weights and bias, of the bits that are cut, and of rounding the result. Behind a
+    table its error is added. No activation has a slope above 1. A quantiser is exact where its
+    operands are; where they are not, it can be a whole step off.
+
+    The bounds hold for frames in which no sum saturates in front of a ReLU or a linear layer.
+    """
+    values = first_values(network.shape[0], 0)
+    errors = np.zeros(len(values))
+    tables = [*activations, ()]
+    for one, matrix, table in zip(planned(network, values), layers, tables, strict=True):
+        exact, layer = one.exact, one.layer
+        weights = np.array(
+            [[abs(float(row[v.node] * v.factor)) for v in values] for row in exact.weights]
+        )
+        off = weights @ errors
+        if exact.grid:
+            off = np.where(off > 0, off + 2.0 ** (exact.grid.cut - layer.result.frac), 0.0)
+        else:
+            reached = [max(-v.low, v.high) * 2.0**-v.fmt.frac for v in values]
+            halves = [2.0 ** -(coeff_frac(layer.result, v.fmt) + 1) for v in values]
+            off = off + np.dot(halves, reached) + 2.0 ** -(coeff_frac(layer.result, ONE) + 1)
+            units = max(max(map(abs, ends)) for ends in matrix.errors) + 1
+            step = 2.0**-matrix.out_fmt.frac
+            off = off + (units / 2.0**matrix.out_shift + 0.5) * step
+            off = off + max((activation_error(one, 1) for one in table), default=0.0)
+            # The largest word is a step below 1.
+            off = off + step * (exact.activation == "hard_tanh")
+        values = one.values
+        errors = off[[value.node for value in values]]
+    result: Real = off
+    return result
 
 
 def _rounded(

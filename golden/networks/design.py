@@ -35,6 +35,9 @@ class Design(Network):
         Whether a scene may set options of the activation.
     half_codes : bool
         Whether it accepts activations whose codes stand for the middle of their step.
+    decides_itself : bool
+        Whether it finds the largest output where a scene asks for it. A design whose outputs come
+        one after the other leaves that to the readout.
     options : tuple of str
         Keys of the section ``[hardware]`` that belong to this design alone.
     min_interval : int
@@ -49,6 +52,7 @@ class Design(Network):
     known_activations: ClassVar[tuple[str, ...]] = ()
     activation_choices: ClassVar[bool] = True
     half_codes: ClassVar[bool] = False
+    decides_itself: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)
     useless_nodes: int = field(default=0, kw_only=True)

@@ -29,6 +29,7 @@ from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
+from golden.engine.ranges import Range
 from golden.engine.replay_memory import ReplayMemory
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.serial_accumulate import SerialAccumulate
@@ -126,7 +127,7 @@ class Engine(Design):
             )
         if serial and reload:
             raise InputError(
-                "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
+                "hardware.reload: got true with multiplier 'serial', expected multiplier 'dsp'"
             )
         integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
         graph = graph_of(integers, lean)
@@ -397,13 +398,11 @@ class Engine(Design):
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)
 
-    def saturations(self, frames: Codes) -> dict[str, Codes]:
-        """For each layer whose range is from the data, how many of its sums saturate in each frame.
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        return self.graph.ranges
 
-        Parameters
-        ----------
-        frames : int64 array, shape (frames, inputs)
-        """
+    def saturations(self, frames: Codes) -> dict[str, Codes]:
         ranges = [one for one in self.graph.ranges if one.from_data]
         counts = {one.layer: np.zeros(len(frames), dtype=np.int64) for one in ranges}
         if not ranges:

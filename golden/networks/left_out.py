@@ -88,7 +88,10 @@ def _(network: Parallel) -> list[str]:
 
 @left_out.register
 def _(network: AdderGraph) -> list[str]:
-    texts = of_hidden_nodes(network, network.activations)
+    tables = [table for tables in network.activations for table in tables]
+    texts = of_hidden_nodes(network, tables)
+    if network.constant_nodes:
+        texts.append(f"{network.constant_nodes} hidden nodes that never change, now in biases")
     return [*texts, "every multiplier: a weight is a few shifted adds, shared with others"]
 
 

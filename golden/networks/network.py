@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.engine.ranges import Range
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.layers.frame_judge import FrameJudge
 from golden.port import CLOCKED, Port, group, input_port, output_port
 from golden.precision import SIGNAL
@@ -113,9 +115,14 @@ class Network(Block):
         return self
 
     @property
-    def argmax(self) -> Argmax | None:
+    def argmax(self) -> Argmax | ArgmaxTree | None:
         """What finds the largest output of a frame, where there are ports of it."""
         return None
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """The ranges of the hidden layers in which saturation would be an error."""
+        return ()
 
     @property
     def scanner(self) -> ScanSequencer | None:
@@ -125,6 +132,15 @@ class Network(Block):
     def compute(self, frames: Codes) -> Codes:
         """Output codes, shape (frames - past, outputs), of a few frames, shape (frames, inputs)."""
         raise NotImplementedError
+
+    def saturations(self, frames: Codes) -> dict[str, Codes]:
+        """For each layer whose range is from the data, how many of its sums saturate in each frame.
+
+        Parameters
+        ----------
+        frames : int64 array, shape (frames, inputs)
+        """
+        return {}
 
     def process(self, frames: ArrayLike) -> Codes:
         """Compute output codes from frames of sample codes.

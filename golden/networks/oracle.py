@@ -10,13 +10,14 @@ from functools import singledispatch
 
 import numpy as np
 
+from golden.dense import DenseNetwork, Trained
 from golden.engine import bounds as of_engine
 from golden.engine.integer_network import evaluate
 from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.bounds import activation_error, two_layer_bounds
+from golden.networks.bounds import activation_error, layered_bounds, two_layer_bounds
 from golden.networks.constants import Layer, quantised
 from golden.networks.design import Design
 from golden.networks.engine import Engine
@@ -66,9 +67,14 @@ def _(design: Engine, frames: Codes) -> Codes:
 
 @exact.register
 def _(design: AdderGraph, frames: Codes) -> Codes:
-    q = design.first.exact(frames)
-    columns = [a.compute(q[:, j]) for j, a in enumerate(design.activations)]
-    return design.second.exact(np.stack(columns, axis=-1))
+    *hidden, outputs = design.layers
+    codes = frames
+    for matrix, tables in zip(hidden, design.activations, strict=True):
+        codes = matrix.exact(codes)
+        if tables:
+            columns = [table.compute(codes[:, j]) for j, table in enumerate(tables)]
+            codes = np.stack(columns, axis=-1)
+    return outputs.exact(codes)
 
 
 @singledispatch
@@ -91,38 +97,42 @@ def _(design: Engine) -> list[Sequence[int]]:
 
 @hidden_weights.register
 def _(design: AdderGraph) -> list[Sequence[int]]:
-    return list(design.first.weights)
+    return list(design.layers[0].weights)
 
 
 @singledispatch
-def error_bounds(design: Design, mlp: Mlp, precision: Precision, sensors: int) -> Real:
+def error_bounds(design: Design, mlp: Trained, precision: Precision, sensors: int) -> Real:
     """How far each output can be from real arithmetic that saturates, in real units.
 
     Parameters
     ----------
     design : Design
-    mlp : Mlp
+    mlp : Mlp or DenseNetwork
         The network of the design, of which all hidden nodes are built.
     precision : Precision
     sensors : int
         How many inputs are samples; the others are outputs of earlier networks.
     """
+    assert isinstance(mlp, Mlp)
     return two_layer_bounds(mlp, precision, exact_layers(design).activations)
 
 
 @error_bounds.register
-def _(design: Engine, mlp: Mlp, _precision: Precision, sensors: int) -> Real:
+def _(design: Engine, mlp: Trained, _precision: Precision, sensors: int) -> Real:
     return of_engine.error_bounds(mlp, design.program.segment_width, sensors)
 
 
 @error_bounds.register
-def _(design: AdderGraph, mlp: Mlp, precision: Precision, _sensors: int) -> Real:
+def _(design: AdderGraph, mlp: Trained, precision: Precision, _sensors: int) -> Real:
+    if isinstance(mlp, DenseNetwork):
+        return layered_bounds(mlp, design.layers, design.activations)
     # ConstantMatrix.errors is the part of the error that comes from dropped bits.
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
-    q_off = _off(mlp.w1, mlp.b1, first, design.first)
-    r_off = q_off + [activation_error(a, 1) for a in design.activations]
-    y_off = _off(mlp.w2, mlp.b2, second, design.second)
+    (hidden, outputs), (activations,) = design.layers, design.activations
+    q_off = _off(mlp.w1, mlp.b1, first, hidden)
+    r_off = q_off + [activation_error(a, 1) for a in activations]
+    y_off = _off(mlp.w2, mlp.b2, second, outputs)
     result: Real = y_off + np.abs(mlp.w2) @ r_off
     return result
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import singledispatch
 
+from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.engine.operand_memory import WORD
 from golden.flow import Alike, Beside, Carried, Controlled, Flow, Step
@@ -61,19 +62,16 @@ def _(network: Parallel) -> Flow:
 
 @flow_of.register
 def _(network: AdderGraph) -> Flow:
-    hidden = len(network.activations)
-    return Flow(
-        (
-            Carried(f"{network.inputs} x", network.first.in_fmt),
-            network.first,
-            Carried(f"{hidden} q", network.first.out_fmt),
-            Alike(tuple(network.shared(nodes) for nodes in network.groups)),
-            Carried(f"{hidden} r", network.second.in_fmt),
-            network.second,
-            Carried(f"{network.outputs} y", network.second.out_fmt),
-        ),
-        across=True,
-    )
+    steps: list[Step] = [Carried(f"{network.inputs} x", SIGNAL)]
+    for n, (matrix, activations) in enumerate(
+        zip(network.layers, network.activations, strict=False)
+    ):
+        steps += [matrix, Carried(f"{len(matrix.weights)} q", matrix.out_fmt)]
+        if activations:
+            steps += [Alike(network.tables(n)), Carried(f"{len(activations)} r", RESULT)]
+    outputs = network.layers[-1]
+    steps += [outputs, Carried(f"{network.outputs} y", outputs.out_fmt)]
+    return Flow(tuple(steps), across=True)
 
 
 @flow_of.register

@@ -10,10 +10,12 @@ import numpy as np
 
 from golden.function import TABLE
 from golden.input_error import InputError
+from golden.network_files.classes import for_labels
 from golden.network_files.held import Held
 from golden.network_files.network_file import held_in
 from golden.real import Real
 from golden.rig.survey import Survey, labels_in
+from golden.scene.labels import ordered
 
 # The part of the recorded range that a drafted range leaves on either side.
 SPARE = 0.1
@@ -68,10 +70,16 @@ def brought(path: Path, found: Survey) -> Brought:
         When the file cannot be read, or has another number of inputs or outputs than there are
         sensors, and outputs or labels.
     """
-    network = Brought(path, held_in(path))
-    missing = [name for name in network.held.names if name not in network.held.arrays]
-    if missing or np.ndim(network.held.arrays["w1"]) != 2:
-        raise InputError(f"{path}: got no network, expected arrays {', '.join(network.held.names)}")
+    held = held_in(path)
+    missing = [name for name in held.names if name not in held.arrays]
+    if missing or np.ndim(held.arrays["w1"]) != 2:
+        raise InputError(f"{path}: got no network, expected arrays {', '.join(held.names)}")
+    labels: tuple[str, ...] = ()
+    if found.classes:
+        place = f"{found.recording.path}: column {found.classes!r}"
+        labels = ordered(set(labels_in(found.recording, found.classes)), place)
+        held = for_labels(path, held, labels)
+    network = Brought(path, held)
     inputs, *_, outputs = network.shape
     if inputs != len(found.sensors):
         left = "".join(f"; {name} is left out: {why}" for name, why in found.left_out.items())
@@ -79,11 +87,8 @@ def brought(path: Path, found: Survey) -> Brought:
             f"{path}: got a network of {inputs} inputs, expected {len(found.sensors)}, one for "
             f"each sensor of {found.recording.path}, {', '.join(found.sensors)}{left}"
         )
-    wanted = (
-        len(set(labels_in(found.recording, found.classes))) if found.classes else len(found.outputs)
-    )
-    one_of_two = found.classes and (outputs, wanted) == (1, 2)
-    if outputs != wanted and not one_of_two:
+    wanted = len(labels or found.outputs)
+    if outputs != wanted:
         what = f"label of {found.classes}" if found.classes else "output"
         raise InputError(
             f"{path}: got a network of {outputs} outputs, expected {wanted}, one for each {what}"

@@ -7,7 +7,7 @@ Each function checks one part and returns a finding for everything in it, also f
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +21,7 @@ from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
 from golden.function import by_name, functions_of
+from golden.network_files.classes import file_labels, stand_for_order
 from golden.network_files.network_file import check_targets, held_in, write_network
 from golden.precision import SIGNAL
 from golden.rig import class_counts, readings, sensors_tell
@@ -176,19 +177,25 @@ def networks_there(scene: Scene) -> list[Finding]:
         with collect_faults(findings):
             try:
                 shape = ":".join(map(str, member.load().shape))
-                findings.append(Finding(OK, str(path), f"a {shape} network{_ending(path)}"))
+                ending = _ending(path, member.labels)
+                findings.append(Finding(OK, str(path), f"a {shape} network{ending}"))
             except FileNotFoundError:
                 findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
     return findings
 
 
-def _ending(path: Path) -> str:
-    """What a classifier's file has behind the network, in words."""
-    ending = held_in(path).ending
-    if ending is None:
+def _ending(path: Path, labels: Sequence[str]) -> str:
+    """What a classifier's file has behind the network, and for which labels it stands, in words."""
+    held = held_in(path)
+    if held.ending is None:
         return ""
-    labels = f"; its classes are {', '.join(map(str, ending.labels))}" if ending.labels else ""
-    return f" that ends in front of {ending.operator}{labels}"
+    text, found = f" that ends in front of {held.ending.operator}", file_labels(held)
+    if not found:
+        return text
+    text += f"; its classes are {', '.join(found)}"
+    if labels and stand_for_order(found, labels):
+        text += f", which are taken for {', '.join(labels)} in this order"
+    return text
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:

@@ -164,5 +164,5 @@ def check_place(scene: Scene, source: Path, path: Path) -> None:
     InputError
     """
     if any(same_file(path, file) for file in [source, *scene.files]):
-        raise InputError(f"TO={path}: is read, expected another file")
+        raise InputError(f"TO={path}: is read by this command, expected another file")
     check_writable([path])

@@ -65,9 +65,9 @@ DATA = Table(
         "window": Key(
             Alternatives((List(_DELAY, _FRAMES), Map(List(_DELAY, _FRAMES, _FRAMES)))),
             [0],
-            "How many frames back the samples lie that the networks take: `[0, 4, 8]` for every "
-            "sensor, or `{ sensor1 = [0, 4] }` for some. Of a sensor that is not named, only the "
-            "newest sample is taken. See [past samples](#past-samples).",
+            "The ages, in frames, of the samples that the networks take: `[0, 4, 8]` for every "
+            "sensor, or `{ sensor1 = [0, 4] }` for some. For a sensor that is not named, the "
+            "networks take only the newest sample. See [past samples](#past-samples).",
         ),
         "full_scale": Key(
             _ABOVE_0,
@@ -105,9 +105,9 @@ DATA = Table(
                 least=0,
             ),
             [],
-            "Readings at which sensors end by their nature, such as `[0]` where they count "
-            "something. Many readings at another end make `make check` ask whether a converter or "
-            "an amplifier ends there.",
+            "The natural ends of the range of the sensors, such as `[0]` if they count something. "
+            "If many readings lie at any other end, `make check` asks whether the range of a "
+            "converter or an amplifier ends there.",
         ),
         "reference": Key(
             Text(),

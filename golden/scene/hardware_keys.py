@@ -16,8 +16,8 @@ HARDWARE = Table(
             "`precise`. [hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
-            "and needs no multiplier; it takes `single` and `multiple` in `exact` precision with "
-            "the activation `bipartite`.",
+            "and needs no multiplier; it takes networks of any depth as `single`, and one hidden "
+            "layer of tanh as `multiple`, in `exact` precision with the activation `bipartite`.",
         ),
         "activation": Key(
             Text(tuple(SCHEMES)),
@@ -28,7 +28,8 @@ HARDWARE = Table(
             "[precise](blocks/precise.md) or [bipartite](blocks/bipartite.md). `precise` and "
             "`bipartite` need `exact` precision, and `bipartite` needs the design `adder_graph` "
             "as well.",
-            "`precise` in `exact` precision, `gradient` in `thesis`",
+            "`bipartite` with `adder_graph`; else `precise` in `exact` precision, `gradient` in "
+            "`thesis`",
         ),
         "activation_options": Key(
             Map(Anything()),
@@ -63,8 +64,9 @@ HARDWARE = Table(
             "`winner_valid` beside its stream of outputs: the number of the largest output, how "
             "far the second largest is below it, and when both are there "
             "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
-            "for. It is for two outputs or more, and for designs whose outputs come one after the "
-            "other, which are `engine` and `hybrid`, with any front end. Behind `axi_stream` both "
+            "for. It is for two outputs or more. `engine` and `hybrid` have it with any front end. "
+            "`adder_graph` gives its outputs in one clock and has a tree "
+            "([argmax_tree](blocks/argmax_tree.md)). Behind `axi_stream` both "
             "numbers are `m_axis_tuser` of the last output "
             "([axis_network](blocks/axis_network.md)).",
         ),
@@ -72,8 +74,8 @@ HARDWARE = Table(
             Text(("dsp", "serial")),
             "",
             "Only for `engine`. `dsp` uses one multiplier. `serial` works [without a "
-            "multiplier](blocks/engine.md#without-a-multiplier): it takes ten times the clocks and "
-            "gives the same results.",
+            "multiplier](blocks/engine.md#without-a-multiplier): it takes about twelve times "
+            "the clocks and gives the same results.",
             "`dsp`",
         ),
         "pipeline": Key(
@@ -104,8 +106,8 @@ HARDWARE = Table(
             False,
             "Only for `engine`. With `true` the program is not part of the hardware: it is an "
             "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
-            "depends only on `program_words`, `operand_words`, `segment_width`, `pipeline`, and on "
-            "whether the scene's own network has ReLU or quantisers, and which. A "
+            "depends only on `program_words`, `operand_words`, `segment_width` and `pipeline`, on "
+            "whether the scene's own network has ReLU, and on the kinds of its quantisers. A "
             "scene with a section [uart](#uart) loads the image over that line. Any other scene "
             "must have no front end, no visualisation and no `axi_stream`.",
         ),

@@ -22,6 +22,7 @@ from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path, read_provenance
 from golden.real import Real
 from golden.scene.scale import Scale
+from golden.schema import written
 from golden.table import read_texts, rows_where
 
 if TYPE_CHECKING:
@@ -73,8 +74,8 @@ def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     for key in ("full_scale", "length_mm", "reference"):
         if data[key]:
             raise InputError(
-                f"{path}: data.{key}: got {data[key]!r} with data.classes, expected none: a class "
-                "is right or wrong"
+                f"{path}: data.{key}: got {written(data[key])} with data.classes, expected none: a "
+                "class is right or wrong"
             )
     if network["arrangement"] != "single":
         raise InputError(

@@ -10,6 +10,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
+from golden.schema import written
 from golden.table import suggest
 from golden.window import Window
 
@@ -99,8 +100,8 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
         )
     if data["where"]:
         raise InputError(
-            f"{path}: data.where: got {data['where']!r} with a data.window, expected none: rows "
-            "that are left out are missing in the past of others; give data.recordings"
+            f"{path}: data.where: got {written(data['where'])} with a data.window, expected none: "
+            "rows that are left out are missing in the past of others; give data.recordings"
         )
     if training["split"] == "random":
         raise InputError(

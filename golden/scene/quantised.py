@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from golden.dense import DenseNetwork, Trained, layers_of
+from golden.dense import DenseNetwork, Trained, passed
 from golden.engine.quantise import integer_networks
 from golden.fixed import Codes
 from golden.precision import SIGNAL
@@ -66,12 +66,11 @@ def file_codes(network: Trained, readings: Real) -> Iterator[Codes]:
         As its file holds it.
     readings : float array, shape (frames, inputs)
     """
-    values = np.asarray(readings, dtype=np.float64)
-    for layer in layers_of(network):
-        values, _ = layer.activate(values @ layer.weights.T + layer.biases)
-        quantiser = layer.quantiser
+    for found in passed(network, readings):
+        quantiser = found.layer.quantiser
         if quantiser is None:
             return
-        values = quantiser.process(values)
-        lowest = max(quantiser.low, quantiser.zero) if layer.activation == "relu" else quantiser.low
-        yield np.rint(values / quantiser.scale).astype(np.int64) + quantiser.zero - lowest
+        rectifies = found.layer.activation == "relu"
+        lowest = max(quantiser.low, quantiser.zero) if rectifies else quantiser.low
+        codes = np.rint(found.outputs / quantiser.scale).astype(np.int64)
+        yield codes + quantiser.zero - lowest

@@ -118,7 +118,8 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         outputs = output_names(data["classes"], labels)
         # A one-hot target of 1 is full scale.
         full_scale = dict.fromkeys(outputs, 1.0)
-        data = values["data"] = data | {"outputs": outputs, "full_scale": full_scale}
+        found = {"outputs": outputs, "full_scale": full_scale, "labels": labels}
+        data = values["data"] = data | found
     check_data(data, path)
     parts = _parts(values, path)
     return Scene(

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from golden.dense import layers_of
+from golden.dense import layers_of, passed
 from golden.fixed import Codes
 from golden.function import LOW
-from golden.networks.engine import Engine
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -64,9 +63,8 @@ def held(scene: Scene) -> list[str]:
     for member, network in zip(scene.members, scene.networks(), strict=True):
         if not any(f.goes_on for layer in layers_of(network) for f in layer.functions):
             continue
-        values = scene.inputs_of(network)
-        for number, layer in enumerate(layers_of(network), start=1):
-            sums = values @ layer.weights.T + layer.biases
+        for number, found in enumerate(passed(network, scene.inputs_of(network)), start=1):
+            layer, sums = found.layer, found.sums
             goes_on = [function.goes_on for function in layer.functions]
             beyond = (np.abs(sums) > -LOW) & goes_on if goes_on else np.zeros_like(sums, dtype=bool)
             if beyond.any():
@@ -78,8 +76,6 @@ def held(scene: Scene) -> list[str]:
                     f"{len(sums)} recorded frames; beyond {LOW:g} and {-LOW:g} "
                     f"{', '.join(names)} keeps its value"
                 )
-            values, _ = layer.activate(sums)
-            values = layer.quantiser.process(values) if layer.quantiser else values
     return sentences
 
 
@@ -92,8 +88,7 @@ def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
     codes : int64 array, shape (frames, inputs)
         Codes of the networks' inputs.
     """
-    core = scene.twin().core
-    return core.saturations(codes) if isinstance(core, Engine) else {}
+    return scene.twin().core.saturations(codes)
 
 
 def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded frames") -> list[str]:
@@ -107,12 +102,9 @@ def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded fr
     rows : str
         What the frames are, in words.
     """
-    core = scene.twin().core
-    if not isinstance(core, Engine):
-        return []
     return [
         f"{one.text}; {_counted('', counts[one.layer], rows)}" if one.from_data else one.text
-        for one in core.graph.ranges
+        for one in scene.twin().core.ranges
     ]
 
 

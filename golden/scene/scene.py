@@ -207,8 +207,8 @@ class Scene:
             if not isinstance(network, Mlp):
                 raise InputError(
                     f"{member.weights_path}: got hidden layers of "
-                    f"{', '.join(network.activations) or 'none'}, expected one of tanh: what is "
-                    "asked for is not there yet for other networks"
+                    f"{', '.join(network.activations) or 'none'}, expected one hidden layer "
+                    "of tanh, which is all that this command can do"
                 )
             found.append(network)
         return found

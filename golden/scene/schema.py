@@ -122,6 +122,7 @@ TRAINING = Table(
                 Whole(Span(1, MOST_HIDDEN)),
                 "the least and the largest number of hidden nodes, such as [4, 25], "
                 f"{MOST_HIDDEN} at most",
+                "a list of whole numbers",
                 least=2,
                 most=2,
                 rising=True,
@@ -155,8 +156,9 @@ TRAINING = Table(
         "patience": Key(
             Whole(Span(above=0)),
             40,
-            "When a descent ends early: after so many points in a row that each have less training "
-            "error than any point before, and have not lowered the validation error.",
+            "When a descent ends early. The points that count are those whose training error is "
+            "less than that of every point before. After so many of them in a row without a lower "
+            "validation error, the descent ends.",
         ),
         "earlier_outputs": Key(
             Text(("bit-true", "float")),

@@ -21,6 +21,7 @@ from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column, with_units
 from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
+from golden.schema import written
 from golden.table import read_table, suggest
 
 
@@ -77,6 +78,8 @@ class Member:
         The functions that activations may name.
     function_files : tuple of Path
         The files from which the points of some of them come.
+    labels : tuple of str
+        The labels that the outputs stand for; empty if outputs are numbers.
     """
 
     inputs: int
@@ -88,6 +91,7 @@ class Member:
     nearest: bool = False
     functions: tuple[Function, ...] = ()
     function_files: tuple[Path, ...] = ()
+    labels: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
@@ -107,7 +111,7 @@ class Member:
         """
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
-        network = load_network(self.weights_path, shape, by_name(self.functions))
+        network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
         found = tuple(layer.activation for layer in layers_of(network)[:-1])
         if self.activations and found != self.activations:
             raise InputError(
@@ -268,26 +272,31 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     count = len(values["data"]["outputs"])
     if hardware["argmax"] and count < 2:
         raise InputError(
-            f"{path}: hardware.argmax: got true for {count} output, expected false: the largest "
-            "of 2 or more is looked for"
+            f"{path}: hardware.argmax: got true for {count} output, expected false: argmax "
+            "compares 2 outputs or more"
         )
     check_uart(values, path)
     unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
     check_reload(hardware, [] if "uart" in values else unloaded, path)
     if design.stream == "serial":
         return
-    serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
     reasons = {
         "front_end": "because the front end sends a stream of samples",
         "visualisation": "because the visualisation takes a stream of outputs",
-        "argmax": "because argmax takes the outputs one after the other",
+        "argmax": "because argmax takes the outputs one after the other, or those of a design that "
+        "has its own",
     }
     wanted = ["with interface 'axi_stream'"] if framed else []
     wanted += [f"with a section [{section}]" for section in around]
-    if hardware["argmax"]:
+    if hardware["argmax"] and not design.decides_itself:
         around.append("argmax")
         wanted.append("with argmax")
     if wanted:
+        serial = " or ".join(
+            name
+            for name, other in DESIGNS.items()
+            if other.stream == "serial" or (other.decides_itself and around == ["argmax"])
+        )
         reason = f", {reasons[around[0]]}" if around else ""
         raise InputError(
             f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
@@ -330,7 +339,8 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
     for key in ("program_words", "operand_words"):
         if hardware[key] and not hardware["reload"]:
             raise InputError(
-                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected true"
+                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected "
+                "hardware.reload = true, or no such key"
             )
 
 
@@ -348,7 +358,8 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
         if hardware[name] and name not in design.options:
             fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
             raise InputError(
-                f"{path}: hardware.{name}: got {hardware[name]!r} with design {design.block!r}, "
+                f"{path}: hardware.{name}: got {written(hardware[name])} with design "
+                f"{design.block!r}, "
                 f"expected design {fitting}"
             )
     return {name: hardware[name] for name in design.options if hardware[name]}
@@ -363,8 +374,11 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
         For options that the activation does not have, or a precision or a design for which it is
         not made.
     """
-    precision = PRECISIONS[hardware["precision"]]
-    activation: str = hardware["activation"] or precision.activation
+    precision, design = PRECISIONS[hardware["precision"]], DESIGNS[hardware["design"]]
+    # A design that knows one activation has it without being asked.
+    alone = len(design.known_activations) == 1 and precision.name in design.precisions
+    usual = design.known_activations if alone else ()
+    activation: str = hardware["activation"] or (*usual, precision.activation)[0]
     place = f"{path}: hardware.activation_options"
     scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
     if precision not in scheme.precisions:
@@ -373,7 +387,6 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
             f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
             f"expected one of {fitting}"
         )
-    design = DESIGNS[hardware["design"]]
     if design.known_activations and activation not in design.known_activations:
         raise InputError(
             f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "
@@ -424,10 +437,11 @@ def members(
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
         if len(values) != count:
-            one = "one for all outputs" if single else "one for each output"
+            wanted = "one: single has one for all outputs"
+            if not single:
+                wanted = f"a list of {count}: {network['arrangement']} has one for each output"
             raise InputError(
-                f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
-                f"{network['arrangement']} has {one}"
+                f"{path}: network.{key}: got {written(network[key])}, expected {wanted}"
             )
     weights_files = [beside(path, "network.weights", name) for name in weights]
     for i, file in enumerate(weights_files):
@@ -449,6 +463,7 @@ def members(
             network["quantised"] == "nearest",
             functions,
             tuple(files.values()),
+            data.get("labels", ()),
         )
         for i in range(count)
     )

@@ -62,7 +62,7 @@ def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
     rate = clock / divisor
     if abs(rate / baud - 1) > TOLERANCE:
         raise InputError(
-            f"{path}: uart.baud: got {baud}, expected within 2 % of a whole part of "
-            f"{clock_mhz:g} MHz, such as {float(rate):.6g}"
+            f"{path}: uart.baud: got {baud}, expected within 2 % of {clock_mhz:g} MHz divided "
+            f"by a whole number, such as {float(rate):.6g}"
         )
     return Uart(baud, divisor)

@@ -105,8 +105,9 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
         elif name in scaled:
             text = "which has a data.scale, expected an output that has none: the profile is drawn"
             found.append(fault(f"{place}, {text} from signals"))
-        elif names.count(name) > 1 and names.index(name) == RESULTS.index(key):
-            found.append(fault(f"{place}, expected four different outputs"))
+        elif (first := RESULTS[names.index(name)]) != key:
+            text = f"which is visualisation.{first} too, expected four different outputs"
+            found.append(fault(f"{place}, {text}"))
     units = []
     for key in ("position", "width"):
         name = values[key]

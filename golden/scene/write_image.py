@@ -50,5 +50,6 @@ def hardware_of(scene: Scene) -> Engine:
         assert isinstance(core, Engine), "only an engine has the option reload"
         return core
     raise InputError(
-        f"{scene.path}: hardware.reload: got false, expected true, or HARDWARE= a scene where it is"
+        f"{scene.path}: hardware.reload: got false, expected true, or HARDWARE= with a "
+        "scene whose engine can be reloaded"
     )

@@ -25,6 +25,7 @@ from golden.schema.kinds import (
     Number,
     Text,
     Whole,
+    written,
 )
 from golden.schema.page import key_rows
 from golden.schema.reading import check_names, read_checked, read_toml, refuse_outside, values_of
@@ -52,4 +53,5 @@ __all__ = [
     "read_toml",
     "refuse_outside",
     "values_of",
+    "written",
 ]

@@ -13,7 +13,18 @@ from golden.table import suggest
 
 def got(place: str, value: object, expected: str) -> str:
     """The message of a fault."""
-    return f"{place}: got {value!r}, expected {expected}"
+    return f"{place}: got {written(value)}, expected {expected}"
+
+
+def written(value: object) -> str:
+    """A value as it is written in a TOML file."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return f"[{', '.join(map(written, value))}]"
+    if isinstance(value, dict) and value:
+        return f"{{ {', '.join(f'{name} = {written(one)}' for name, one in value.items())} }}"
+    return repr(value)
 
 
 class Kind:

@@ -1,4 +1,4 @@
-"""frame_check: takes the samples of good frames, refuses others, and tells when the engine runs."""
+"""frame_check: accepts samples of good frames, rejects others, and signals when the engine runs."""
 
 from myhdl import Signal, always_comb, always_seq, block, modbv
 

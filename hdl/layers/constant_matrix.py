@@ -5,7 +5,7 @@ from functools import partial
 
 from myhdl import Signal, always, always_comb, block, concat, intbv, modbv
 
-from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.shift_add import Alignment, Constant, Input, Row, Sum
 from hdl.common.delay import delay
 
@@ -213,6 +213,73 @@ def finish(clk, number, result, *, drop: int):
 
 
 @block
+def rectify(clk, number, result, *, drop: int):
+    """As ``finish``, but a number below 0 gives 0."""
+    cut, move = max(0, drop), max(0, -drop)
+    count, sign = len(result), max(len(number) + move, len(result))
+    places = count - 1
+    half = 1 << sign
+    high = (1 << places) - 1
+
+    if len(number) - drop <= count:
+
+        @always(clk.posedge)
+        def keep():
+            word = intbv(0, min=-half, max=half)
+            word[:] = number >> cut
+            word[:] = word << move
+            if word[sign]:
+                result.next = 0
+            else:
+                result.next = word[count:].signed()
+
+    else:
+
+        @always(clk.posedge)
+        def keep():
+            word = intbv(0, min=-half, max=half)
+            top = intbv(0, min=-half, max=half)
+            word[:] = number >> cut
+            word[:] = word << move
+            top[:] = word >> places
+            if word[sign]:
+                result.next = 0
+            elif top == 0:
+                result.next = word[count:].signed()
+            else:
+                result.next = high
+
+    return keep
+
+
+@block
+def tie_to_even(number, evened, *, drop: int):
+    """``evened`` is a number whose bit ``drop`` is 0 if all bits below it are."""
+    half = 1 << len(number)
+
+    if drop:
+
+        @always_comb
+        def clear():
+            word = intbv(0, min=-half, max=half)
+            word[:] = number
+            if number[drop:] == 0:
+                word[drop] = 0
+            evened.next = word[len(number) :].signed()
+
+    else:
+
+        @always_comb
+        def clear():
+            word = intbv(0, min=-half, max=half)
+            word[:] = number
+            word[0] = 0
+            evened.next = word[len(number) :].signed()
+
+    return clear
+
+
+@block
 def constant(clk, number, *, value: int):
     """A constant; it stands in a register, so that it has a driver."""
 
@@ -279,7 +346,7 @@ class Numbers:
             return partial(subtract, *pair, total, step=step, reverse=node.low_sign < 0)
         return partial(add, *pair, total, step=step)
 
-    def finish(self, row: Row, result) -> None:
+    def finish(self, row: Row, kind: Finish, result) -> None:
         """Make the result of a row, one clock after the last clock of the graph."""
         node = self.graph.nodes[row.node]
         if isinstance(node, Constant):
@@ -291,7 +358,14 @@ class Numbers:
             inverted = wrapping(len(number))
             self.parts.append(partial(invert, number, inverted))
             number = inverted
-        self.parts.append(partial(finish, self.clk, number, result, drop=self.spec.drop(row)))
+        drop = self.spec.drop(row)
+        # A number that is moved left has a 0 there already.
+        if kind.even and drop >= 0:
+            evened = wrapping(len(number))
+            self.parts.append(partial(tie_to_even, number, evened, drop=drop))
+            number = evened
+        make = rectify if kind.rectified else finish
+        self.parts.append(partial(make, self.clk, number, result, drop=drop))
 
 
 @block
@@ -313,6 +387,6 @@ def constant_matrix(clk, in_data, out_data, *, spec: ConstantMatrix):
     one behind the other; a frame every clock. No reset: data alone.
     """
     numbers = Numbers(clk, in_data, spec)
-    for i, row in enumerate(spec.graph.rows):
-        numbers.finish(row, out_data[i])
+    for i, (row, kind) in enumerate(zip(spec.graph.rows, spec.row_finishes, strict=True)):
+        numbers.finish(row, kind, out_data[i])
     return [part() for part in numbers.parts]

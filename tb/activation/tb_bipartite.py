@@ -11,10 +11,11 @@ Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over 
 import cocotb
 import numpy as np
 
+from tb.common import activation
+from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
 from tb.common.small import BIPARTITE
-from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = BIPARTITE
 FAULTS = [
@@ -28,12 +29,9 @@ FAULTS = [
     (r"(\w+)negative_late <= [^;]+", r"\1negative_late <= \1negative"),
 ]
 
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
-
 
 def codes(bench):
-    twin = bench.twin
-    return np.concatenate([all_codes(twin.in_fmt, twin.border_codes, bench.rng), twin.word_codes])
+    return np.concatenate([activation.codes(bench), bench.twin.word_codes])
 
 
 @cocotb.test()

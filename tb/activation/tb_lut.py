@@ -10,11 +10,9 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 
 import cocotb
 
-from tb.common.bench import Bench
+from tb.common import activation
 from tb.common.cases import Case
 from tb.common.small import both_precisions, rails
-from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
 
 CASES = {
     **rails("lut"),
@@ -27,23 +25,12 @@ FAULTS = [
     (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
-
-
-def codes(bench):
-    twin = bench.twin
-    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
-
 
 @cocotb.test()
 async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
-    bench.finish(at_least=16384)
+    await activation.sweep(dut)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    items = {"in_data": codes(bench)}
-    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+    await activation.gaps_and_resets(dut)

@@ -12,10 +12,11 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 import cocotb
 import numpy as np
 
+from tb.common.activation import INPUTS, OUTPUTS, codes
 from tb.common.bench import Bench
 from tb.common.small import both_precisions, rails
-from tb.common.stimulus import all_codes, spread
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+from tb.common.stimulus import spread
+from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = rails("pade") | both_precisions("pade")
 FAULTS = [
@@ -27,14 +28,8 @@ FAULTS = [
     (r"(if \(start\) begin\s+negative_held <= )negative_start", r"\1negative"),
 ]
 
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 # How many codes are played at a time, so that the recording stays small.
 CHUNK = 2048
-
-
-def codes(bench):
-    twin = bench.twin
-    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
 @cocotb.test()

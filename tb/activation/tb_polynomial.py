@@ -11,11 +11,12 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 import cocotb
 import numpy as np
 
+from tb.common import activation
+from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
 from tb.common.cases import Case
 from tb.common.small import both_precisions, rails
-from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = {
     **rails("polynomial"),
@@ -29,16 +30,13 @@ FAULTS = [
     (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 # The closest of 57344 magnitudes lie within a two-thousandth of the last bit of a border.
 CLOSEST = 32
 
 
 def codes(bench):
-    twin = bench.twin
-    close = twin.closest_to_rounding(CLOSEST)
-    every = all_codes(twin.in_fmt, twin.border_codes, bench.rng)
-    return np.concatenate([every, close, -close])
+    close = bench.twin.closest_to_rounding(CLOSEST)
+    return np.concatenate([activation.codes(bench), close, -close])
 
 
 @cocotb.test()

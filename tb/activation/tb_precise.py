@@ -9,10 +9,8 @@ Does not prove: how close the scheme is to tanh (tests/test_precise.py, over all
 
 import cocotb
 
-from tb.common.bench import Bench
+from tb.common import activation
 from tb.common.small import PRECISE, rails
-from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
 
 CASES = rails("precise") | PRECISE
 FAULTS = [
@@ -26,23 +24,12 @@ FAULTS = [
     (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
-
-
-def codes(bench):
-    twin = bench.twin
-    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
-
 
 @cocotb.test()
 async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
-    bench.finish(at_least=16384)
+    await activation.sweep(dut)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    items = {"in_data": codes(bench)}
-    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+    await activation.gaps_and_resets(dut)

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -36,37 +36,53 @@ Test = TypeVar("Test", bound=Callable[..., object])
 
 
 class Recording:
-    """The watched ports, row by row, as strings of bits."""
+    """The watched ports, row by row, as strings of bits.
 
-    def __init__(self, ports: list[str], rows: list[list[str]], seconds: float):
-        self.columns = {name: [row[i] for row in rows] for i, name in enumerate(ports)}
-        self.clocks = len(rows)
+    ``words`` holds what ``reader`` returned: the ports of the first row, of the second, and so on.
+    """
+
+    def __init__(self, ports: list[str], words: list[str], seconds: float):
+        self.columns = {name: words[i :: len(ports)] for i, name in enumerate(ports)}
+        self.clocks = len(words) // len(ports)
         self.seconds = seconds
+        self._decoded: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         # The rows in which the bench has read each port. The values in other rows decide nothing.
         self.looked = {name: np.zeros(self.clocks, dtype=bool) for name in ports}
+
+    def _codes(self, port: str) -> tuple[np.ndarray, np.ndarray]:
+        """The unsigned code of a port in every row, and whether all of its bits are 0 or 1.
+
+        A bench asks for the same port again and again, so this is computed once.
+        """
+        if port not in self._decoded:
+            words = self.columns[port]
+            width = len(words[0])
+            assert width < 64, f"{port}: {width} bits, and a code has 63 at most"
+            bits = np.frombuffer("".join(words).encode(), np.uint8).reshape(-1, width) - ord("0")
+            codes = np.zeros(len(words), dtype=np.int64)
+            for bit in bits.T:
+                codes <<= 1
+                codes |= bit & 1
+            self._decoded[port] = codes, (bits <= 1).all(axis=1)
+        return self._decoded[port]
 
     def rows(self, port: str) -> np.ndarray:
         """Rows after the initial reset in which a flag is set; an undefined flag is an error.
 
         During the initial reset a flag may be undefined, or left from the test before.
         """
-        bits = self.columns[port]
-        self.looked[port][RESET_CLOCKS:] = True
-        after = "".join(bits[RESET_CLOCKS:])
-        if set(after) - {"0", "1"}:
-            undefined = next(t for t in range(RESET_CLOCKS, self.clocks) if bits[t] not in "01")
-            raise AssertionError(f"{port} is {bits[undefined]} in clock {undefined}")
-        return np.flatnonzero(np.frombuffer(after.encode(), np.uint8) == ord("1")) + RESET_CLOCKS
+        after = np.arange(RESET_CLOCKS, self.clocks)
+        return after[self.unsigned(port, after) == 1]
 
     def unsigned(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of an unsigned port in the given rows."""
-        bits = self.columns[port]
-        self.looked[port][np.asarray(rows, dtype=np.int64)] = True
-        words = [bits[t] for t in rows]
-        if set("".join(words)) - {"0", "1"}:
-            t = next(t for t in rows if set(bits[t]) - {"0", "1"})
-            raise AssertionError(f"{port} is {bits[t]} in clock {t}")
-        return np.array([int(word, 2) for word in words], dtype=np.int64)
+        rows = np.asarray(rows, dtype=np.int64)
+        self.looked[port][rows] = True
+        codes, known = self._codes(port)
+        if not known[rows].all():
+            t = rows[~known[rows]][0]
+            raise AssertionError(f"{port} is {self.columns[port][t]} in clock {t}")
+        return codes[rows]
 
     def signed(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of a signed port in the given rows."""
@@ -144,18 +160,14 @@ class Bench:
         after the initial reset.
         """
         length = len(next(iter(drive.values())))
-        columns = {name: [int(v) for v in values] for name, values in drive.items()}
-        assert all(len(c) == length for c in columns.values()), "columns of unequal length"
+        assert all(len(c) == length for c in drive.values()), "columns of unequal length"
         clocked = hasattr(self.dut, "clk")
-        if hasattr(self.dut, "rst"):
-            columns.setdefault("rst", [0] * length)
-        for name, column in columns.items():
-            columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
+        columns = from_reset(drive, hasattr(self.dut, "rst"))
         ports = list(columns) + watch
         read = reader(self.dut, ports)
         changes = changed([(writer(self.dut, n), c) for n, c in columns.items()])
         clock = writer(self.dut, "clk") if clocked else None
-        rows = []
+        words: list[str] = []
 
         def halves() -> Iterator[None]:
             for change in changes:
@@ -164,14 +176,14 @@ class Bench:
                 for write, value in change:
                     write(value)
                 yield
-                rows.append(read())
+                words.extend(read())
                 if clock:
                     clock(1)
                     yield
 
         started = time.perf_counter()
         await each_half(halves())
-        return self.watched(Recording(ports, rows, time.perf_counter() - started))
+        return self.watched(Recording(ports, words, time.perf_counter() - started))
 
     def watched(self, recording: Recording) -> Recording:
         """Count the values of the ports, and check what every block promises after a reset.
@@ -356,12 +368,33 @@ def writer(dut, port: str) -> Callable[[int], None]:
     return lambda value: write_word(deposit, value)
 
 
-def changed(columns):
-    """For every clock, the (port, value) pairs that differ from the clock before."""
-    changes = [[(port, values[0]) for port, values in columns]]
-    changes += [[] for _ in columns[0][1][1:]]
-    for port, values in columns:
-        for change, (before, now) in zip(changes[1:], pairwise(values), strict=True):
-            if now != before:
-                change.append((port, now))
-    return changes
+def from_reset(drive: dict[str, np.ndarray], resets: bool) -> dict[str, np.ndarray]:
+    """The columns of a timeline behind the initial reset.
+
+    If ``resets``, there is a port ``rst``. If ``drive`` leaves it out, it stays low afterwards.
+    """
+    columns = {name: np.asarray(values).astype(np.int64) for name, values in drive.items()}
+    if resets:
+        columns.setdefault("rst", np.zeros_like(next(iter(columns.values()))))
+    return {
+        name: np.concatenate([np.full(RESET_CLOCKS, int(name == "rst")), column])
+        for name, column in columns.items()
+    }
+
+
+def changed(
+    columns: Sequence[tuple[Callable[[int], None], np.ndarray]],
+) -> Iterator[Iterable[tuple[Callable[[int], None], int]]]:
+    """For every clock, the (port, value) pairs that differ from the clock before.
+
+    They are kept in three lists, because a list for each of some 100 000 clocks takes long to make.
+    """
+    count = len(columns[0][1])
+    new = [np.flatnonzero(np.append(True, values[1:] != values[:-1])) for _, values in columns]
+    clocks = np.concatenate(new)
+    order = np.argsort(clocks, kind="stable")
+    found = np.concatenate([v[at] for (_, v), at in zip(columns, new, strict=True)])[order].tolist()
+    source = np.repeat(np.arange(len(columns)), [len(at) for at in new])[order]
+    ports = [columns[i][0] for i in source.tolist()]
+    for start, end in pairwise(np.searchsorted(clocks[order], np.arange(count + 1)).tolist()):
+        yield zip(ports[start:end], found[start:end], strict=True)

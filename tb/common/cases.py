@@ -105,7 +105,8 @@ def random_network(
         behind = quantiser if n < len(activations) else None
         tables = functions_of(kind, nodes, by_name(functions))
         layers.append(Dense(weights, biases, kind, quantiser=behind, functions=tables))
-    layers[1].weights[:, -1] = 0
+    if len(layers) > 1:
+        layers[1].weights[:, -1] = 0
     return network_of(layers)
 
 
@@ -151,7 +152,7 @@ def write_scene(
         sensors=sensors,
         outputs=targets,
         arrangement=arrangement,
-        hidden=hidden[0] if len(hidden) == 1 else hidden,
+        hidden=hidden[0] if len(hidden) == 1 else hidden or 0,
         weights=f'"{name}.npz"' if len(networks) == 1 else weights,
         precision=precision,
         design=design,
@@ -188,7 +189,8 @@ def delays_text(window: Window, sensors: list[str]) -> str:
 class Case:
     """A scene of random networks.
 
-    ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
+    ``spread`` is the deviation of the weights of layer 1. A shape of two numbers has no hidden
+    layer. If a single network has several hidden
     nodes, the last of them has no weights. If there are ``activations``, there is one network with
     a hidden layer for each of them and with ``quantiser`` behind each hidden layer. ``functions``
     are the functions that the activations name.
@@ -211,7 +213,7 @@ class Case:
     functions: tuple[Function, ...] = ()
 
     def networks(self) -> list[Trained]:
-        if self.activations:
+        if self.activations or len(self.shapes[0]) == 2:
             (shape,) = self.shapes
             more = self.quantiser, self.functions
             return [random_network(shape, self.activations, self.spread, self.seed, *more)]

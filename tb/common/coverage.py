@@ -60,24 +60,11 @@ class Coverage:
 
     def count_port(self, port: str, words: Iterable[str]) -> None:
         """Count the values of a port."""
-        met = Counter(words)
         if port in self.ports:
-            codes = {
-                code(word, self.ports[port].signed): n for word, n in met.items() if known(word)
-            }
-            found = {str(value): codes.get(value, 0) for value in values_of(self.ports[port])}
+            met, width = Counter(words), self.ports[port].width or 1
+            bits = {value: f"{value % (1 << width):0{width}b}" for value in values_of(self.ports[port])}
+            found = {str(value): met[word] for value, word in bits.items()}
             add(self.counts, {"ports": {port: found}})
-
-
-def known(word: str) -> bool:
-    """Whether every bit is 0 or 1."""
-    return set(word) <= {"0", "1"}
-
-
-def code(word: str, signed: bool) -> int:
-    """The number that the bits of a port stand for."""
-    value = int(word, 2)
-    return value - (1 << len(word)) if signed and word[0] == "1" else value
 
 
 def values_of(port: Port) -> list[int]:

@@ -38,7 +38,7 @@ async def exchange(
     read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
     driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
     clock, *writes = (writer(bench.dut, name) for name in driven)
-    rows = []
+    words: list[str] = []
     clear = np.ones(RESET_CLOCKS, dtype=bool)
 
     def halves() -> Iterator[None]:
@@ -57,15 +57,16 @@ async def exchange(
             for write, value in zip(writes, values, strict=True):
                 write(int(value))
             yield
-            rows.append(read())
-            if offered and (reset or rows[-1][taking] == "1"):
+            row = read()
+            words.extend(row)
+            if offered and (reset or row[taking] == "1"):
                 at, offered = at + 1, False
             clock(1)
             yield
 
     started = time.perf_counter()
     await each_half(halves())
-    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
+    return bench.watched(Recording(ports, words, time.perf_counter() - started))
 
 
 def transfers(recording: Recording, side: str) -> np.ndarray:

@@ -11,7 +11,16 @@ import numpy as np
 
 from golden.block import Block
 from golden.engine.image import Image
-from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed, each_half, reader, writer
+from tb.common.bench import (
+    RESET_CLOCKS,
+    Bench,
+    Recording,
+    changed,
+    each_half,
+    from_reset,
+    reader,
+    writer,
+)
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
 
@@ -68,10 +77,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
     A byte that is offered during a reset is lost.
     """
     dut = bench.dut
-    columns = {name: [int(v) for v in column] for name, column in drive.items()}
-    columns.setdefault("rst", [0] * len(drive["in_valid"]))
-    for name, column in columns.items():
-        columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
+    columns = from_reset(drive, resets=True)
     ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
     read, taking, reset = reader(dut, ports), ports.index("load_ready"), ports.index("rst")
     changes = changed([(writer(dut, name), column) for name, column in columns.items()])
@@ -82,14 +88,15 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
         for one in sent
         for place, byte in enumerate(one.data)
     ]
-    rows = []
+    words: list[str] = []
+    clocks = len(columns["rst"])
 
     def halves() -> Iterator[None]:
         at, offered = 0, False
         # While a frame is computed bytes wait, so some may be left when the timeline ends. Then no
         # frame comes any more, and four clocks are enough for a byte that comes with gaps.
-        for clock, change in enumerate(chain(changes, repeat([], 4 * len(queue)))):
-            if clock >= len(changes) and at == len(queue):
+        for clock, change in enumerate(chain(changes, repeat((), 4 * len(queue)))):
+            if clock >= clocks and at == len(queue):
                 break
             drive_clock(0)
             for write, value in change:
@@ -103,15 +110,16 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
                 final(int(last))
             valid(int(offered))
             yield
-            rows.append(read())
-            if offered and "1" in (rows[-1][reset], rows[-1][taking]):
+            row = read()
+            words.extend(row)
+            if offered and "1" in (row[reset], row[taking]):
                 at, offered = at + 1, False
             drive_clock(1)
             yield
 
     started = time.perf_counter()
     await each_half(halves())
-    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
+    return bench.watched(Recording(ports, words, time.perf_counter() - started))
 
 
 def check_loading(bench: Bench, recording: Recording) -> list[int]:

@@ -96,13 +96,11 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
             """Print a line for each failure."""
             if not outcome.passed:
                 tell(outcome, progress.say)
+            progress.step()
 
         def work(job: Job) -> Outcome:
             with progress.running(f"{job.entity} on {job.runs_on}"):
-                outcome = run_and_keep(job, keys[job.folder])
-            # Here and not in ``listen``, which a long bench at the front keeps waiting.
-            progress.step()
-            return outcome
+                return run_and_keep(job, keys[job.folder])
 
         ran = run_jobs(missing, listen, work=work)
     found = stored | {outcome.job.folder: outcome for outcome in ran}

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -345,10 +345,16 @@ def run_jobs(
     at_once: int | None = None,
     work: Callable[[Job], Outcome] = run_job,
 ) -> list[Outcome]:
-    """Run all jobs, as many at a time as there are cores, and call ``tell`` after each."""
-    outcomes = []
+    """Run all jobs, as many at a time as there are cores, and return their outcomes in that order.
+
+    ``tell`` is called for each outcome in the moment in which it is there, in whatever order.
+    """
     with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
-        for outcome in pool.map(work, jobs):
-            tell(outcome)
-            outcomes.append(outcome)
-    return outcomes
+        running = [pool.submit(work, job) for job in jobs]
+        try:
+            for future in as_completed(running):
+                tell(future.result())
+        finally:
+            # After an error, or when the user stops the command, no other job begins.
+            pool.shutdown(cancel_futures=True)
+    return [future.result() for future in running]

@@ -56,6 +56,35 @@ ADDER_GRAPHS = {
     ),
 }
 
+# Layers without a table: a ReLU, whose words have 15 bits; codes of 4 bits, halves to even, where
+# nothing is cut; none hidden. Layers with tables in front of others. All decide, and with these
+# weights each output is the largest of some frames.
+DECIDED = "argmax = true"
+DEEP_GRAPHS = {
+    "relu-graph": replace(
+        ADDER_GRAPH, shapes=[(3, 4, 4, 3)], activations=("relu", "relu"), hardware=DECIDED, seed=22
+    ),
+    "exact-graph": replace(
+        ADDER_GRAPH,
+        shapes=[(3, 5, 4, 3)],
+        activations=("relu", "relu"),
+        hardware=DECIDED,
+        spread=2.0,
+        seed=12,
+        quantiser=Quantiser(2.0**-3, 0, 0, 15),
+    ),
+    "flat-graph": replace(ADDER_GRAPH, shapes=[(2, 5)], hardware=DECIDED, seed=15),
+    "deep-graph": replace(
+        ADDER_GRAPH,
+        shapes=[(2, 3, 2, 3, 2)],
+        activations=("tanh", "leaky_relu", "sigmoid"),
+        hardware=DECIDED,
+    ),
+}
+# Five outputs leave one without a pair in two levels, three outputs in one, and two in none.
+TREES = {name: DEEP_GRAPHS[name] for name in ("flat-graph", "relu-graph", "deep-graph")}
+ADDER_GRAPHS |= DEEP_GRAPHS
+
 # Networks that need more clocks from frame to frame than a frame has elements.
 SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
 SLOWER = "{ rho = 1.5, iterations = 11 }"

@@ -46,7 +46,7 @@ async def play(bench, drive, halts, lengths):
     writes = {name: writer(bench.dut, name) for name in ("clk", *INPUTS)}
     asked = reader(bench.dut, ["run", "busy"])
     columns = {name: [int(value) for value in column] for name, column in drive.items()}
-    rows = []
+    words: list[str] = []
 
     def halves() -> Iterator[None]:
         since = number = 0
@@ -63,13 +63,13 @@ async def play(bench, drive, halts, lengths):
             writes["halt"](int(clock >= 0 and halts[clock] and busy == "0"))
             writes["clk"](0)
             yield
-            rows.append(read())
+            words.extend(read())
             writes["clk"](1)
             yield
 
     started = time.perf_counter()
     await each_half(halves())
-    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
+    return bench.watched(Recording(ports, words, time.perf_counter() - started))
 
 
 async def check(bench, gap, resets):

@@ -3,6 +3,8 @@
 from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property
 
+# ReLUs, and halves that go to the even code.
+ALSO = ("exact-graph",)
 BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
 
 
@@ -70,8 +72,8 @@ def wrong(twin, signals, places):
     largest = max(places, key=lambda place: reaches[place].most - reaches[place].least)
     total = signals.there[largest, twin.clocks[largest]]
     return (
-        (rf"({total} =) (\$signed\(result)", r"\1 ~\2"),
-        (rf"({total} = \$signed\(result\[\d+)-1", r"\1-3"),
+        (rf"({total} =) (\$signed\(\{{?result)", r"\1 ~\2"),
+        (rf"({total} = \$signed\(\{{?result\[\d+)-1", r"\1-3"),
     )
 
 
@@ -138,29 +140,44 @@ def results(twin, signals):
     for number, (row, signal) in enumerate(zip(graph.rows, signals.results, strict=True)):
         drop, invert = twin.drop(row), "~" if row.minus else ""
         moved = f">>> {drop}" if drop >= 0 else f"<<< {-drop}"
+        even, low = twin.row_finishes[number].even, twin.result_lows[number]
+        rest = f"({invert}row_{number} & {(1 << max(0, drop)) - 1})"
+        # Where all dropped bits are 0, the last bit becomes 0.
+        kept = f" & ({rest} == 0 ? -64'sd2 : -64'sd1)" if even else ""
         watch.append(
             f"""
                 wire signed [63:0] row_{number} = {signal};
                 reg signed [63:0] due_{number};
-                always @(posedge clk) due_{number} <= ({invert}row_{number}) {moved};
+                always @(posedge clk) due_{number} <= (({invert}row_{number}) {moved}){kept};
             """
         )
         due = f"due_{number}"
-        ends = f"{due} < {fmt.low} ? {fmt.low} : {due} > {fmt.high} ? {fmt.high} : {due}"
+        ends = f"{due} < {low} ? {low} : {due} > {fmt.high} ? {fmt.high} : {due}"
         states.append(f"!begun || out_data_{number} == ({ends})")
     for late, early in signals.late.items():
         watch.append(f"reg signed [63:0] ago_{late}; always @(posedge clk) ago_{late} <= {early};")
         states.append(f"!begun || {late} == ago_{late}")
+    rectified = any(finish.rectified for finish in twin.row_finishes)
+    finished = "saturated"
+    broken = (
+        (r"\(top == 0\) \|\| ", ""),
+        (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
+    )
+    if rectified:
+        finished = "0 instead of negative, and saturated"
+        broken = ((r"if \(word\[(\d+)\]\)", r"if (!word[\1])"),)
+    if any(finish.even for finish in twin.row_finishes):
+        finished += "; half way between two results it is the even one"
+        broken = (*broken, (r"(?s)(tie_to_even0_clear.*?) == 0\)", r"\1 == 1)"))
     return Property(
         name="results",
         sentence="Each result is the number of its row one clock before, without its last bits and "
-        f"saturated. {len(signals.late)} numbers that a later clock needs are kept as they were.",
+        f"{finished}. {len(signals.late)} numbers that a later clock needs are kept as they were.",
         states=tuple(states),
         watch="\n".join(watch),
         refuted_by=(
-            (r"\(top == 0\) \|\| ", ""),
-            (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
-            (rf"({next(iter(signals.late))} <=)", r"\1 ~"),
+            *broken,
+            *((rf"({late} <=)", r"\1 ~") for late in list(signals.late)[:1]),
         ),
         free=tuple(s for (_, clock), s in signals.there.items() if not clock and "total" in s),
         clocks=3,

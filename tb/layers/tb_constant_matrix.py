@@ -1,8 +1,9 @@
 """constant_matrix, all sums of a layer, against its twin.
 
 Sweeps: corner frames (rails, alternating rails, zeros, one sample at a rail), the frames that drive
-each sum to both of its ends and to either side of the borders at which it saturates, and 1000
-random frames.
+each sum to both of its ends and to either side of the borders at which it saturates or is
+rectified, frames whose sums lie half way between an even and an odd result, where halves go to the
+even one, and 1000 random frames.
 Drives: a frame every clock.
 Checks: every result bit for bit, and the clock in which it appears.
 Does not prove: anything about valid flags or reset; the block has neither.
@@ -22,26 +23,33 @@ FAULTS = [
     (r"turned = \((\(?-?\d+\)?) \+ one\)", r"turned = (\1 + one + 64)"),
     (r"top == 0\)", "top == 1)"),
 ]
+# ReLUs, and halves that go to the even code.
+ALSO = ("exact-graph",)
 RANDOM = 1000
 
 
 def border_frames(twin):
-    """Frames whose sums lie at the borders at which a row saturates."""
+    """Frames whose sums lie at the borders of a row: where it saturates, and half way."""
     found = [
         twin.beside(int(border.quantity.removeprefix("result ")), border.at)
         for border in twin.borders
-        if not border.unreachable
+        if not border.unreachable and border.quantity.startswith("result ")
     ]
+    found += [twin.ties(i) for i, finish in enumerate(twin.row_finishes) if finish.even]
     return np.concatenate([np.empty((0, twin.inputs), dtype=np.int64), *found])
 
 
 def stimuli(bench):
     """The frames that are played, as the twin takes them."""
     twin, rng, fmt = bench.twin, bench.rng, bench.twin.in_fmt
-    random = rng.integers(fmt.low, fmt.high + 1, (RANDOM + bench.latency, twin.inputs))
-    ends = extreme_frames(fmt, twin.weights)
-    corners = corner_frames(fmt, twin.inputs)
-    return [(np.concatenate([corners, ends, border_frames(twin), random]),)]
+    count = RANDOM + bench.latency
+    random = rng.integers(fmt.low, fmt.high + 1, (count, twin.inputs))
+    low, high = np.array(twin.sample_ends).T
+    if twin.in_ends:
+        random = rng.integers(low, high + 1, (count, twin.inputs))
+    corners = [corner_frames(fmt, twin.inputs), extreme_frames(fmt, twin.weights)]
+    within = [np.clip(frames, low, high) for frames in corners]
+    return [(np.concatenate([*within, border_frames(twin), random]),)]
 
 
 @cocotb.test()

@@ -298,7 +298,7 @@ def main() -> None:
     if arguments.labels:
         labels = Path(arguments.labels)
         if same_file(labels, to):
-            raise InputError(f"TO={to}: is read, expected another file")
+            raise InputError(f"TO={to}: is read by this command, expected another file")
         outputs, placements = labels_of(labels, board.scene.outputs)
         check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
     would(f"record readings from {arguments.port} into {to}")

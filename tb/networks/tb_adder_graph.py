@@ -4,8 +4,9 @@ Sweeps: all recorded frames of the scene; corner frames (rails, alternating rail
 at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
 Drives: frames in every clock, with random gaps, with resets among them, and with one reset at each
 clock of a frame's way through the design.
-Checks: every output bit for bit in its clock, that no output comes in any other clock, and that
-``frame_error`` stays low. The bench also measures the clocks of a frame.
+Checks: every output bit for bit in its clock, that no output comes in any other clock, the same of
+index and margin of the largest output where the design has them, and that ``frame_error`` stays
+low. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
@@ -15,6 +16,7 @@ import numpy as np
 from golden.networks.oracle import hidden_weights
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
+from tb.common.readout import WINNER
 from tb.common.small import ADDER_GRAPHS
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
@@ -26,6 +28,11 @@ FAULTS = [
 ]
 
 
+def through(twin):
+    """Clocks from a frame to the last that it gives."""
+    return twin.latency + (twin.argmax.latency if twin.argmax else 0)
+
+
 def ports(name, count):
     return [f"{name}_{i}" for i in range(count)]
 
@@ -35,13 +42,15 @@ async def check(bench, frames, gap, pause=0, resets=None):
 
     ``resets`` gives the reset column for a number of clocks.
     """
-    twin, latency = bench.twin, bench.latency
+    twin, latency, argmax = bench.twin, bench.latency, bench.twin.argmax
     sensors, outputs = ports("in_data", twin.inputs), ports("out_data", twin.outputs)
     items = dict(zip(sensors, frames.T, strict=True))
-    drive = spread(bench.rng, items, "in_valid", gap, tail=latency + 4, pause=pause)
+    tail = through(twin) + 4
+    drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
-    recording = await bench.play(drive, ["out_valid", *outputs, "frame_error"])
+    winner = WINNER if argmax else []
+    recording = await bench.play(drive, ["out_valid", *outputs, *winner, "frame_error"])
 
     entered = recording.rows("in_valid")
     entered = entered[recording.undisturbed(entered, entered)]
@@ -51,6 +60,12 @@ async def check(bench, frames, gap, pause=0, resets=None):
     bench.compare("clocks of out_valid", left, entered[alive] + latency)
     got = np.stack([recording.signed(port, left) for port in outputs], axis=-1)
     bench.compare("out_data", got, twin.process(seen[alive]), frame=seen[alive])
+    if argmax:
+        kept = recording.undisturbed(left, left + argmax.latency - 1)
+        at = left[kept] + argmax.latency
+        bench.compare("clocks of winner_valid", recording.rows("winner_valid"), at)
+        for port, expected in zip(WINNER[1:], argmax.process(got[kept]), strict=True):
+            bench.compare(port, recording.unsigned(port, at), expected, outputs=got[kept])
     assert not len(recording.rows("frame_error")), "frame_error is high"
     return recording, entered
 
@@ -91,7 +106,7 @@ async def corners_and_random(dut):
 async def resets_among_frames(dut):
     """Play frames at any distance, with resets at random clocks."""
     bench = Bench(dut)
-    every = 2 * (1 + bench.latency)
+    every = 2 * (1 + through(bench.twin))
     await check(
         bench,
         random_frames(bench, 600),
@@ -105,7 +120,7 @@ async def resets_among_frames(dut):
 async def reset_at_every_clock(dut):
     """Play a frame, a reset so many clocks after it, and then a good frame."""
     bench = Bench(dut)
-    span = bench.latency + 2
+    span = through(bench.twin) + 2
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)

@@ -74,12 +74,17 @@ def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Modul
     InputError
         When GHDL refuses the files; the message is GHDL's.
     """
+    return read_dump(dump(files, top, folder))
+
+
+def dump(files: Sequence[Path], top: str, folder: Path) -> str:
+    """What GHDL prints of the netlist; for parameters and exceptions see ``synthesise``."""
     command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm", "-de"]
     command += [*map(str, files), "-e", top]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
         raise InputError(f"{top}: ghdl --synth: {result.stderr.strip()}")
-    return read_dump(result.stdout)
+    return result.stdout
 
 
 def read_dump(text: str) -> dict[str, Module]:

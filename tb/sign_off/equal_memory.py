@@ -95,9 +95,16 @@ def _check_index(place: Gate, access: Gate, memory: Memory) -> None:
 
 
 def write_memory(
-    memory: Memory, name_of: Callable[[Net], str], clock_of: Callable[[Net], str]
+    memory: Memory,
+    name_of: Callable[[Net], str],
+    clock_of: Callable[[Net], str],
+    from_left: Callable[[Net, int], str],
 ) -> Iterator[str]:
-    """The Verilog of a memory, whose first word stands at the left."""
+    """The Verilog of a memory, whose first word stands at the left.
+
+    ``from_left`` gives the address of a word from its index, which counts from the right, and the
+    index of the first word.
+    """
     name, last = memory.name, memory.count - 1
     yield f"reg {wire_range(memory.width)}{name} [0:{last}];"
     if memory.content is not None:
@@ -108,7 +115,7 @@ def write_memory(
         yield "end"
     for n, access in enumerate((*memory.reads, *memory.writes)):
         place = f"{name}_place{n}"
-        yield f"wire {wire_range(access.index.width)}{place} = {last} - {name_of(access.index)};"
+        yield f"wire {wire_range(access.index.width)}{place} = {from_left(access.index, last)};"
         if access.clock is None or access.enable is None:
             yield f"assign {name_of(access.data)} = {name}[{place}];"
         else:

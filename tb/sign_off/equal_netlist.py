@@ -87,7 +87,7 @@ class _Writer:
         for gate in self.gates:
             lines += self.statements(gate)
         for memory in self.memories:
-            lines += write_memory(memory, self.name, self.clock)
+            lines += write_memory(memory, self.name, self.clock, self.from_left)
         for port, net in self.own.inputs.items():
             lines += self.alias(port, net)
         return "\n".join([*lines, "endmodule", ""])
@@ -121,6 +121,20 @@ class _Writer:
         if edge.kind != "$posedge":
             raise ValueError(f"{self.module.name}: a clock: got {edge.kind}, expected $posedge")
         return self.name(edge.inputs["i"])
+
+    def from_left(self, index: Net, last: int) -> str:
+        """The address of the word with an index that counts from the right.
+
+        GHDL makes such an index by a subtraction from ``last``. Where it does, that is undone, so
+        that both languages have the same gates at an address, and no solver must find this out.
+        """
+        gate = self.maker.get(index)
+        if gate is not None and gate.kind == "$sub":
+            minuend = self.maker.get(gate.inputs["a"])
+            known = minuend is not None and minuend.kind.startswith("$const_")
+            if minuend is not None and known and constant(minuend) == last:
+                return self.name(gate.inputs["b"])
+        return f"{last} - {self.name(index)}"
 
     def statements(self, gate: Gate) -> list[str]:
         """The lines of a gate."""

@@ -72,23 +72,35 @@ class Property:
         Without ``helped`` only the property is asserted, and not the expressions that help to prove
         it.
         """
-        clocked = re.search(r"^\s*input clk\b", flat, re.M) is not None
-        with_reset = re.search(r"^\s*input rst\b", flat, re.M) is not None
+        clocked, with_reset = (
+            re.search(rf"^\s*input {name}\b", flat, re.M) is not None for name in ("clk", "rst")
+        )
+        added = self.added(clocked, with_reset, helped)
+        head, end, rest = _module(flat, top).partition("endmodule")
+        return f"{head}\n{added}\n{end}{rest}"
+
+    def added(self, clocked: bool, reset: bool, helped: bool = True) -> str:
+        """The text that puts the property into a module; for ``helped`` see ``verilog``.
+
+        Parameters
+        ----------
+        clocked, reset : bool
+            Whether the module has inputs ``clk`` and ``rst``.
+        helped : bool
+        """
         lines = []
         if clocked:
             lines += ["reg after_reset = 0;", "always @(posedge clk) after_reset <= 1;"]
-            if with_reset:
+            if reset:
                 lines.append("always @* if (!after_reset) assume (rst);")
-        always = "always @* if (after_reset)" if clocked and with_reset else "always @*"
+        always = "always @* if (after_reset)" if clocked and reset else "always @*"
         lines.append(self.watch)
         lines += [f"always @* assume ({text});" for text in self.assumes.values()]
         lines += [f"{always} states_{n}: assert ({text});" for n, text in enumerate(self.states)]
         if helped:
             lines += [f"{always} helps_{n}: assert ({text});" for n, text in enumerate(self.helps)]
         lines += [f"{always} reached_{n}: cover ({text});" for n, text in enumerate(self.reached)]
-        added = INSIDE.sub(lambda name: f"\\{name.group()} ", "\n".join(lines))
-        head, end, rest = _module(flat, top).partition("endmodule")
-        return f"{head}\n{added}\n{end}{rest}"
+        return INSIDE.sub(lambda name: f"\\{name.group()} ", "\n".join(lines))
 
 
 def _module(flat: str, top: str) -> str:

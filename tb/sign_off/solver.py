@@ -40,6 +40,39 @@ class Answer:
     trace: str = ""
 
 
+# Makes one module of an entity and its parts, in which every signal of a part keeps its name.
+FLATTEN = ("hierarchy -check -top {top}", "proc", "flatten")
+
+
+def formula_script(item: Property, top: str, source: str, target: str) -> list[str]:
+    """The commands with which Yosys makes formulas of a module that contains a property.
+
+    Parameters
+    ----------
+    item : Property
+    top : str
+        The name of the module.
+    source, target : str
+        The files of the module and of the formulas.
+    """
+    return [
+        f"read_verilog -formal -sv {source}",
+        f"prep -top {top}",
+        *(f"select -assert-any w:{name}" for name in item.free),
+        *(f"cutpoint w:{name}" for name in item.free),
+        # The solver need not understand what no property asks for.
+        "delete -output w:*",
+        "opt_clean -purge",
+        *([] if item.arrays else ["memory_map"]),
+        "async2sync",
+        "dffunmap",
+        "opt_clean -purge",
+        # An undefined bit may be anything, and not zero alone.
+        "setundef -anyseq",
+        f"write_smt2 -wires {target}",
+    ]
+
+
 class Inquiry:
     """All questions about one property.
 
@@ -88,22 +121,8 @@ class Inquiry:
         return _made([(("proof.sv", text),) for text in texts], self._script, "proof.smt2")
 
     def _script(self, folder: str) -> list[str]:
-        return [
-            f"read_verilog -formal -sv {folder}/proof.sv",
-            f"prep -top {self.entity}",
-            *(f"select -assert-any w:{name}" for name in self.item.free),
-            *(f"cutpoint w:{name}" for name in self.item.free),
-            # The solver need not understand what no property asks for.
-            "delete -output w:*",
-            "opt_clean -purge",
-            *([] if self.item.arrays else ["memory_map"]),
-            "async2sync",
-            "dffunmap",
-            "opt_clean -purge",
-            # An undefined bit may be anything, and not zero alone.
-            "setundef -anyseq",
-            f"write_smt2 -wires {folder}/proof.smt2",
-        ]
+        names = (f"{folder}/proof.{kind}" for kind in ("sv", "smt2"))
+        return formula_script(self.item, self.entity, *names)
 
     def _ask(self, question: str, verilog: Path, copy: int) -> Answer:
         def work(folder: Path) -> dict[str, Any]:
@@ -161,9 +180,7 @@ def _flattened(entity: str, copies: tuple[Sources, ...]) -> tuple[str, ...]:
     def script(folder: str) -> list[str]:
         return [
             f"read_verilog {folder}/*.v",
-            f"hierarchy -check -top {entity}",
-            "proc",
-            "flatten",
+            *(line.format(top=entity) for line in FLATTEN),
             f"write_verilog -noattr {folder}/flat.sv",
         ]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 from golden.folders import BUILD
 from golden.input_error import InputError
@@ -16,12 +15,8 @@ from tb.common.runner import Job, jobs, plan, prepare
 RUNS_IN = "icarus"
 
 
-def subject(
-    block: str, simulator: str = RUNS_IN, build: Path = BUILD, case: str | None = None
-) -> Job:
+def subject(block: str, simulator: str = RUNS_IN, case: str | None = None) -> Job:
     """The first entity of a block in a case; without a case, in the first one of its bench.
-
-    The entity is exported into ``build``.
 
     Raises
     ------
@@ -29,7 +24,7 @@ def subject(
         For a block that has no bench.
     """
     chosen_blocks(block)
-    return first(_case_jobs(case or CASES_OF[block][0], simulator, build), block)
+    return first(_case_jobs(case or CASES_OF[block][0], simulator), block)
 
 
 def chosen_blocks(block: str | None) -> list[str]:
@@ -94,11 +89,11 @@ def subjects_of(scene: str, block: str | None = None) -> list[Job]:
 
 
 @cache
-def _case_jobs(name: str, simulator: str, build: Path) -> list[Job]:
+def _case_jobs(name: str, simulator: str) -> list[Job]:
     """The benches of a case. The answer is kept, because many blocks share a case."""
-    scene = case_scene(name, build)
-    prepare(scene, simulator, build)
-    return jobs(scene, simulator, build=build)
+    scene = case_scene(name, BUILD)
+    prepare(scene, simulator, BUILD)
+    return jobs(scene, simulator, build=BUILD)
 
 
 def first(planned: list[Job], block: str) -> Job:

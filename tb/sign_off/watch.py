@@ -41,7 +41,6 @@ def check_byte(data: str) -> str:
 def pipeline(
     twin: Block,
     refuted_by: tuple[tuple[str, str], ...],
-    valid: str = "in_valid",
     last: str = "",
 ) -> Property:
     """The block gives a result for each item, a fixed number of clocks later.
@@ -52,13 +51,12 @@ def pipeline(
         Its latency is proved.
     refuted_by : tuple
         Broken copies.
-    valid, last : str
-        Expressions that ``out_valid`` and ``out_last`` follow. Without ``last`` there is no such
-        port.
+    last : str
+        The expression that ``out_last`` follows. Without it there is no such port.
     """
     late = twin.latency - 1
     states = [f"out_valid == valid_ago[{late}]"]
-    watch = ago("valid_ago", valid, twin.latency)
+    watch = ago("valid_ago", "in_valid", twin.latency)
     if last:
         states.append(f"out_last == last_ago[{late}]")
         watch += ago("last_ago", last, twin.latency)
@@ -155,7 +153,6 @@ def network(
     wrong: tuple[tuple[str, str], ...],
     good: tuple[tuple[str, str], ...],
     helps: tuple[str, ...] = (),
-    watch: str = "",
 ) -> list[Property]:
     """The properties of every network with a stream: what it does with frames.
 
@@ -166,7 +163,7 @@ def network(
         The instance that judges frames.
     wrong, good : tuple
         Broken copies that refute the properties of wrong frames and of good ones.
-    helps, watch
+    helps
         See ``Property``.
     """
     judge: Any = twin.input_controller
@@ -180,7 +177,7 @@ def network(
         f"closed == {f'{controller}.remaining' if spacing else '0'}",
         *helps,
     )
-    told = frames(inputs, spacing) + watch
+    told = frames(inputs, spacing)
     least = f" or that ends less than {spacing} clocks after a good one" if spacing else ""
     return [
         Property(
@@ -211,15 +208,14 @@ def network(
     ]
 
 
-def table(name: str, words: Sequence[int], width: int, beyond: int | None = None) -> str:
-    """``name(n)`` is word n of a table; behind the last word it is ``beyond``, or the last word."""
+def table(name: str, words: Sequence[int], width: int) -> str:
+    """``name(n)`` is word n of a table; behind the last word it is the last word."""
     lines = "\n".join(f"{n}: {name} = {width}'d{word};" for n, word in enumerate(words))
-    last = words[-1] if beyond is None else beyond
     return f"""
         function [{width - 1}:0] {name}(input [31:0] n);
             case (n)
                 {lines}
-                default: {name} = {width}'d{last};
+                default: {name} = {width}'d{words[-1]};
             endcase
         endfunction
     """

@@ -69,7 +69,7 @@ def without_past(scene: Scene) -> Scene | None:
     return None if scene.window.plain else load_scene(f"swing-{scene.arrangement}")
 
 
-def swing(scene: Scene, run: Path = RUN) -> str:
+def swing(scene: Scene) -> str:
     """The true x, y and z against time, the bit-true estimates, and the difference below each.
 
     For a scene with past samples, the difference of the scene without them is drawn too.
@@ -78,8 +78,6 @@ def swing(scene: Scene, run: Path = RUN) -> str:
     ----------
     scene : Scene
         A scene whose outputs are x, y and z, in any order, with their lengths in millimetres.
-    run : Path
-        A recording with the columns of the scene, at 200 samples per second.
 
     Returns
     -------
@@ -96,8 +94,8 @@ def swing(scene: Scene, run: Path = RUN) -> str:
             f"{scene.path}: swing: got outputs {', '.join(scene.outputs)}, with lengths of "
             f"{', '.join(scene.length_mm) or 'none'}, expected x, y and z, and length_mm of each"
         )
-    found, other = follow(scene, run, SECONDS), without_past(scene)
-    before = None if other is None else follow(other, run, SECONDS)
+    found, other = follow(scene, RUN, SECONDS), without_past(scene)
+    before = None if other is None else follow(other, RUN, SECONDS)
     with style():
         figure = Figure(figsize=(PLOT_INCHES[0], 2.4 * PLOT_INCHES[1]), layout="constrained")
         rows = figure.subplots(6, 1, sharex=True, height_ratios=[2, 1] * 3)
@@ -115,6 +113,6 @@ def swing(scene: Scene, run: Path = RUN) -> str:
         figure.align_ylabels()
         lines = [line for axis in rows[: 2 if before else 1] for line in axis.lines]
         rows[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-        rows[-1].set_xlabel(f"time since release in {run.stem}, s; x, y, z count from code 0")
-        title = f"Motion of the swing in {run.stem} and the estimates of scene {scene.name}"
+        rows[-1].set_xlabel(f"time since release in {RUN.stem}, s; x, y, z count from code 0")
+        title = f"Motion of the swing in {RUN.stem} and the estimates of scene {scene.name}"
         return plotted(figure, identifier("swing", scene.name), title)

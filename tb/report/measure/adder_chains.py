@@ -167,7 +167,8 @@ def measured() -> list[list[Cell]]:
     scene = load_scene(SCENE)
     design = scene.twin()
     assert isinstance(design, AdderGraph)
-    chained = alone(max(design.second.result_widths), design.second.out_fmt.width)
+    outputs = design.layers[-1]
+    chained = alone(max(outputs.result_widths), outputs.out_fmt.width)
     rows: list[list[Cell]] = []
     for n, clocks in zip(ADDERS, chained, strict=True):
         pipelined = with_adders(scene, n)

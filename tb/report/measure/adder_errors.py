@@ -40,8 +40,8 @@ def adder_errors(seed: int) -> Table:
 
 
 def stages(design: AdderGraph, frames: Codes) -> Iterator[tuple[str, Real | Codes]]:
-    """The outputs as codes, each time with one cause of error more."""
-    first, second = design.first, design.second
+    """The outputs of a network of one hidden layer, each time with one cause of error more."""
+    (first, second), (activations,) = design.layers, design.activations
     q = exact_sums(first, frames)
 
     def outputs(r: Real | Codes) -> Codes:
@@ -54,7 +54,7 @@ def stages(design: AdderGraph, frames: Codes) -> Iterator[tuple[str, Real | Code
         return np.asarray(scale * np.tanh(codes / (1 << first.out_fmt.frac)) - 0.5)
 
     def tables(codes: Codes) -> Codes:
-        columns = [a.process(codes[:, j]) for j, a in enumerate(design.activations)]
+        columns = [a.process(codes[:, j]) for j, a in enumerate(activations)]
         return np.stack(columns, axis=-1)
 
     floored = np.floor(q).astype(np.int64)

@@ -24,6 +24,7 @@ from golden.fixed import Fix
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.scanned import Scanned
+from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
@@ -62,8 +63,9 @@ Twins = dict[str, list[Block]]
 def shipped() -> Iterator[tuple[str, Network]]:
     """The precision and the design of every scene, and of variants of it.
 
-    The networks of an engine are also folded. A scene with a front end also gets every converter,
-    and the largest output. At the end comes one network in every existing form.
+    The networks of an engine are also folded. A scene of adders also gets the largest output, and
+    so does a scene with a front end, which also gets every converter. At the end comes one network
+    in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
@@ -73,6 +75,8 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 scene.precision.name,
                 replace(scene, design=Hybrid.block, design_options={}).twin(),
             )
+        if isinstance(top, AdderGraph):
+            yield scene.precision.name, replace(top, decides=True)
         if isinstance(top, Scanned):
             yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
         if scene.front_end and isinstance(top, Instrument):

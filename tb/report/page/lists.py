@@ -62,14 +62,14 @@ DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
 def scenes() -> str:
-    """Every shipped scene, with the comment at the head of its file and its parts."""
+    """Every shipped scene, with the first paragraph of its file and its parts."""
     lines = [
         "| shipped scene | what it is | design | activation | precision |",
         "|---|---|---|---|---|",
     ]
     for name in sorted([*scene_names(), *class_names()]):
         scene = load_scene(name)
-        head = scene.path.read_text(encoding="utf-8").partition("\n\n")[0]
+        head = re.split(r"\n#?\n", scene.path.read_text(encoding="utf-8"), maxsplit=1)[0]
         text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
         row = [f"`{name}`", text, *(f"`{word}`" for word in (scene.design, scene.activation))]
         lines.append(f"| {' | '.join(row)} | `{scene.precision.name}` |")

@@ -12,10 +12,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from scipy.stats import binomtest
+
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
 from tb.report.page.markers import put, write
+from tb.sign_off.mutate.score import COUNT
 from tb.sign_off.record import read_record, record_path
 from tb.sign_off.subject import recorded_cases
 
@@ -52,8 +55,18 @@ def mutation(record: Record) -> str:
 
 
 def percent(record: Record) -> str:
-    """The score as text. It is 100 % only if no mutant is listed as undetected."""
-    return "100 %" if record["score"] == 1 else f"{min(99.9, 100 * record['score']):.1f} %"
+    """The score as text. It is 100 % only if no mutant is listed as undetected.
+
+    If the mutants are a sample, the interval stands behind it in which the score of all possible
+    mutants lies with a probability of 95 % (Clopper and Pearson).
+    """
+    score = "100 %" if record["score"] == 1 else f"{min(99.9, 100 * record['score']):.1f} %"
+    if record["mutants"] < COUNT:
+        return score
+    detected = record["killed"]
+    counted = record["mutants"] - record["same"] - record["explained"]
+    interval = binomtest(detected, counted).proportion_ci(0.95, "exact")
+    return f"{score} ({100 * interval.low:.1f} to {100 * interval.high:.0f} %)"
 
 
 def undetected_mutants(record: Record) -> list[str]:
@@ -75,7 +88,7 @@ def undetected_bits(record: Record) -> list[str]:
         memory, address, bit = re.split(r"\[|\] bit ", one)
         found.setdefault((memory, bit), []).append(address)
     return _table(
-        "Bits of words that the bench does not tell, because no result depends on them "
+        "Bits of words whose faults the bench does not detect, because no result depends on them "
         "(`tests/test_bipartite.py`, over all codes). `tests/test_initial_words.py` compares every "
         "exported word with that of the twin:",
         ["memory", "bit", "addresses"],

@@ -7,13 +7,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from golden.cli import run, would
+from golden.cli import MOST_SEED, run, whole, would
 from golden.input_error import InputError
 from golden.scene import load_scene
 from tb.common.runner import Job
 from tb.common.where import check_block
 from tb.sign_off.mutate.initial import score_words
-from tb.sign_off.mutate.score import score
+from tb.sign_off.mutate.score import SEED, score
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import read_record, record_path, write_record
 from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects, subjects_of
@@ -46,7 +46,13 @@ def main() -> int:
     parser.add_argument("--scene", help="mutate the entities of a scene")
     parser.add_argument("--all", action="store_true", help="find again what is recorded already")
     parser.add_argument("--record", action="store_true")
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
     arguments = parser.parse_args()
+    if arguments.record and arguments.seed != SEED:
+        raise InputError(
+            f"RECORD=1: got SEED={arguments.seed}, expected none: records are of seed {SEED}, so "
+            "that another run can compare itself with them"
+        )
     if arguments.scene and arguments.record:
         raise InputError(
             "RECORD=1: got SCENE= too, expected none: only the cases of benches are recorded"
@@ -57,6 +63,7 @@ def main() -> int:
         planned = {job.block: job for job in subjects_of(arguments.scene, arguments.block)}
     else:
         blocks = chosen_blocks(arguments.block)
+        print(f"seed {arguments.seed}")
         print(cases_line(arguments.block), flush=True)
         would(f"export and mutate {len(blocks)} blocks")
         planned = recorded_subjects(blocks)
@@ -69,8 +76,8 @@ def main() -> int:
         def tell(text: str) -> None:
             print(f"{name}: {text}", flush=True)
 
-        facts = score(job, before=before, tell=tell)
-        words = score_words(job, tell=tell)
+        facts = score(job, seed=arguments.seed, before=before, tell=tell)
+        words = score_words(job, seed=arguments.seed, tell=tell)
         if words:
             facts["words"] = words
         if arguments.record:

@@ -1,0 +1,99 @@
+"""Argmax tree: the largest of outputs that come all at once, and how far the next is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.border import Border
+from golden.fixed import Codes, Fix
+from golden.layers.argmax import Argmax
+from golden.port import CLOCK, Port, group, input_port
+
+
+@dataclass(frozen=True)
+class ArgmaxTree(Block):
+    """Index and margin of the winner of a frame whose outputs come in one clock (ours).
+
+    The numbers are those of ``Argmax``, which takes one output after the other. In each level of
+    the tree, pairs of winners meet. A pair keeps the larger one, with its index, and the largest of
+    the others: the loser or the second of the winner. The last clock subtracts the two.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the outputs.
+    outputs : int
+        The outputs of a frame, 2 or more.
+
+    Notes
+    -----
+    Latency: a clock for each level, and one for the margin. A frame every clock.
+
+    Raises
+    ------
+    InputError
+        When outputs is below 2: one output has nothing to be compared with.
+    """
+
+    block = "argmax_tree"
+    area = "layers"
+    fmt: Fix
+    outputs: int
+
+    def __post_init__(self) -> None:
+        _ = self.serial
+
+    @property
+    def serial(self) -> Argmax:
+        """The block that gives the same numbers for outputs one after the other."""
+        return Argmax(self.fmt, self.outputs, variant=self.variant)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            *group(input_port("in_data", "output y, number *", self.fmt, "fmt"), self.outputs),
+            *(port for port in self.serial.result_ports("out") if port.kind),
+        )
+
+    @property
+    def levels(self) -> int:
+        """The number of levels of pairs."""
+        return (self.outputs - 1).bit_length()
+
+    @property
+    def latency(self) -> int:
+        return self.levels + 1
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return tuple(
+            Border(f"{one} or {other}", f"{one} less {other}", 0)
+            for one, other in self._rivals(self.outputs)
+        )
+
+    def _rivals(self, count: int) -> Iterator[tuple[int, int]]:
+        """The first outputs of both halves of each pair."""
+        for level in range(self.levels):
+            span = 1 << level
+            for first in range(0, count - span, 2 * span):
+                yield first, first + span
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        """For each pair, by how much the largest output of its first half exceeds the other's."""
+        (codes,) = inputs
+        found = {}
+        for one, other in self._rivals(self.outputs):
+            span = other - one
+            halves = codes[..., one:other], codes[..., other : other + span]
+            largest, rival = (half.max(axis=-1) for half in halves)
+            found[f"{one} less {other}"] = (largest - rival).ravel()
+        return found
+
+    def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
+        """Index and margin of the winner of each frame; see ``Argmax.process``."""
+        return self.serial.process(frames)

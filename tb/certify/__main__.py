@@ -1,0 +1,82 @@
+"""``make certify``: write a certificate of a scene's export, and run its script.
+
+``build/<scene>/certificate`` holds the export, what it was made from, and a script that shows that
+it computes the network of the scene (docs/certificate.md). The script runs at once, and the page
+says what it found. The exit code is that of the script, with 0 for amber.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from golden.cli import run, whole, would
+from golden.files import replace_folder
+from golden.folders import BUILD
+from golden.progress import stage
+from golden.scene import Scene
+from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, deliver, write_digests
+from tb.certify.page import write_page
+from tb.certify.results import Result, read_results
+from tb.common.runner import export, ready_scene
+from tb.sign_off.netlist import chosen
+from tb.sign_off.unknown import UNKNOWN
+
+MOST = 100_000
+
+
+def check(folder: Path) -> list[Result]:
+    """Run the script of a certificate with the tools of this environment."""
+    scripts = sysconfig.get_path("scripts")
+    path = f"{os.environ.get('PATH', '')}{os.pathsep}{scripts}"
+    subprocess.run(["sh", str(folder / SCRIPT)], env={**os.environ, "PATH": path}, check=False)
+    return read_results(folder)
+
+
+def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[Result]:
+    """Write the certificate of a scene, and return what its script found."""
+    with stage(f"{scene.name}: exporting"), ThreadPoolExecutor() as pool:
+        list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
+    with replace_folder(build / scene.name / "certificate") as folder:
+        with stage(f"{scene.name}: writing the certificate"):
+            made = deliver(
+                scene, build, folder, wanted, lambda part: print(f"  {part}", flush=True)
+            )
+        digests = write_digests(folder)
+        print(f"{scene.name}: running {SCRIPT}", flush=True)
+        results = check(folder)
+        write_page(made, results, digests, folder)
+        if all(result.colour != "red" for result in results):
+            shutil.rmtree(folder / "run")
+        write_digests(folder)
+    return results
+
+
+def main() -> int:
+    """Run as ``python -m tb.certify``."""
+    parser = argparse.ArgumentParser(prog="make certify", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--frames", type=whole("FRAMES", 0, MOST))
+    parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
+    parser.add_argument("--netlist")
+    arguments = parser.parse_args()
+    scene = ready_scene(arguments.scene)
+    families = chosen(arguments.netlist) if arguments.netlist else []
+    folder = BUILD / scene.name / "certificate"
+    would(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
+    wanted = Wanted(
+        arguments.frames, arguments.seed, tuple(name for name in families if name != UNKNOWN)
+    )
+    results = certify(scene, wanted)
+    print(f"wrote {folder / 'certificate.html'}")
+    return 1 if any(result.colour == "red" for result in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,166 @@
+"""Writes what a certificate delivers: design, inputs, benches, proofs, script and digests."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from golden.network_files.network_file import provenance_path
+from golden.networks.network import Network
+from golden.scene import Scene
+from hdl.export.exporter import ORDER
+from tb.certify.cells import write_cells
+from tb.certify.equality import write_equality
+from tb.certify.formulas import write_formulas
+from tb.certify.mutants import Mutants, write_mutants
+from tb.certify.recordings import Frames, frames_of, write_recordings
+from tb.certify.sums import write_sums
+from tb.common.runner import Job, jobs
+from tb.sign_off.properties import Property
+
+SCRIPT = "check.sh"
+DIGESTS = "SHA256SUMS"
+STEPS = (
+    "digests",
+    "vhdl",
+    "verilog",
+    "equality",
+    "properties",
+    "sums",
+    "mutants",
+    "cells",
+)
+LANGUAGES = ("vhdl", "verilog")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a user may ask of a certificate.
+
+    Attributes
+    ----------
+    frames : int or None
+        The number of random frames; None for the usual one.
+    seed : int
+        The seed of random frames and mutants.
+    families : tuple of str
+        The families on whose cells the frames are played.
+    """
+
+    frames: int | None
+    seed: int
+    families: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Delivered:
+    """What was written, beside the files.
+
+    Attributes
+    ----------
+    scene : Scene
+    design : Network
+    jobs : list of Job
+        The entities.
+    frames : Frames
+    properties : list of (Job, Property)
+    mutants : list of Mutants
+    """
+
+    scene: Scene
+    design: Network
+    jobs: list[Job]
+    frames: Frames
+    properties: list[tuple[Job, Property]]
+    mutants: list[Mutants]
+
+
+def deliver(
+    scene: Scene, build: Path, folder: Path, wanted: Wanted, tell: Callable[[str], None]
+) -> Delivered:
+    """Write everything but the page into an empty folder.
+
+    Parameters
+    ----------
+    scene : Scene
+        It is exported into ``build`` in both languages.
+    build, folder : Path
+    wanted : Wanted
+    tell : callable
+        Is called with the name of each part before it is made.
+    """
+    design = scene.twin()
+    for language in LANGUAGES:
+        shutil.copytree(build / scene.name / language, folder / "design" / language)
+    _write_inputs(scene, design, folder)
+    frames = frames_of(scene, design, wanted.frames, wanted.seed)
+    tell("frames")
+    write_recordings(scene, design, frames, folder)
+    tell("netlists of both languages")
+    write_equality(folder, design.entity)
+    entities = jobs(scene, "icarus", build=build)
+    tell("properties")
+    properties = write_formulas(entities, folder)
+    write_sums(design, folder)
+    mutants = []
+    for job in entities:
+        tell(f"mutants of {job.entity}")
+        mutants.append(write_mutants(job, folder, wanted.seed))
+    for family in wanted.families:
+        tell(f"cells of {family}")
+        write_cells(entities[0], family, folder)
+    _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
+    return Delivered(scene, design, entities, frames, properties, mutants)
+
+
+def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
+    """Copy what was exported: the scene, its networks and its data; and write the image."""
+    place = folder / "inputs"
+    place.mkdir()
+    stories = (provenance_path(path) for path in scene.weights_paths)
+    for file in dict.fromkeys([*scene.files, *(path for path in stories if path.is_file())]):
+        shutil.copy(file, place)
+    if design.image:
+        (place / "image.bin").write_bytes(design.image)
+
+
+def _write_script(
+    scene: Scene, design: Network, frames: Frames, proved: set[str], folder: Path
+) -> None:
+    environment = Environment(
+        loader=PackageLoader("tb.certify", "."), undefined=StrictUndefined, autoescape=False
+    )
+    orders = {
+        language: (folder / "design" / language / ORDER).read_text(encoding="utf-8").split()
+        for language in LANGUAGES
+    }
+    text = environment.get_template(f"{SCRIPT}.jinja").render(
+        scene=scene.name,
+        top=design.entity,
+        steps=STEPS,
+        recorded=len(frames.recorded),
+        random=len(frames.random),
+        entities=len(proved),
+        **orders,
+    )
+    script = folder / SCRIPT
+    script.write_text(text + "\n", encoding="utf-8")
+    script.chmod(0o755)
+
+
+def write_digests(folder: Path) -> dict[str, str]:
+    """Write ``SHA256SUMS`` of every delivered file; the digests by name."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    found = {
+        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+        if file.relative_to(folder).parts[0] != "run" and file.name != DIGESTS
+    }
+    text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
+    (folder / DIGESTS).write_text(text, encoding="utf-8")
+    return found

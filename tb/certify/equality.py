@@ -1,0 +1,109 @@
+"""The proof that VHDL and Verilog are the same functions, as a script that Yosys alone runs.
+
+``make prove`` cuts netlists in Python; here Yosys does the same by itself. ``expose`` turns
+registers of the same name into inputs and outputs, ``equiv_make`` joins signals, parts and memories
+of the same name, and what is left are gates, of which ``equiv_simple`` proves that each named
+signal, each next value and each input of a part gets the same value from both. An undefined bit may
+be anything on each side. The assumptions are those of ``tb.sign_off.equal``.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+from hdl.export.exporter import ORDER
+from tb.sign_off.equal_gates import dump, read_dump
+from tb.sign_off.equal_netlist import list_lengths, to_verilog
+from tb.sign_off.equal_proof import PLAIN
+
+# A comment says from which line of VHDL a gate is.
+_COMMENT = re.compile(r"^ *#.*\n", re.MULTILINE)
+# Data and address do not count where nothing is written, so gates hide them then.
+_PARAMETERS = (
+    *("MEMID", "SIZE", "OFFSET", "ABITS", "WIDTH", "INIT", "RD_PORTS", "RD_CLK_ENABLE"),
+    *("RD_CLK_POLARITY", "RD_TRANSPARENCY_MASK", "RD_COLLISION_X_MASK", "RD_WIDE_CONTINUATION"),
+    *("RD_CE_OVER_SRST", "RD_INIT_VALUE", "RD_ARST_VALUE", "RD_SRST_VALUE", "WR_PORTS"),
+    *("WR_CLK_ENABLE", "WR_CLK_POLARITY", "WR_PRIORITY_MASK", "WR_WIDE_CONTINUATION"),
+)
+_WRITES = "writes.v"
+_WRITES_TEXT = """\
+// Hides data and address of a memory's write port while nothing is written.
+(* techmap_celltype = "$mem_v2" *)
+module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN, WR_ADDR, WR_DATA);
+{parameters}
+    input [RD_PORTS-1:0] RD_CLK, RD_EN, RD_ARST, RD_SRST;
+    input [RD_PORTS*ABITS-1:0] RD_ADDR;
+    output [RD_PORTS*WIDTH-1:0] RD_DATA;
+    input [WR_PORTS-1:0] WR_CLK;
+    input [WR_PORTS*WIDTH-1:0] WR_EN, WR_DATA;
+    input [WR_PORTS*ABITS-1:0] WR_ADDR;
+    wire [WR_PORTS*WIDTH-1:0] data = WR_DATA & WR_EN;
+    wire [WR_PORTS*ABITS-1:0] place;
+    genvar n;
+    generate for (n = 0; n < WR_PORTS; n = n + 1) begin: port
+        wire written = |WR_EN[n*WIDTH +: WIDTH];
+        assign place[n*ABITS +: ABITS] = WR_ADDR[n*ABITS +: ABITS] & {{ABITS{{written}}}};
+    end endgenerate
+    \\$mem_v2 #({passed}) _TECHMAP_REPLACE_ (
+        .RD_CLK(RD_CLK), .RD_EN(RD_EN), .RD_ARST(RD_ARST), .RD_SRST(RD_SRST), .RD_ADDR(RD_ADDR),
+        .RD_DATA(RD_DATA), .WR_CLK(WR_CLK), .WR_EN(WR_EN), .WR_ADDR(place), .WR_DATA(data));
+endmodule
+"""
+_COMPARE = (
+    f"techmap -max_iter 1 -map equal/{_WRITES} gold gate",
+    # techmap gives a memory another name in each module.
+    'setparam -set MEMID "$kept" gold/t:$mem_v2 gate/t:$mem_v2',
+    "setundef -undriven -anyseq gold gate",
+    "setundef -anyseq gold gate",
+    "expose -evert-dff -shared gold gate",
+    "opt_clean gold gate",
+    "select -assert-none gold/t:$dff gate/t:$dff",
+    "equiv_make gold gate equal",
+    "hierarchy -top equal",
+    "opt_expr",
+    "opt_merge",
+    "opt_clean",
+    "equiv_simple",
+    "equiv_status -assert",
+)
+
+
+def write_equality(folder: Path, top: str) -> None:
+    """Write ``equal`` below a folder that holds ``design``."""
+    vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
+    equal.mkdir()
+    names = (vhdl / ORDER).read_text(encoding="utf-8").split()
+    with tempfile.TemporaryDirectory() as work:
+        text = dump([vhdl / name for name in names], top, Path(work))
+    modules = read_dump(text)
+    (equal / "netlist.txt").write_text(_COMMENT.sub("", text), encoding="utf-8")
+    said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
+    (equal / "ghdl.txt").write_text(said.stdout.splitlines()[0] + "\n", encoding="utf-8")
+    lines: list[str] = []
+    for file in (verilog / ORDER).read_text(encoding="utf-8").split():
+        entity = Path(file).stem
+        source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
+        netlist = to_verilog(modules[entity], list_lengths(source))
+        (equal / file).write_text(netlist, encoding="utf-8")
+        lines += _proof(entity, sorted(modules[entity].children()))
+    parameters = "\n".join(f"    parameter {name} = 0;" for name in _PARAMETERS)
+    passed = ", ".join(f".{name}({name})" for name in _PARAMETERS)
+    text = _WRITES_TEXT.format(parameters=parameters, passed=passed)
+    (equal / _WRITES).write_text(text, encoding="ascii")
+    (equal / "equal.ys").write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _proof(entity: str, parts: list[str]) -> list[str]:
+    """The commands that prove an entity; of its parts only the ports matter."""
+    known = [f"read_verilog -lib design/verilog/{part}.v" for part in parts]
+    lines = []
+    for side, room in (("gold", "design/verilog"), ("gate", "equal")):
+        lines += ["design -reset", *known, f"read_verilog {room}/{entity}.v"]
+        lines += [f"hierarchy -check -top {entity}", *PLAIN.split("; ")]
+        lines += [f"rename {entity} {side}", f"design -stash {side}"]
+    lines += ["design -reset", *known]
+    lines += [f"design -copy-from {side} {side}" for side in ("gold", "gate")]
+    return [*lines, *_COMPARE, f"log -stderr EQUAL {entity}"]

@@ -1,0 +1,81 @@
+"""Properties of every entity of an export, as questions for z3 about formulas that Yosys writes.
+
+Yosys makes one module of each entity (``flatten.ys``), the property is put into it (``.sv``), and
+Yosys writes the transition from one clock to the next as SMT-LIB (``formulas.ys``). The questions
+(``.ask``) unroll this transition, as yosys-smtbmc does: that what is assumed can be; that from a
+reset on nothing fails in the first clocks; and that after so many clocks without a fault there is
+none in the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from tb.common.runner import Job
+from tb.sign_off.proofs import PROOFS, properties_of
+from tb.sign_off.properties import Property
+from tb.sign_off.solver import FLATTEN, formula_script
+
+
+def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Property]]:
+    """Write ``properties`` below a folder that holds ``design``; the properties by entity."""
+    written = []
+    place = folder / "properties"
+    place.mkdir()
+    flatten: list[str] = []
+    formulas: list[str] = []
+    for job in jobs:
+        items = properties_of(job) if job.block in PROOFS else []
+        if not items:
+            continue
+        files = " ".join(f"design/verilog/{name}" for name in job.files)
+        flatten += ["design -reset", f"read_verilog {files}"]
+        flatten += [line.format(top=job.entity) for line in FLATTEN]
+        flatten += [f"write_verilog -noattr run/properties/{job.entity}.v"]
+        for number, item in enumerate(items, start=1):
+            name = f"{job.entity}.{number}"
+            formulas += ["design -reset"]
+            formulas += formula_script(
+                item, job.entity, f"run/properties/{name}.sv", f"run/properties/{name}.smt2"
+            )
+            text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
+            (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
+            (place / f"{name}.ask").write_text(_questions(item, job.entity), encoding="ascii")
+            due = ["sat", "unsat", *(["unsat"] if item.induction else [])]
+            (place / f"{name}.due").write_text("\n".join([*due, ""]), encoding="ascii")
+            written.append((job, item))
+    for name, lines in (("flatten", flatten), ("formulas", formulas)):
+        (place / f"{name}.ys").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return written
+
+
+def _inputs(job: Job) -> set[str]:
+    return {port.name for port in job.twin.ports if port.direction == "in"}
+
+
+def _questions(item: Property, top: str) -> str:
+    """The questions about a property as SMT-LIB."""
+    last = item.induction or item.clocks
+
+    def states(count: int, first: bool) -> list[str]:
+        lines = []
+        for n in range(count + 1):
+            lines += [f"(declare-fun s{n} () |{top}_s|)"]
+            lines += [f"(assert (|{top}_{kind}| s{n}))" for kind in "uh"]
+            if n:
+                lines.append(f"(assert (|{top}_t| s{n - 1} s{n}))")
+            initial = f"(|{top}_is| s{n})"
+            lines.append(f"(assert {initial if first and n == 0 else f'(not {initial})'})")
+        if first:
+            lines.insert(1, f"(assert (|{top}_i| s0))")
+        return lines
+
+    fails = " ".join(f"(not (|{top}_a| s{n}))" for n in range(last + 1))
+    lines = ["(push 1)", *states(last, first=True), "(check-sat)"]
+    lines += [f"(assert (or {fails} false))", "(check-sat)", "(pop 1)"]
+    if item.induction:
+        lines += ["(push 1)", *states(last, first=False)]
+        lines += [f"(assert (|{top}_a| s{n}))" for n in range(last)]
+        lines += [f"(assert (not (|{top}_a| s{last})))", "(check-sat)", "(pop 1)"]
+    return "\n".join([*lines, ""])

@@ -1,0 +1,126 @@
+"""How near the hardware is to the network in floating point, for the page of a certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.decisions import decisions_of
+from golden.engine import bounds as of_engine
+from golden.fixed import Codes
+from golden.mlp import Mlp
+from golden.networks.design import Design
+from golden.networks.engine import Engine
+from golden.networks.network import Network
+from golden.networks.oracle import error_bounds
+from golden.precision import SIGNAL
+from golden.real import Real
+from golden.scene import Scene
+from golden.scene.saturation import hidden_saturations, saturating
+from golden.scene_errors import scene_errors
+from tb.report.measure.table import Cell, Table
+
+
+@dataclass(frozen=True)
+class Nearness:
+    """What the page says about the errors of the hardware.
+
+    Attributes
+    ----------
+    errors : Table
+        For each output the errors met and the bound.
+    sentences : list of str
+    bounded : bool
+        Whether a bound is known.
+    """
+
+    errors: Table
+    sentences: list[str]
+    bounded: bool
+
+
+def nearness(scene: Scene, design: Network, random: Codes) -> Nearness:
+    """Compare the hardware with floating point on recorded and on random frames.
+
+    Where the network sees past frames, only recorded frames are compared.
+    """
+    recorded = scene.vectors().codes
+    codes = recorded if design.past else np.concatenate([recorded, random])
+    real = scene.process_real(SIGNAL.to_real(codes))
+    exact = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
+    met = np.abs(SIGNAL.to_real(design.core.process(codes)) - exact)
+    bounds = _bounds(scene, design.core)
+    unit = float(1 << SIGNAL.frac)
+    percent = scene_errors(scene)
+    rows: list[list[Cell]] = []
+    for n, name in enumerate(scene.outputs):
+        bound = None if bounds is None else round(float(bounds[n] * unit), 1)
+        row: list[Cell] = [name, round(float(met[:, n].max() * unit), 1), bound]
+        for kind in ("float", "bit-true"):
+            error = percent[kind][n]
+            row += [round(error.mean, 3), round(error.worst, 3)]
+        rows.append(row)
+    table = Table(
+        "nearness",
+        [
+            "output",
+            "largest difference from floating point met, codes",
+            "bound, codes",
+            "float: mean error, %",
+            "float: largest, %",
+            "hardware: mean error, %",
+            "hardware: largest, %",
+        ],
+        rows,
+        f"Differences are those of {len(codes)} frames, errors are those of the recorded frames. "
+        "Floating point saturates where the hardware does.",
+    )
+    sentences = [] if bounds is None else _decisions(scene, real[: len(recorded)], bounds)
+    if scene.labels:
+        sentences.append(f"Decisions on recorded rows: {decisions_of(scene).text}.")
+    sentences += _saturations(scene, random)
+    return Nearness(table, sentences, bounds is not None)
+
+
+def _bounds(scene: Scene, design: Network) -> Real | None:
+    """The bound of each output; None for networks that read each other's outputs."""
+    if len(scene.networks()) > 1 and scene.arrangement == "cascade":
+        return None
+    parts: list[Real] = []
+    for network in scene.networks():
+        sensors = network.shape[0]
+        if isinstance(design, Engine):
+            width, met = design.program.segment_width, scene.settings().met
+            own = met[len(parts)] if met else ()
+            parts.append(of_engine.error_bounds(network, width, sensors, own))
+        elif isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1:
+            parts.append(error_bounds(design, network, scene.precision, sensors))
+        else:
+            return None
+    return np.concatenate(parts)
+
+
+def _decisions(scene: Scene, real: Real, bounds: Real) -> list[str]:
+    """How many decisions the bound proves to be those of floating point."""
+    if not scene.labels:
+        return []
+    first = real.argmax(axis=1)
+    rows = np.arange(len(real))
+    ahead = real[rows, first][:, None] - real - bounds - bounds[first][:, None]
+    ahead[rows, first] = np.inf
+    proved = int((ahead > 0).all(axis=1).sum())
+    return [
+        f"The bound proves that hardware and floating point decide alike in {proved} of "
+        f"{len(real)} recorded rows; in the other {len(real) - proved} it does not."
+    ]
+
+
+def _saturations(scene: Scene, random: Codes) -> list[str]:
+    sentences = [f"{text[0].upper()}{text[1:]}." for text in saturating(scene)]
+    if not sentences:
+        sentences.append("No output and no hidden sum saturates in a recorded frame.")
+    if not scene.twin().past:
+        for layer, counts in hidden_saturations(scene, random).items():
+            sentences.append(f"Random frames: {layer}: {int(counts.sum())} sums saturate.")
+    return sentences

