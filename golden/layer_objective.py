@@ -12,9 +12,6 @@ from golden.mlp import Activation, tanh
 from golden.real import Real
 from golden.training.objective import Objective, Rows
 
-# A row whose cross-entropy is smaller than the square of this no longer moves the weights.
-LEAST_RESIDUAL = 1e-8
-
 
 def packed(network: Trained) -> Real:
     """All weights and biases in one vector, layer by layer."""
@@ -57,7 +54,8 @@ class LayeredObjective(Objective):
         rows, outputs = scale.shape
         back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
         result = self._derivatives(self.network(vector), back) / scale[:, :, np.newaxis]
-        return self._with_decay(result, vector)
+        decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
+        return np.concatenate([result.reshape(-1, len(vector)), decay])
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         residuals = self.residuals(vector)
@@ -65,11 +63,6 @@ class LayeredObjective(Objective):
         back = residuals[: scale.size].reshape(scale.shape) / scale
         gradient = self._gradient(self.network(vector), back)
         return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
-
-    def _with_decay(self, derivatives: Real, vector: Real) -> Real:
-        """The Jacobian: derivatives of the errors, then those of the weights' own residuals."""
-        decay = np.sqrt(self.weight_decay) * np.eye(len(vector))
-        return np.concatenate([derivatives.reshape(-1, len(vector)), decay])
 
     def _derivatives(self, network: Trained, back: Real) -> Real:
         """Derivatives of every residual of a row by the weights, shape (rows, residuals, weights).
@@ -135,11 +128,22 @@ class ClassObjective(LayeredObjective):
     """
 
     def jacobian(self, vector: Real) -> Real:
+        raise NotImplementedError("the cross-entropy has a curvature; see curvature")
+
+    def curvature(self, vector: Real) -> Real:
+        """The generalised Gauss-Newton matrix of the value, shape (weights, weights).
+
+        By the logits, the second derivatives of the cross-entropy of a row are diag(p) - p p', with
+        the probabilities p of the classes. This is S S' with S = diag(sqrt p) - p sqrt(p)'.
+        """
         network = self.network(vector)
-        residuals = self.training.residuals(network, self.activation)
-        divisor = 2 * np.maximum(residuals, LEAST_RESIDUAL)
-        back = self._too_probable(network) / divisor[:, np.newaxis]
-        return self._with_decay(self._derivatives(network, back[:, np.newaxis, :]), vector)
+        parts = self._probabilities(network)
+        roots = np.sqrt(parts)[:, np.newaxis, :]
+        # The rows of ``back`` are the columns of S.
+        back = np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]
+        slopes = self._derivatives(network, back).reshape(-1, len(vector))
+        result: Real = slopes.T @ slopes + 2 * self.weight_decay * np.eye(len(vector))
+        return result
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         residuals = self.residuals(vector)
@@ -149,7 +153,12 @@ class ClassObjective(LayeredObjective):
 
     def _too_probable(self, network: Trained) -> Real:
         """The derivative of the cross-entropy by the logits: probability minus target."""
+        result: Real = self._probabilities(network) - self.training.targets
+        return result
+
+    def _probabilities(self, network: Trained) -> Real:
+        """The probability of each class for each training row, shape (rows, classes)."""
         logits = network.process(self.training.inputs, self.activation)
         parts = np.exp(logits - logits.max(axis=1, keepdims=True))
-        result: Real = parts / parts.sum(axis=1, keepdims=True) - self.training.targets
+        result: Real = parts / parts.sum(axis=1, keepdims=True)
         return result

@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 
+from golden import class_descent
 from golden.dense import Dense, Trained, network_of
 from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
@@ -25,6 +27,8 @@ from golden.scene.scale import Scale, on_readings, on_signals, signals
 from golden.training.objective import Rows
 from golden.training.search import OPTIMISERS, Result, shift_biases, signed_errors
 from golden.training.task import Frames, Task, task_for
+
+CLASS_OPTIMISERS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_descent.descend}
 
 
 def random_layers(
@@ -66,9 +70,10 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
     ]
     like = on_signals(start, normal, plain)
     point = packed(like)
-    objective_of = LayeredObjective
+    objective_of: type[LayeredObjective] = LayeredObjective
+    optimisers: dict[str, Any] = OPTIMISERS
     if task.scene.labels:
-        objective_of = ClassObjective
+        objective_of, optimisers = ClassObjective, CLASS_OPTIMISERS
         normalised = [LabelledRows(f.inputs, f.targets, f.scale) for f in normalised]
     objective = objective_of(
         like,
@@ -77,7 +82,7 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
         weight_decay=settings.weight_decay,
         patience=settings.patience,
     )
-    point = objective.search(OPTIMISERS[settings.optimiser], point, settings.steps)
+    point = objective.search(optimisers[settings.optimiser], point, settings.steps)
     network = on_readings(unpacked(point, like), normal, plain)
     return network if task.scene.labels else shift_biases(task, network, training)
 

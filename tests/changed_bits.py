@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 
 KINDS = ("vhdl", "verilog", "words")
 # A word of a memory, as it stands in VHDL or in Verilog.
@@ -34,8 +34,7 @@ class Change:
 def design_files(folder: Path, language: str) -> list[str]:
     """The files of the design in one language, below the folder of the certificate."""
     place = f"design/{language}"
-    order = (folder / place / ORDER).read_text(encoding="utf-8").split()
-    return [f"{place}/{name}" for name in order]
+    return [f"{place}/{name}" for name in compile_order(folder / place)]
 
 
 def draw(folder: Path, kind: str, count: int, seed: int) -> Iterator[Change]:

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 from refused import Desk
 from shared import Shared
 
+from golden.layers import sharing
 from golden.machine import closing
 from golden.scene import Scene, load_scene
 from golden.store import VARIABLE
@@ -201,3 +202,13 @@ def small_cascade(tmp_path: Path) -> Scene:
     """Networks 3:4:1, 4:3:1 and 5:2:1 in a cascade, exact precision."""
     mlps = [random_mlp((3 + i, 4 - i, 1), 1.0, i) for i in range(3)]
     return load_scene(str(write_scene(tmp_path, "chain", "exact", mlps, "cascade")))
+
+
+@pytest.fixture(scope="module")
+def few_runs() -> Iterator[None]:
+    """Limit how often shared terms are looked for. More runs only find smaller graphs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sharing, "RUNS", 2)
+        sharing.shared.cache_clear()
+        yield
+    sharing.shared.cache_clear()

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
 from golden.real import Real
 from golden.training.objective import Objective
+
+
+def differences(function: Callable[[Real], Any], point: Real) -> Real:
+    """The central differences of a function along each coordinate, on the first axis."""
+    steps = 1e-6 * np.eye(len(point))
+    return np.array([(function(point + s) - function(point - s)) / 2e-6 for s in steps])
 
 
 def check_derivatives(aim: Objective, point: Real) -> None:

@@ -45,8 +45,6 @@ STAND_INS = {
     ("TO", "path/to/rig.toml"): "written/rig.toml",
     ("TO", "path/to/out.csv"): "written/out.csv",
     ("OUTPUTS", "a,b"): "load,position",
-    ("CSV", "gestures.csv"): "labels.csv",
-    ("CLASSES", "gesture"): "load",
 }
 # Of these pairs of variables a command needs one.
 EITHER = {"scene": ("OUTPUTS", "CLASSES")}
@@ -158,4 +156,9 @@ def lay_out(folder: Path) -> None:
     write_table(folder / "placements.csv", sensors + outputs, drifted, 4)
     write_table(folder / "labels.csv", outputs, table[:, 4:], 4)
     write_table(folder / "readings.csv", [*sensors, *outputs[:2]], table[:, :6], 4)
+    rows = [
+        f"{','.join(map(str, row))},{'tap' if n % 2 else 'hold'}" for n, row in enumerate(table)
+    ]
+    names = ",".join([*sensors, *outputs, "gesture"])
+    (folder / "gestures.csv").write_text("\n".join([names, *rows, ""]), encoding="utf-8")
     write_table(folder / "new.csv", sensors, np.asarray(table[:, :4]), 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +11,6 @@ import pytest
 from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
 from golden.function import read_function
 from golden.input_error import InputError
-from golden.layers import sharing
-from golden.layers.sharing import shared
 from golden.mlp import tanh
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
@@ -26,18 +23,10 @@ from tb.common.cases import random_mlp, random_network, write_scene
 from tb.common.stimulus import corner_frames
 from tb.report.measure.adder_errors import stages
 
+pytestmark = pytest.mark.usefixtures("few_runs")
+
 ENDS = (SIGNAL.low, SIGNAL.high)
 SHAPES = [((1, 1, 1), 1.0), ((3, 4, 2), 20.0), ((5, 3, 4), 0.3)]
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _few_runs() -> Iterator[None]:
-    """Limit the number of runs. More runs only find smaller graphs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sharing, "RUNS", 2)
-        shared.cache_clear()
-        yield
-    shared.cache_clear()
 
 
 def frames_of(inputs: int) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,25 +11,16 @@ from hypothesis import strategies as st
 
 from golden.fixed import Fix
 from golden.input_error import InputError
-from golden.layers import sharing
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
 from golden.layers.shift_add import Sum
 from golden.signed_digits import signed_digits
 
+pytestmark = pytest.mark.usefixtures("few_runs")
+
 SAMPLES = Fix(6, 5)
 WIDE = Fix(40, 5)
 WEIGHT = st.integers(-(1 << 11), 1 << 11)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _few_runs() -> Iterator[None]:
-    """Limit the number of runs. More runs only find smaller graphs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sharing, "RUNS", 2)
-        shared.cache_clear()
-        yield
-    shared.cache_clear()
 
 
 @st.composite

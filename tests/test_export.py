@@ -26,7 +26,7 @@ from hdl.activation.abs_unit import abs_unit
 from hdl.common.signals import Stream, fixed, flag, reset, unsigned
 from hdl.export import exporter
 from hdl.export.elaborate import elaborate
-from hdl.export.exporter import MANIFEST, ORDER
+from hdl.export.exporter import MANIFEST, ORDER, compile_order
 from hdl.export.hierarchy import convert_hierarchy
 from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import export
@@ -73,7 +73,7 @@ def top_of(folder: Path) -> str:
 
 
 def files(folder: Path) -> list[Path]:
-    return [folder / name for name in (folder / ORDER).read_text().split()]
+    return [folder / name for name in compile_order(folder)]
 
 
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])

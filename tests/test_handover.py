@@ -15,7 +15,7 @@ from shared import Shared
 
 from golden.fingerprint import fingerprint
 from golden.scene import Scene, load_scene
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.export.exporter import export as export_here
 from hdl.export.ports import header
 from tb.common.cases import random_mlp, write_scene
@@ -76,7 +76,7 @@ def library(shared: Shared, scenes, build: Path, name: str) -> Path:
 
 
 def order(folder: Path) -> list[str]:
-    return (folder / ORDER).read_text().split()
+    return compile_order(folder)
 
 
 def ghdl(work: Path, *words: str) -> subprocess.CompletedProcess[str]:

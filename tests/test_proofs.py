@@ -71,6 +71,16 @@ def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, b
             assert settle(job, item, tmp_path / "work").faults == [], item.name
 
 
+def test_a_row_that_is_a_constant_is_proved_too(shared: Shared, tmp_path: Path) -> None:
+    """Its register holds anything in the first clock, so nothing is said of the result behind."""
+    jobs = {job.entity: job for job in shared.jobs("rails-graph", "icarus")}
+    job = jobs["constant_matrix_hidden"]
+    (item,) = (item for item in properties_of(job) if item.name == "results")
+    assert "constant0_number ==" in " ".join(item.states)
+    # The broken copies are of a matrix that saturates.
+    assert proved(job, replace(item, refuted_by=()), tmp_path).holds
+
+
 def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:
     answer = proved(rows, property_with(states=("count <= 1",)), tmp_path)
     assert not answer.holds

@@ -433,7 +433,7 @@ def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:
         arrays = {name: archive[name] for name in archive.files}
     for rows, message in (
         (arrays["quantisers"][:-1], r"got shape \(2, 6\), expected \(3, 6\)"),
-        (arrays["quantisers"] * 0.5, "expected a scale, three whole numbers"),
+        (arrays["quantisers"] * 0.5, "expected a scale, whole numbers for the zero point"),
         (-arrays["quantisers"] * [1, 0, 0, 0, 0, 0], "scale: got -0.125, expected"),
     ):
         np.savez(tmp_path / "other.npz", **(arrays | {"quantisers": rows}))

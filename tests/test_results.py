@@ -17,7 +17,7 @@ from golden.block import walk
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
 from tb.common import kept, results
-from tb.common.runner import Job, Outcome
+from tb.common.runner import Job, Outcome, scene_argument
 from tb.common.tools import SIMULATORS
 
 FILE = "exported.v"
@@ -70,6 +70,25 @@ class Benches:
         """Truncate the kept result of a job, as a full disk would do."""
         path = store.place(kept.bench_key(job), job.build)
         path.write_bytes(path.read_bytes()[:20])
+
+
+@pytest.mark.parametrize(("frames", "said"), [(3, True), (1000, False)])
+def test_recorded_frames_that_are_not_played_are_told(
+    small_scene: Scene, frames: int, said: bool
+) -> None:
+    scene = small_scene
+    facts = {"frames": frames, "interval": 1}
+    count = len(scene.vectors().codes)
+    text = results.short_text(scene, facts)
+    assert bool(text) == said
+    if said:
+        assert f"3 of {count} recorded frames are played" in text
+        assert text.endswith(f"BLOCK={scene.twin().block} FRAMES={count} plays all.")
+
+
+@pytest.mark.parametrize("name", ["digit", "classes/digits"])
+def test_a_shipped_scene_is_named_by_its_folder(name: str) -> None:
+    assert scene_argument(load_scene(name)) == name
 
 
 @pytest.fixture

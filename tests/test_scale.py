@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from golden.input_error import InputError, MissingFileError
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
+from golden.scene.ranges import ranges
 from golden.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from golden.scene.vectors import warn_outside
 from golden.scene_errors import scene_errors, unit_errors
@@ -126,6 +128,16 @@ def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, monkeypatch, 
     assert "sensor x0: code -8192 is 0 V, 8191 is 4.99969 V, one code 0.000305176 V" in printed
     assert "output y1: code -8192 is -10, 8191 is 129.991, one code 0.00854492" in printed
     assert not any("x1" in line for line in printed)
+
+
+def test_neighbours_of_equal_scale_share_a_line(tmp_path: Path) -> None:
+    scene = in_units(tmp_path)
+    known = dict.fromkeys(scene.sensors, Scale(2.0, 1.0))
+    alike = replace(scene, scale=known, units={scene.sensors[-1]: "V"})
+    assert ranges(alike) == [
+        "sensors x0 to x1: code -8192 is 1, 8191 is 2.99988, one code 0.00012207",
+        "sensor x2: code -8192 is 1 V, 8191 is 2.99988 V, one code 0.00012207 V",
+    ]
 
 
 def trained(scene: Scene, build: Path) -> Scene:

@@ -22,7 +22,7 @@ from golden.physics.gauge_rig import FOLDER as RIGS
 from golden.physics.gauge_rig import RIG, load_rig
 from golden.scene import FOLDER, load_scene
 from golden.scene.schema import EDITOR_SCHEMA, SCENE
-from golden.schema import REQUIRED, Key, Span, Table, json_schema
+from golden.schema import REQUIRED, Key, KeyTable, Span, json_schema
 from tb.report.page import keys
 
 SCHEMA = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
@@ -49,10 +49,10 @@ def judged(text: str) -> list[str]:
     return [error.message for error in JUDGE.iter_errors(tomllib.loads(text))]
 
 
-def sections(table: Table) -> Iterator[tuple[str, Key]]:
+def sections(table: KeyTable) -> Iterator[tuple[str, Key]]:
     """Every key within a table, with its place. A table comes after the keys in it."""
     for name, key in table.keys.items():
-        if isinstance(key.kind, Table):
+        if isinstance(key.kind, KeyTable):
             yield from ((f"{name}.{inner}", below) for inner, below in sections(key.kind))
         yield name, key
 
@@ -61,7 +61,7 @@ KEYS = [(name, key) for table in (SCENE, BOARD, RIG) for name, key in sections(t
 
 
 @pytest.mark.parametrize(("table", "path"), FILES, ids=lambda part: getattr(part, "stem", ""))
-def test_every_shipped_file_is_accepted(table: Table, path: Path) -> None:
+def test_every_shipped_file_is_accepted(table: KeyTable, path: Path) -> None:
     schema = json.loads(json_schema(table, "any"))
     Draft7Validator.check_schema(schema)
     raw = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -35,7 +35,15 @@ def found(scene: Scene, **others: Any) -> dict[str, Any]:
     """Possible results of the benches."""
     facts = {"clocks_per_frame": 12345, "interval": 54321, "frames": 10, "seconds": 2.0}
     blocks = {"abs_unit": {simulator: [1, 70] for simulator in SIMULATORS}}
-    results = {"benches": 9, "kept": 0, "left": 0, "recorded": [], "failed": 0, "compared": 987654}
+    results = {
+        "benches": 9,
+        "kept": 0,
+        "left": 0,
+        "recorded": [],
+        "short": "",
+        "failed": 0,
+        "compared": 987654,
+    }
     own = {"facts": dict.fromkeys(SIMULATORS, facts), "blocks": blocks}
     return results | own | others
 

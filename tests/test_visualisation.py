@@ -306,7 +306,7 @@ def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
         ('load = "y0"', 'laod = "y0"', "visualisation: key 'laod' is not known, .*'load'"),
         ('load = "y0"', "load = 3", "visualisation.load: got 3, expected text"),
         ('load = "y0"', "", "visualisation.load: got 'load', expected one of the outputs y0, y1"),
-        ('load = "y0"', 'load = "y3"', "visualisation.load: got 'y3', expected four different"),
+        ('load = "y0"', 'load = "y3"', "visualisation.shape: got 'y3', which is visualisation"),
         ('load = "y0"', 'load = "y0"\nstep = "x"', "visualisation.step: got 'x', expected a num"),
         ('load = "y0"', 'load = "y0"\nstop = 0.82', "visualisation: ramp: 0 to 0.82 in steps of"),
         (

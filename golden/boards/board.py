@@ -10,7 +10,7 @@ from typing import Any
 from golden.boards.devices import DEVICES, speeds_of
 from golden.files import check_file
 from golden.input_error import InputError, MissingFileError
-from golden.schema import Flag, Key, List, Map, Number, Span, Table, Text, Whole, read_checked
+from golden.schema import Flag, Key, KeyTable, List, Map, Number, Span, Text, Whole, read_checked
 from golden.table import suggest
 
 FOLDER = Path(__file__).parent
@@ -19,7 +19,7 @@ WIRES = ("miso", "sclk", "cs_n", "mosi", "rx", "tx", "dac_x", "dac_y")
 LAMPS = ("converter_error",)
 PORTS = (*WIRES, *LAMPS)
 _TEXTS = List(Text(some=True), "a list of texts", "a list of texts")
-PIN = Table(
+PIN = KeyTable(
     {
         "pin": Key(Text()),
         "at": Key(Text()),
@@ -27,14 +27,14 @@ PIN = Table(
         "inverted": Key(Flag(), False),
     }
 )
-BOARD = Table(
+BOARD = KeyTable(
     {
         "title": Key(Text()),
         "sources": Key(_TEXTS),
         "load": Key(Text(), ""),
         "flash": Key(Text()),
         "device": Key(
-            Table(
+            KeyTable(
                 {
                     "family": Key(Text(tuple(DEVICES))),
                     "names": Key(_TEXTS),
@@ -45,7 +45,7 @@ BOARD = Table(
             )
         ),
         "clock": Key(
-            Table(
+            KeyTable(
                 {
                     "pin": Key(Text()),
                     "mhz": Key(Number(Span(above=0))),
@@ -53,7 +53,7 @@ BOARD = Table(
                 }
             )
         ),
-        "pins": Key(Table({port: Key(PIN, None) for port in PORTS}, noun="port ")),
+        "pins": Key(KeyTable({port: Key(PIN, None) for port in PORTS}, noun="port ")),
         "high": Key(Map(PIN), {}),
     }
 )

@@ -79,7 +79,7 @@ class Compiled:
 
 
 @dataclass(frozen=True)
-class Word:
+class LayerWord:
     """A word of the integer network that a matrix takes: ``scale * code + offset``.
 
     Attributes
@@ -95,7 +95,7 @@ class Word:
 
 
 @dataclass(frozen=True)
-class Words:
+class LayerWords:
     """The words from one layer to the next, by their number in the integer network.
 
     Attributes
@@ -109,7 +109,7 @@ class Words:
     """
 
     fmt: Fix
-    live: dict[int, Word]
+    live: dict[int, LayerWord]
     fixed: dict[int, int]
 
     @property
@@ -142,8 +142,8 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
     Hidden nodes that no output uses are not built, and neither are nodes that never change.
     """
     exact = any(layer.cut for layer in network.layers)
-    sample = Word((SIGNAL.low, SIGNAL.high), 1 << SAMPLE_SHIFT)
-    words = Words(SIGNAL, dict.fromkeys(range(network.samples), sample), {})
+    sample = LayerWord((SIGNAL.low, SIGNAL.high), 1 << SAMPLE_SHIFT)
+    words = LayerWords(SIGNAL, dict.fromkeys(range(network.samples), sample), {})
     matrices: list[ConstantMatrix] = []
     activations: list[tuple[Bipartite, ...]] = []
     ranges: list[Range] = []
@@ -169,7 +169,7 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
             given = dict(zip(live, step.given(matrix, activations[-1]), strict=True))
             left = {column: value for column, value in fixed.items() if column not in given}
             fmt = TANH_RESULT if activations[-1] else matrix.out_fmt
-            words = Words(fmt, given, left)
+            words = LayerWords(fmt, given, left)
     return Compiled(tuple(matrices), tuple(activations), useless, constant, tuple(ranges))
 
 
@@ -218,7 +218,7 @@ class _Step:
     layer: IntegerLayer
     output: bool
     exact: bool
-    words: Words
+    words: LayerWords
     chosen: Chosen
 
     def __post_init__(self) -> None:
@@ -337,14 +337,16 @@ class _Step:
             return ()
         return tabled([self.table] * len(matrix.weights), matrix.result_widths)
 
-    def given(self, matrix: ConstantMatrix, tables: Sequence[Bipartite]) -> list[Word]:
+    def given(self, matrix: ConstantMatrix, tables: Sequence[Bipartite]) -> list[LayerWord]:
         """The words that the next layer takes."""
         if not tables:
-            return [Word(ends, 1 << (self.layer.cut + self.dropped)) for ends in matrix.result_ends]
+            return [
+                LayerWord(ends, 1 << (self.layer.cut + self.dropped)) for ends in matrix.result_ends
+            ]
         pairs = zip(tables, matrix.result_ends, strict=True)
         return [_of_tanh(*table.process(ends).tolist()) for table, ends in pairs]
 
 
-def _of_tanh(low: int, high: int) -> Word:
+def _of_tanh(low: int, high: int) -> LayerWord:
     """The word of a table whose codes are ``low`` to ``high``."""
-    return Word((low, high), 1 << _TANH_SHIFT, 1 << _TANH_SHIFT >> 1)
+    return LayerWord((low, high), 1 << _TANH_SHIFT, 1 << _TANH_SHIFT >> 1)

@@ -17,12 +17,12 @@ from golden.real import Real
 from golden.schema import (
     REQUIRED,
     Key,
+    KeyTable,
     Kind,
     List,
     Map,
     Number,
     Span,
-    Table,
     Text,
     Whole,
     read_checked,
@@ -89,9 +89,9 @@ _SECTIONS = {
     },
 }
 OPTIONAL = ("load_cell",)
-RIG = Table(
+RIG = KeyTable(
     {
-        section: Key(Table(keys, name="a section"), None if section in OPTIONAL else REQUIRED)
+        section: Key(KeyTable(keys, name="a section"), None if section in OPTIONAL else REQUIRED)
         for section, keys in _SECTIONS.items()
     },
     noun="section ",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from golden.scene.past import MOST_PAST
 from golden.scene.scale import AUTO
-from golden.schema import Alternatives, Key, List, Map, Number, Span, Table, Text, Whole
+from golden.schema import Alternatives, Key, KeyTable, List, Map, Number, Span, Text, Whole
 
 _COLUMNS = List(Text(some=True), "column names, each once", "a list of texts", once=True)
 _ABOVE_0 = Map(Number(Span(above=0), "a number above 0"))
@@ -17,9 +17,11 @@ _SCALE_KEYS = {
         Number(Span(above=0), finite=True), meaning="What full scale adds to the reading of code 0."
     ),
 }
-_SCALES = Map(Alternatives((Text((AUTO,), said=_SCALE), Table(_SCALE_KEYS, said=_SCALE)), _SCALE))
+_SCALES = Map(
+    Alternatives((Text((AUTO,), said=_SCALE), KeyTable(_SCALE_KEYS, said=_SCALE)), _SCALE)
+)
 
-DATA = Table(
+DATA = KeyTable(
     {
         "file": Key(
             Text(),

@@ -12,7 +12,7 @@ from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene.scale import LARGEST
-from golden.schema import Key, Number, Span, Table, Text, Whole
+from golden.schema import Key, KeyTable, Number, Span, Text, Whole
 from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan import MOST_SCAN_CLOCKS
@@ -21,7 +21,7 @@ from golden.window import Window
 
 # Parts that can be bought. Without one, a parallel code comes from behind an analogue multiplexer.
 CONVERTERS = tuple(PARTS)
-FRONT_END = Table(
+FRONT_END = KeyTable(
     {
         "counter_width": Key(
             Whole(Span(1, 24)),

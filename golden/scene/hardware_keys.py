@@ -5,9 +5,9 @@ from __future__ import annotations
 from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
-from golden.schema import Anything, Flag, Key, Map, Number, Span, Table, Text, Whole
+from golden.schema import Anything, Flag, Key, KeyTable, Map, Number, Span, Text, Whole
 
-HARDWARE = Table(
+HARDWARE = KeyTable(
     {
         "design": Key(
             Text(tuple(DESIGNS)),

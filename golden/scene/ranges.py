@@ -14,16 +14,28 @@ if TYPE_CHECKING:
 
 
 def ranges(scene: Scene) -> list[str]:
-    """A line for each sensor and output that has a scale or a unit."""
+    """A line for each sensor and output that has a scale or a unit.
+
+    Neighbouring columns of the same scale and unit share a line.
+    """
     ends = SIGNAL.to_real(np.array([[SIGNAL.low], [SIGNAL.high]]))
-    lines = []
+    found: list[tuple[str, list[str], str]] = []
     for kind, columns in (("sensor", scene.sensors), ("output", scene.outputs)):
         for name, scale in zip(columns, scene.scales(columns), strict=True):
             if name in scene.known_scales or name in scene.units:
                 low, high = readings(ends, [scale]).ravel()
                 unit = f" {scene.units[name]}" if name in scene.units else ""
-                lines.append(
-                    f"{kind} {name}: code {SIGNAL.low} is {low:.6g}{unit}, {SIGNAL.high} is "
-                    f"{high:.6g}{unit}, one code {scale.factor / (1 << SIGNAL.frac):.6g}{unit}"
+                text = (
+                    f"code {SIGNAL.low} is {low:.6g}{unit}, {SIGNAL.high} is {high:.6g}{unit}, "
+                    f"one code {scale.factor / (1 << SIGNAL.frac):.6g}{unit}"
                 )
-    return lines
+                if found and found[-1][::2] == (kind, text):
+                    found[-1][1].append(name)
+                else:
+                    found.append((kind, [name], text))
+    return [
+        f"{kind} {names[0]}: {text}"
+        if len(names) == 1
+        else f"{kind}s {names[0]} to {names[-1]}: {text}"
+        for kind, names, text in found
+    ]

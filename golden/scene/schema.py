@@ -19,11 +19,11 @@ from golden.schema import (
     Each,
     Flag,
     Key,
+    KeyTable,
     List,
     Map,
     Number,
     Span,
-    Table,
     Text,
     Whole,
 )
@@ -47,7 +47,7 @@ _POINTS = {
     "y": Key(_PLACES, None, "The value at each point."),
     "points": Key(Text(some=True), None, "Instead: a CSV file with the columns x and y."),
 }
-NETWORK = Table(
+NETWORK = KeyTable(
     {
         "arrangement": Key(
             Text(ARRANGEMENTS),
@@ -78,7 +78,7 @@ NETWORK = Table(
             "(#functions-of-your-own).",
         ),
         "functions": Key(
-            Map(Alternatives((Text(some=True), Table(_POINTS, said=_FUNCTION)), _FUNCTION)),
+            Map(Alternatives((Text(some=True), KeyTable(_POINTS, said=_FUNCTION)), _FUNCTION)),
             {},
             "Functions of x that `activations`, or those of the network file, can name. Each is an "
             "expression, points `{ x = , y = }`, or `{ points = }` with the name of a CSV file "
@@ -109,7 +109,7 @@ _DRIFT = {
         "The standard deviation of a sensor's offset, in the unit of the sensor columns.",
     ),
 }
-TRAINING = Table(
+TRAINING = KeyTable(
     {
         "optimiser": Key(
             Text(("levenberg-marquardt", "scg")),
@@ -208,7 +208,7 @@ TRAINING = Table(
             "expected to do](#what-the-sensors-are-expected-to-do).",
         ),
         "drift": Key(
-            Table(_DRIFT, noun=""),
+            KeyTable(_DRIFT, noun=""),
             {},
             "How far the sensors are expected to drift, such as `{ gain = 0.01, offset = 0.005 }`: "
             "the standard deviation of a sensor's gain, as a part of the gain, and that of its "
@@ -218,7 +218,7 @@ TRAINING = Table(
     },
     name="a section",
 )
-SCENE = Table(
+SCENE = KeyTable(
     {
         "data": Key(DATA, {}, "Which recordings, sensors and outputs the scene has."),
         "network": Key(

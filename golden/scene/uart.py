@@ -9,9 +9,9 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.link.uart_transmitter import LEAST_DIVISOR
-from golden.schema import Key, Table, Whole
+from golden.schema import Key, KeyTable, Whole
 
-UART = Table(
+UART = KeyTable(
     {
         "baud": Key(
             Whole(),

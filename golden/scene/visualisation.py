@@ -10,7 +10,7 @@ from typing import Any
 from golden.finding import Finding, fault, refuse
 from golden.input_error import InputError
 from golden.scene.scale import AUTO
-from golden.schema import Key, Number, Span, Table, Text
+from golden.schema import Key, KeyTable, Number, Span, Text
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
 
@@ -18,7 +18,7 @@ RESULTS = ("load", "position", "width", "shape")
 
 # The forms in which a profile can leave for an oscilloscope, besides its codes.
 ANALOGUE = ("pulse_density",)
-VISUALISATION = Table(
+VISUALISATION = KeyTable(
     {
         **{
             name: Key(Text(), name, f"Which output is the {name}. The four outputs must differ.")

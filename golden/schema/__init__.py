@@ -1,6 +1,6 @@
 """Declares the TOML files that tactus reads, each of them once.
 
-A file is a ``Table`` of ``Key``, and a key has a ``Kind``, a default and a meaning. From this
+A file is a ``KeyTable`` of ``Key``, and a key has a ``Kind``, a default and a meaning. From this
 declaration come the check of a file with its messages, the values of keys that are left out, the
 JSON schema with which an editor completes and checks a file, and the tables of keys in the pages. A
 rule that involves two keys, or another file, is beyond any kind; the code that reads the file
@@ -13,7 +13,7 @@ every message would have to be written here all the same. msgspec stops at the f
 """
 
 from golden.schema.json_schema import json_schema
-from golden.schema.keys import REQUIRED, Key, Table
+from golden.schema.keys import REQUIRED, Key, KeyTable
 from golden.schema.kinds import (
     Alternatives,
     Anything,
@@ -38,12 +38,12 @@ __all__ = [
     "Each",
     "Flag",
     "Key",
+    "KeyTable",
     "Kind",
     "List",
     "Map",
     "Number",
     "Span",
-    "Table",
     "Text",
     "Whole",
     "check_names",

@@ -37,7 +37,7 @@ class Key:
 
 
 @dataclass(frozen=True)
-class Table(Kind):
+class KeyTable(Kind):
     """A table with these keys and no others.
 
     Parameters
@@ -93,7 +93,7 @@ class Table(Kind):
                 yield from key.kind.faults(value[name], where)
             elif key.default is REQUIRED:
                 yield f"{where}: missing, expected {key.kind.expected}"
-            elif isinstance(key.kind, Table) and key.default is not None:
+            elif isinstance(key.kind, KeyTable) and key.default is not None:
                 yield from key.kind.faults(key.default, where)
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
@@ -121,7 +121,7 @@ class Table(Kind):
     def _needs(self, name: str) -> bool:
         """Whether a file without this key must be refused."""
         key = self.keys[name]
-        if isinstance(key.kind, Table) and key.default is not None:
+        if isinstance(key.kind, KeyTable) and key.default is not None:
             return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
         return key.default is REQUIRED
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from golden.schema.keys import REQUIRED, Key, Table
+from golden.schema.keys import REQUIRED, Key, KeyTable
 
 
-def key_rows(table: Table) -> str:
+def key_rows(table: KeyTable) -> str:
     """A Markdown table with the key, type, default and meaning of each key."""
     lines = ["| key | type | default | meaning |", "|---|---|---|---|"]
     for name, key in table.keys.items():

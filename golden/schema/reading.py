@@ -10,7 +10,7 @@ from typing import Any
 from golden.cli import BETWEEN
 from golden.files import reading
 from golden.input_error import InputError
-from golden.schema.keys import Table, within
+from golden.schema.keys import KeyTable, within
 from golden.schema.kinds import Kind
 
 
@@ -26,7 +26,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def read_checked(path: Path, table: Table) -> dict[str, Any]:
+def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
     """Read every key of a file with its value, check each by itself, and fill in the defaults.
 
     Raises
@@ -41,7 +41,7 @@ def read_checked(path: Path, table: Table) -> dict[str, Any]:
     return values
 
 
-def check_names(raw: dict[str, Any], table: Table, path: Path) -> None:
+def check_names(raw: dict[str, Any], table: KeyTable, path: Path) -> None:
     """Refuse unknown names, values in the place of a table, and numbers too large for TOML.
 
     Raises
@@ -52,7 +52,7 @@ def check_names(raw: dict[str, Any], table: Table, path: Path) -> None:
     _refuse([*table.strangers(raw, ""), *_long(raw, "")], path)
 
 
-def values_of(raw: dict[str, Any], table: Table, path: Path) -> dict[str, Any]:
+def values_of(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any]:
     """Every key with its value, after a check of types and choices, with defaults filled in.
 
     Raises

@@ -16,7 +16,7 @@ from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
 from golden.scene.saturation import hidden_saturations, range_lines, warn_saturating
 from golden.scene.vectors import warn_outside
-from hdl.export.exporter import ORDER, export
+from hdl.export.exporter import ORDER, compile_order, export
 from hdl.export.hierarchy import LANGUAGES
 from hdl.export.repeatable import run_repeatable
 from hdl.export.stamp import is_current, write_stamp
@@ -49,7 +49,7 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
     if not is_current(scene, folder):
         export(scene, language, folder)
         write_stamp(scene, folder)
-    count = len((folder / ORDER).read_text().split())
+    count = len(compile_order(folder))
     print(f"{count} files in {folder}, top {design.entity}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")

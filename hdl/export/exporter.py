@@ -22,6 +22,11 @@ ORDER = "compile_order.txt"
 MANIFEST = "manifest.json"
 
 
+def compile_order(folder: Path) -> list[str]:
+    """The names of the files of an export, in compile order."""
+    return (folder / ORDER).read_text(encoding="utf-8").split()
+
+
 def export(scene: Scene, language: str, folder: Path) -> list[str]:
     """Write the scene's network into ``folder``, replacing it as a whole.
 

@@ -8,11 +8,8 @@ says what it found. The exit code is that of the script, with 0 for amber.
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
-import subprocess
 import sys
-import sysconfig
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -21,9 +18,9 @@ from golden.files import replace_folder
 from golden.folders import BUILD
 from golden.progress import stage
 from golden.scene import Scene
-from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, deliver, write_digests
+from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, check, deliver, write_digests
 from tb.certify.page import write_page
-from tb.certify.results import Result, read_results
+from tb.certify.results import OUTPUT, StepResult, read_results
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
 from tb.sign_off.unknown import UNKNOWN
@@ -31,29 +28,23 @@ from tb.sign_off.unknown import UNKNOWN
 MOST = 100_000
 
 
-def check(folder: Path) -> list[Result]:
-    """Run the script of a certificate with the tools of this environment."""
-    scripts = sysconfig.get_path("scripts")
-    path = f"{os.environ.get('PATH', '')}{os.pathsep}{scripts}"
-    subprocess.run(["sh", str(folder / SCRIPT)], env={**os.environ, "PATH": path}, check=False)
-    return read_results(folder)
-
-
-def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[Result]:
+def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[StepResult]:
     """Write the certificate of a scene, and return what its script found."""
     with stage(f"{scene.name}: exporting"), ThreadPoolExecutor() as pool:
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
-    with replace_folder(build / scene.name / "certificate") as folder:
+    # Tools run in folders of their own, so the path is absolute.
+    with replace_folder((build / scene.name / "certificate").resolve()) as folder:
         with stage(f"{scene.name}: writing the certificate"):
             made = deliver(
                 scene, build, folder, wanted, lambda part: print(f"  {part}", flush=True)
             )
         digests = write_digests(folder)
         print(f"{scene.name}: running {SCRIPT}", flush=True)
-        results = check(folder)
+        check(folder)
+        results = read_results(folder)
         write_page(made, results, digests, folder)
         if all(result.colour != "red" for result in results):
-            shutil.rmtree(folder / "run")
+            shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
     return results
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
+import subprocess
+import sysconfig
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +16,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.mutants import Mutants, write_mutants
-from tb.certify.recordings import Frames, frames_of, write_recordings
+from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
+from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
 from tb.common.runner import Job, jobs
 from tb.sign_off.properties import Property
@@ -67,7 +71,7 @@ class Delivered:
     design : Network
     jobs : list of Job
         The entities.
-    frames : Frames
+    frames : PlayedFrames
     properties : list of (Job, Property)
     mutants : list of Mutants
     """
@@ -75,7 +79,7 @@ class Delivered:
     scene: Scene
     design: Network
     jobs: list[Job]
-    frames: Frames
+    frames: PlayedFrames
     properties: list[tuple[Job, Property]]
     mutants: list[Mutants]
 
@@ -130,15 +134,12 @@ def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
 
 
 def _write_script(
-    scene: Scene, design: Network, frames: Frames, proved: set[str], folder: Path
+    scene: Scene, design: Network, frames: PlayedFrames, proved: set[str], folder: Path
 ) -> None:
     environment = Environment(
         loader=PackageLoader("tb.certify", "."), undefined=StrictUndefined, autoescape=False
     )
-    orders = {
-        language: (folder / "design" / language / ORDER).read_text(encoding="utf-8").split()
-        for language in LANGUAGES
-    }
+    orders = {language: compile_order(folder / "design" / language) for language in LANGUAGES}
     text = environment.get_template(f"{SCRIPT}.jinja").render(
         scene=scene.name,
         top=design.entity,
@@ -153,13 +154,30 @@ def _write_script(
     script.chmod(0o755)
 
 
+def check(folder: Path, *steps: str, **environment: str) -> int:
+    """Run the script of a certificate with the tools of this environment; its exit code.
+
+    Parameters
+    ----------
+    folder : Path
+    *steps : str
+        The steps to run; all without any.
+    **environment : str
+        Variables of the script.
+    """
+    path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
+    command = ["sh", str(folder / SCRIPT), *steps]
+    settings = {**os.environ, "PATH": path, **environment}
+    return subprocess.run(command, env=settings, check=False).returncode
+
+
 def write_digests(folder: Path) -> dict[str, str]:
     """Write ``SHA256SUMS`` of every delivered file; the digests by name."""
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     found = {
         file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in files
-        if file.relative_to(folder).parts[0] != "run" and file.name != DIGESTS
+        if file.relative_to(folder).parts[0] != OUTPUT and file.name != DIGESTS
     }
     text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
     (folder / DIGESTS).write_text(text, encoding="utf-8")

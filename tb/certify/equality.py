@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from tb.sign_off.equal_gates import dump, read_dump
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
 from tb.sign_off.equal_proof import PLAIN
@@ -75,7 +75,7 @@ def write_equality(folder: Path, top: str) -> None:
     """Write ``equal`` below a folder that holds ``design``."""
     vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
     equal.mkdir()
-    names = (vhdl / ORDER).read_text(encoding="utf-8").split()
+    names = compile_order(vhdl)
     with tempfile.TemporaryDirectory() as work:
         text = dump([vhdl / name for name in names], top, Path(work))
     modules = read_dump(text)
@@ -83,7 +83,7 @@ def write_equality(folder: Path, top: str) -> None:
     said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
     (equal / "ghdl.txt").write_text(said.stdout.splitlines()[0] + "\n", encoding="utf-8")
     lines: list[str] = []
-    for file in (verilog / ORDER).read_text(encoding="utf-8").split():
+    for file in compile_order(verilog):
         entity = Path(file).stem
         source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
         netlist = to_verilog(modules[entity], list_lengths(source))

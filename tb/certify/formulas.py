@@ -32,12 +32,12 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
         files = " ".join(f"design/verilog/{name}" for name in job.files)
         flatten += ["design -reset", f"read_verilog {files}"]
         flatten += [line.format(top=job.entity) for line in FLATTEN]
-        flatten += [f"write_verilog -noattr run/properties/{job.entity}.v"]
+        flatten += [f"write_verilog -noattr output/properties/{job.entity}.v"]
         for number, item in enumerate(items, start=1):
             name = f"{job.entity}.{number}"
             formulas += ["design -reset"]
             formulas += formula_script(
-                item, job.entity, f"run/properties/{name}.sv", f"run/properties/{name}.smt2"
+                item, job.entity, f"output/properties/{name}.sv", f"output/properties/{name}.smt2"
             )
             text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")

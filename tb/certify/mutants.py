@@ -7,11 +7,12 @@ import random
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.export.handover.verilog_bench import PASSED
 from hdl.synth.tools import ENDED
 from tb.certify.recordings import SHORT
@@ -73,19 +74,25 @@ def write_mutants(job: Job, folder: Path, seed: int) -> Mutants:
             shutil.copy(job.hdl_folder / file, work)
         commands = make_mutants(list(job.files), job.entity, COUNT, seed, work)
         netlists = write_netlists(commands, job.entity, work)
+        short = folder / "bench" / SHORT
+        whole = [short, *sorted((folder / "bench" / "verilog").glob("*/"))]
+        # The script plays everything on the sound hardware.
+        sound = _found_in(netlists[0], job.entity, folder, work, [short])
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            sound, *seen = pool.map(
-                lambda path: _found_in(path, job.entity, folder, work), netlists
+            seen = list(
+                pool.map(
+                    lambda path: _found_in(path, job.entity, folder, work, whole), netlists[1:]
+                )
             )
         if sound:
             raise RuntimeError(f"{job.entity}: the netlist without a mutant differs in {sound}")
-        short = [n for n, where in enumerate(seen) if where == SHORT]
+        quick = [n for n, where in enumerate(seen) if where == SHORT]
         left = [n for n, where in enumerate(seen) if not where]
         verdicts = proved([commands[n] for n in left], job.entity, work, {})
         same = [n for n, (verdict, _) in zip(left, verdicts, strict=True) if verdict == SAME]
         place = folder / "mutants"
         place.mkdir(exist_ok=True)
-        for n in sorted(random.Random(seed).sample(short, min(DELIVERED, len(short)))):
+        for n in sorted(random.Random(seed).sample(quick, min(DELIVERED, len(quick)))):
             where, what = describe(commands[n], work)
             text = netlists[n + 1].read_text(encoding="utf-8")
             (place / f"{job.entity}.{n}.v").write_text(f"// {where}: {what}\n{text}")
@@ -108,18 +115,20 @@ def _differs(netlist: Path, job: Job, folder: Path) -> bool:
     return bool(compare(job.entity, text, vhdl, parts)["result"] == DIFFERENT)
 
 
-def _found_in(netlist: Path, entity: str, folder: Path, work: Path) -> str:
-    """The first recording of the delivered test bench that differs on a netlist; empty for none."""
+def _found_in(
+    netlist: Path, entity: str, folder: Path, work: Path, recordings: Sequence[Path]
+) -> str:
+    """The name of the first recording that differs on a netlist; empty for none."""
     verilog = folder / "design" / "verilog"
-    order = (verilog / ORDER).read_text(encoding="utf-8").split()
+    order = compile_order(verilog)
     files = [netlist if name == f"{entity}.v" else verilog / name for name in order]
     built = work / f"{netlist.stem}.vvp"
     (bench,) = (folder / "bench" / "verilog").glob("*_tb.v")
     command = ["iverilog", "-g2012", "-o", str(built), "-s", bench.stem, str(bench)]
     _run([*command, *map(str, files)], work)
-    for part in [folder / "bench" / SHORT, *sorted(bench.parent.glob("*/"))]:
-        if _run(["vvp", "-n", str(built)], part).split()[-1:] != [PASSED]:
-            return part.name
+    for recording in recordings:
+        if _run(["vvp", "-n", str(built)], recording).split()[-1:] != [PASSED]:
+            return recording.name
     return ""
 
 

@@ -11,8 +11,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.machine import facts, versions
 from tb.certify.delivered import STEPS, Delivered
+from tb.certify.mutants import Mutants
 from tb.certify.nearness import nearness
-from tb.certify.results import Result
+from tb.certify.results import StepResult
 from tb.certify.reused import sentence
 from tb.common.tools import simulator_versions
 from tb.report.measure.table import Cell, Table
@@ -26,7 +27,7 @@ SHOWS = {
     "properties": "control works for every input, for the parameters of this scene",
     "sums": "no sum of this network overflows, for every frame",
     "mutants": "the test bench fails on hardware that is wrong",
-    "cells": "the mapped cells give the same outputs, and registers may hold anything at first",
+    "cells": "the mapped cells give the same outputs",
 }
 # The least part of mutants that must be found.
 LEAST_SCORE = 0.99
@@ -53,7 +54,7 @@ class Content:
     described : str
     missing : list of str
         What was not done, or is not shown.
-    results : list of Result
+    results : list of StepResult
     tables : list of (str, Table)
         Tables with their headings.
     sentences : list of str
@@ -68,7 +69,7 @@ class Content:
     title: str
     described: str
     missing: list[str]
-    results: list[Result]
+    results: list[StepResult]
     tables: list[tuple[str, Table]]
     sentences: list[str]
     properties: list[tuple[str, str]]
@@ -79,7 +80,7 @@ class Content:
 
 
 def write_page(
-    made: Delivered, results: list[Result], digests: dict[str, str], folder: Path
+    made: Delivered, results: list[StepResult], digests: dict[str, str], folder: Path
 ) -> None:
     """Write ``certificate.md`` and ``certificate.html``."""
     page = content(made, results, digests)
@@ -98,7 +99,7 @@ def write_page(
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> Content:
+def content(made: Delivered, results: list[StepResult], digests: dict[str, str]) -> Content:
     """What the page says of a certificate."""
     near = nearness(made.scene, made.design, made.frames.random)
     missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
@@ -106,7 +107,7 @@ def content(made: Delivered, results: list[Result], digests: dict[str, str]) -> 
     missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
     if not near.bounded:
         missing.append("amber: no bound on the error is known for networks that read others")
-    every = sum(found.count - found.equivalent for found in made.mutants)
+    every = _judged(made.mutants)
     left = sum(len(found.left) for found in made.mutants)
     if left:
         missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
@@ -142,8 +143,13 @@ def _colour(every: int, left: int) -> str:
     return "amber" if every - left >= LEAST_SCORE * every else "red"
 
 
+def _judged(mutants: Sequence[Mutants]) -> int:
+    """How many mutants are not equivalent."""
+    return sum(found.count - found.equivalent for found in mutants)
+
+
 def _mutants(made: Delivered) -> Table:
-    every = sum(found.count - found.equivalent for found in made.mutants)
+    every = _judged(made.mutants)
     played = sum(found.played for found in made.mutants)
     total = sum(found.found for found in made.mutants)
     rows: list[list[Cell]] = [

@@ -12,9 +12,9 @@ from golden.fixed import Codes
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.export.handover.core import plain_name
-from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors
+from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors, winners_of
 from hdl.export.handover.verilog_bench import hex_files, verilog_bench
 from hdl.export.ports import read_ports
 
@@ -27,7 +27,7 @@ SHORT_FRAMES = 12
 
 
 @dataclass(frozen=True)
-class Frames:
+class PlayedFrames:
     """The frames that are played.
 
     Attributes
@@ -62,48 +62,43 @@ class Frames:
         return np.concatenate(found)
 
 
-def frames_of(scene: Scene, design: Network, random: int | None, seed: int) -> Frames:
+def frames_of(scene: Scene, design: Network, random: int | None, seed: int) -> PlayedFrames:
     """The frames for a scene; without a number of ``random`` frames there are as usual."""
     if random is None:
         random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))
     drawn = np.random.default_rng(seed).integers(
         SIGNAL.low, SIGNAL.high + 1, (random, design.inputs)
     )
-    return Frames(np.concatenate(scene.vectors().recordings), drawn, seed)
+    return PlayedFrames(np.concatenate(scene.vectors().recordings), drawn, seed)
 
 
-def write_recordings(scene: Scene, design: Network, frames: Frames, folder: Path) -> int:
-    """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``.
-
-    Returns how many frames have outputs that are compared.
-    """
-    name, top, total = plain_name(scene.name), design.entity, 0
+def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder: Path) -> None:
+    """Write ``bench/vhdl`` and ``bench/verilog`` below a folder that holds ``design``."""
+    name, top = plain_name(scene.name), design.entity
     for number, samples in enumerate(frames.parts(design.past), start=1):
-        results = design.process(samples)
-        winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+        place = folder / "bench" / "verilog" / str(number)
+        results, winners = _write_verilog(design, samples, place)
         vhdl = folder / "bench" / "vhdl" / str(number)
         vhdl.mkdir(parents=True)
         (vhdl / f"{top}_vectors.vhd").write_text(
             vectors(name, top, samples, results, design.past, design.image, winners),
             encoding="utf-8",
         )
-        _write_verilog(design, samples, folder / "bench" / "verilog" / str(number))
-        total += len(results)
     _write_verilog(design, frames.short(design.past), folder / "bench" / SHORT)
     exported = folder / "design" / "verilog"
-    last = (exported / ORDER).read_text(encoding="utf-8").split()[-1]
+    last = compile_order(exported)[-1]
     ports = read_ports(design, (exported / last).read_text(encoding="utf-8"), "verilog")
     (folder / "bench" / "verilog" / f"{top}_tb.v").write_text(
         verilog_bench(name, design, ports, FRAMES), encoding="utf-8"
     )
-    return total
 
 
-def _write_verilog(design: Network, samples: Codes, place: Path) -> None:
-    """Write the files of a recording for the Verilog test bench."""
+def _write_verilog(design: Network, samples: Codes, place: Path) -> tuple[Codes, Codes | None]:
+    """Write a recording for the Verilog test bench; return the outputs, and the winners if any."""
     results = design.process(samples)
-    winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+    winners = winners_of(design, results)
     place.mkdir(parents=True)
     for file, text in hex_files(samples, results, design.image, winners).items():
         (place / file).write_text(text, encoding="ascii")
     (place / "due.txt").write_text(f"{len(results)}\n", encoding="ascii")
+    return results, winners

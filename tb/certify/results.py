@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+# What the script writes. Not "run": Yosys as WebAssembly takes that for /run.
+OUTPUT = "output"
+
 
 @dataclass(frozen=True)
-class Result:
+class StepResult:
     """The result of one step.
 
     Attributes
@@ -24,7 +27,7 @@ class Result:
     figure: str
 
 
-def read_results(folder: Path) -> list[Result]:
+def read_results(folder: Path) -> list[StepResult]:
     """The results of the last run of a certificate's script."""
-    text = (folder / "run" / "results.txt").read_text(encoding="utf-8")
-    return [Result(*line.split("\t")) for line in text.splitlines()]
+    text = (folder / OUTPUT / "results.txt").read_text(encoding="utf-8")
+    return [StepResult(*line.split("\t")) for line in text.splitlines()]

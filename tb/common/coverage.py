@@ -62,7 +62,8 @@ class Coverage:
         """Count the values of a port."""
         if port in self.ports:
             met, width = Counter(words), self.ports[port].width or 1
-            bits = {value: f"{value % (1 << width):0{width}b}" for value in values_of(self.ports[port])}
+            values = values_of(self.ports[port])
+            bits = {value: f"{value % (1 << width):0{width}b}" for value in values}
             found = {str(value): met[word] for value, word in bits.items()}
             add(self.counts, {"ports": {port: found}})
 

@@ -20,8 +20,8 @@ from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spr
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 # About how many clocks a test plays. A design that takes many clocks for a frame gets fewer frames.
 MOST_CLOCKS = 100_000
-# The same for recorded frames. A recording of a quarter of an hour would fill the memory.
-MOST_RECORDED = 1_000_000
+# The same for recorded frames, unless more frames are asked for.
+MOST_RECORDED = 250_000
 # Up to so many clocks, more random frames are played than asked for, because a hidden sum is seldom
 # small enough for its least bit to have an effect.
 MORE_CLOCKS = 5_000
@@ -103,13 +103,13 @@ def pauses(bench, last, closest=False):
 
 
 def recorded_frames(bench):
-    """The recorded frames, or as many as there are clocks for.
+    """The recorded frames, or as many as there are clocks for or as FRAMES= asks for.
 
     For a network inside a frame window they are the frames that the window sends to it.
     """
     vectors, past = bench.scene.vectors(), bench.twin.past
     frames = np.concatenate(vectors.recordings) if past else vectors.codes
-    return frames[: past + MOST_RECORDED // bench.twin.interval]
+    return frames[: past + max(bench.frames, MOST_RECORDED // bench.twin.interval)]
 
 
 def random_elements(bench, count):
@@ -178,9 +178,11 @@ async def corners_and_random(dut):
     most = affordable(bench, bench.frames)
     many = max(most, MORE_CLOCKS // bench.twin.interval)
     random = random_elements(bench, many * inputs).reshape(-1, inputs)
-    ends = driven_to_ends(bench)
-    for gap, count in ((0.0, many), (0.4, min(most, MOST_WITH_GAPS))):
-        frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
+    fixed = np.concatenate([corner_frames(SIGNAL, inputs), driven_to_ends(bench)])
+    # In a long frame every gap costs many clocks, so fewer of these frames are played with gaps.
+    some = fixed[:: -(-len(fixed) * bench.twin.interval // MOST_CLOCKS)]
+    for gap, chosen, count in ((0.0, fixed, many), (0.4, some, min(most, MOST_WITH_GAPS))):
+        frames = np.concatenate([chosen, random[:count]])
         elements, last = whole_frames(bench, frames)
         await check(bench, elements, last, gap, pause=pauses(bench, last, closest=True))
     bench.finish(at_least=most)

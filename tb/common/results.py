@@ -8,6 +8,7 @@ asked for.
 
 from __future__ import annotations
 
+import shlex
 from collections import defaultdict
 from dataclasses import replace
 from typing import Any
@@ -19,7 +20,7 @@ from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.stamp import is_current
 from tb.common.kept import bench_key, kept, run_and_keep
-from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, tell
+from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, scene_argument, tell
 from tb.common.tools import SIMULATORS, language
 
 
@@ -63,7 +64,27 @@ def left_texts(results: dict[str, Any]) -> list[str]:
             f"To {' and '.join(results['recorded'])}, which are around networks, recorded frames "
             "are played alone; FULL=1 plays all of their benches."
         )
+    if results["short"]:
+        texts.append(results["short"])
     return texts
+
+
+def short_text(scene: Scene, facts: dict[str, Any]) -> str:
+    """A sentence if the bench of the whole scene plays fewer frames than there are recorded."""
+    design, vectors = scene.twin(), scene.vectors()
+    recorded = sum(map(len, vectors.recordings)) if design.past else len(vectors.codes)
+    played = facts.get("frames", recorded)
+    if played >= recorded:
+        return ""
+    text = (
+        f"To {design.entity}, {played} of {recorded} recorded frames are played, because each "
+        f"takes {design.interval} clocks"
+    )
+    if design.scanner is not None:
+        # A bench of an instrument plays a few scans; its network has a bench of its own.
+        return f"{text}."
+    name = shlex.quote(scene_argument(scene))
+    return f"{text}; make sim SCENE={name} BLOCK={design.block} FRAMES={recorded} plays all."
 
 
 def stored_results(scene: Scene) -> dict[str, Any] | None:
@@ -111,6 +132,7 @@ def _results(
     scene: Scene, outcomes: list[Outcome], stored: int, asked: list[Job], planned: list[Job]
 ) -> dict[str, Any]:
     top = scene.twin().entity
+    facts = {o.job.simulator: o.facts for o in outcomes if o.job.entity == top}
     return {
         "benches": len(outcomes),
         "kept": stored,
@@ -119,7 +141,8 @@ def _results(
         "failed": sum(not o.passed for o in outcomes),
         "compared": sum(o.compared for o in outcomes),
         "blocks": _by_block(outcomes),
-        "facts": {o.job.simulator: o.facts for o in outcomes if o.job.entity == top},
+        "facts": facts,
+        "short": short_text(scene, next(iter(facts.values()), {})),
     }
 
 

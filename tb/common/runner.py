@@ -25,8 +25,8 @@ from golden.files import replace_folder, writing
 from golden.fingerprint import ROOT, fingerprint
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.scene import Scene, load_scene, scene_path
-from hdl.export.exporter import MANIFEST, ORDER
+from golden.scene import FOLDER, Scene, load_scene, scene_path
+from hdl.export.exporter import MANIFEST, compile_order
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
@@ -179,7 +179,7 @@ def compile_vhdl(scene: Scene, build: Path = BUILD) -> None:
     """Compile the exported VHDL of a scene, once for the benches of all its entities."""
     folder = build / scene.name / language("ghdl")
     with replace_folder(library(scene, build)) as temporary:
-        analyse([folder / name for name in (folder / ORDER).read_text().split()], temporary)
+        analyse([folder / name for name in compile_order(folder)], temporary)
 
 
 def prepare(scene: Scene, simulator: str, build: Path = BUILD) -> None:
@@ -234,7 +234,7 @@ def jobs(
     parts = {part.entity: part for part in walk(scene.twin())}
     folder = build / scene.name / language(simulator)
     manifest = json.loads((folder / MANIFEST).read_text())
-    order = (folder / ORDER).read_text().split()
+    order = compile_order(folder)
     return [
         Job(
             scene,
@@ -265,7 +265,7 @@ def run_job(job: Job) -> Outcome:
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
-    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(_scene_argument(job.scene))}"
+    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(scene_argument(job.scene))}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
@@ -335,8 +335,11 @@ def _covered(job: Job, coverage: Counts) -> bool:
     return not lacking
 
 
-def _scene_argument(scene: Scene) -> str:
-    return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
+def scene_argument(scene: Scene) -> str:
+    """What SCENE= names it by: a shipped scene by its folder, any other by its file."""
+    folder = scene.path.parent
+    name = folder.relative_to(FOLDER).as_posix() if folder.is_relative_to(FOLDER) else ""
+    return name if name and scene.path == scene_path(name) else str(scene.path)
 
 
 def run_jobs(

@@ -17,13 +17,15 @@ class Signals:
         For each node and clock, the signal that holds the node then.
     late : dict
         For each delayed signal, the signal that holds the same value a clock earlier.
+    constants : dict
+        For each register that holds a constant row, its number. It is unknown in the first clock.
     results : list of str
         The signals that hold the rows in the clock before the results.
     """
 
     def __init__(self, twin):
         self.graph = twin.graph
-        self.made, self.there, self.late = {}, {}, {}
+        self.made, self.there, self.late, self.constants = {}, {}, {}, {}
         for place, node in enumerate(self.graph.nodes):
             clock = twin.clocks[place]
             if isinstance(node, Input):
@@ -32,7 +34,7 @@ class Signals:
                 for operand in (node.low, node.high):
                     self.at(operand, clock)
                 self.there[place, clock] = self._name(self._kind(place, node), "total")
-        self.results = [self.at(row.node, twin.latency - 1) for row in self.graph.rows]
+        self.results = [self._row(row.node, twin.latency - 1) for row in self.graph.rows]
 
     def at(self, place, clock):
         node = self.graph.nodes[place]
@@ -43,6 +45,14 @@ class Signals:
             self.there[place, clock] = self._name("delay", "data_late")
             self.late[self.there[place, clock]] = before
         return self.there[place, clock]
+
+    def _row(self, place, clock):
+        node = self.graph.nodes[place]
+        if not isinstance(node, Constant):
+            return self.at(place, clock)
+        signal = self._name("constant", "number")
+        self.constants[signal] = node.value
+        return signal
 
     def _kind(self, place, node):
         if any(isinstance(self.graph.nodes[n], Constant) for n in (node.low, node.high)):
@@ -157,6 +167,8 @@ def results(twin, signals):
     for late, early in signals.late.items():
         watch.append(f"reg signed [63:0] ago_{late}; always @(posedge clk) ago_{late} <= {early};")
         states.append(f"!begun || {late} == ago_{late}")
+    for signal, value in signals.constants.items():
+        states.append(f"!begun || {signal} == {value}")
     rectified = any(finish.rectified for finish in twin.row_finishes)
     finished = "saturated"
     broken = (

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from golden.fingerprint import ROOT
 from golden.instruments.uart_instrument import UartInstrument
 from golden.scene import Scene
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from tb.common.runner import export
 from tb.common.simulate import Ghdl, analyse
 from tb.common.tools import check_simulator, language
@@ -99,7 +99,7 @@ class SimulatedBoard:
                 rx=", rx => rx" if twin.reload else "",
             )
         )
-        sources = (*(files / name for name in (files / ORDER).read_text().split()), top)
+        sources = (*(files / name for name in compile_order(files)), top)
         analyse(sources, folder)
         environment = {k: v for k, v in os.environ.items() if not k.startswith("COCOTB")}
         simulator = Ghdl(

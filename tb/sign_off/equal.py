@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.fingerprint import fingerprint
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.synth.tools import digest
 from tb.common.collected import FAULTS
 from tb.common.runner import Job, jobs
@@ -117,7 +117,7 @@ def pair_of(block: str) -> Pair:
 @cache
 def _netlists(folder: Path) -> dict[str, Module]:
     """GHDL's netlists of the VHDL that was exported into a folder."""
-    files = [folder.resolve() / name for name in (folder / ORDER).read_text().split()]
+    files = [folder.resolve() / name for name in compile_order(folder)]
     with tempfile.TemporaryDirectory() as work:
         return synthesise(files, files[-1].stem, Path(work))
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from string import Template
 
 from golden.instruments.converter_instrument import ConverterInstrument
+from golden.instruments.uart_instrument import UartInstrument
+from golden.link.uart_transmitter import BYTE_BITS
 from golden.networks.network import Network
+from golden.port import Port
 from golden.sensing.converter_parts import TWOS
 
 
@@ -228,63 +231,132 @@ _TURNED = Template("""\
 """)
 
 
-def _spi_send(design: Network) -> str:
-    assert isinstance(design, ConverterInstrument)
-    reader = design.converter_reader
-    part, middle = reader.part, 1 << (reader.fmt.width - 1)
-    step, times = 1 << max(0, -reader.shift), 1 << max(0, reader.shift)
-    return _SPI_SEND.substitute(
-        final=reader.scan_clocks - 1,
-        asking=len(part.commands[0]),
-        commands="\n".join(
-            f"                            when {int(part.commands[n], 2)} => channel := {n};"
-            for n in range(reader.inputs)
-        ),
-        middle=middle + step // 2,
-        step=step,
-        times=times,
-        most=(1 << part.bits) - 1,
-        turned=_TURNED.substitute(half=1 << (part.bits - 1), span=1 << part.bits)
-        if part.coding == TWOS
-        else "",
-        before=part.first - 1,
-        last=part.last,
-        again=_AGAIN.substitute(last=part.last) if part.mirrored else "",
-        zero=" or ".join(f"edges = {clock - 1}" for clock in part.zeros),
-    )
+@dataclass(frozen=True)
+class SpiText:
+    """The parts of a text that answers transfers, in one language.
+
+    Attributes
+    ----------
+    send, command, again, turned : Template
+        ``command`` is what a command of the converter does. ``again`` is for a part that repeats
+        its bits, and ``turned`` for one that gives numbers with a sign.
+    clock, either, never : str
+        A condition on the number of a clock, what joins such conditions, and one that never holds.
+    """
+
+    send: Template
+    command: Template
+    again: Template
+    turned: Template
+    clock: str
+    either: str
+    never: str
 
 
-def _converter_send(design: Network) -> str:
-    scan = design.scanner
-    assert scan is not None
-    return _CONVERTER_SEND.substitute(
-        last=scan.scan_clocks - 1, slot=scan.slot_clocks, sample=scan.sample_clock
-    )
+def spi_send(text: SpiText) -> Callable[[Network], str]:
+    """What answers the transfers of a design, in the language of the text."""
+
+    def send(design: Network) -> str:
+        assert isinstance(design, ConverterInstrument)
+        reader = design.converter_reader
+        part, middle = reader.part, 1 << (reader.fmt.width - 1)
+        step, times = 1 << max(0, -reader.shift), 1 << max(0, reader.shift)
+        turned = text.turned.substitute(half=1 << (part.bits - 1), span=1 << part.bits)
+        return text.send.substitute(
+            final=reader.scan_clocks - 1,
+            asking=len(part.commands[0]),
+            commands="\n".join(
+                text.command.substitute(asked=int(part.commands[n], 2), channel=n)
+                for n in range(reader.inputs)
+            ),
+            middle=middle + step // 2,
+            step=step,
+            times=times,
+            most=(1 << part.bits) - 1,
+            turned=turned if part.coding == TWOS else "",
+            before=part.first - 1,
+            last=part.last,
+            again=text.again.substitute(last=part.last) if part.mirrored else "",
+            zero=text.either.join(text.clock.format(clock - 1) for clock in part.zeros)
+            or text.never,
+        )
+
+    return send
 
 
-def _stream_send(design: Network) -> str:
-    elements = design.input_controller.inputs
-    return _STREAM_SEND.substitute(last=elements - 1, spacing=design.interval - elements)
+def converter_send(text: Template) -> Callable[[Network], str]:
+    """What gives the codes of a converter, in the language of the text."""
+
+    def send(design: Network) -> str:
+        scan = design.scanner
+        assert scan is not None
+        return text.substitute(
+            last=scan.scan_clocks - 1, slot=scan.slot_clocks, sample=scan.sample_clock
+        )
+
+    return send
 
 
-def _parallel_check(design: Network) -> str:
-    equal = (
-        f"out_data_{i} = to_signed(results(received * outputs + {i}), out_data_{i}'length)"
-        for i in range(design.outputs)
-    )
-    return _PARALLEL_CHECK.substitute(equal=("\n" + 24 * " " + "and ").join(equal))
+def stream_send(text: Template) -> Callable[[Network], str]:
+    """What sends the elements of a frame one after the other, in the language of the text."""
+
+    def send(design: Network) -> str:
+        elements = design.input_controller.inputs
+        return text.substitute(last=elements - 1, spacing=design.interval - elements)
+
+    return send
 
 
-def _parallel_send(design: Network) -> str:
-    ports = [f"in_data_{k}" for k in range(design.inputs)]
-    return _PARALLEL_SEND.substitute(
-        spacing=design.interval - 1,
-        data="\n".join(
-            f"            {port} <= to_signed(samples(frame * inputs + {k}), {port}'length);"
-            for k, port in enumerate(ports)
-        ),
-        other="\n".join(f"            {port} <= not {port};" for port in ports),
-    )
+def parallel_check(text: Template, equal: Template, both: str) -> Callable[[Network], str]:
+    """What compares all outputs of a frame at once; ``equal`` compares one, ``both`` joins two."""
+
+    def check(design: Network) -> str:
+        found = (equal.substitute(n=n) for n in range(design.outputs))
+        return text.substitute(equal=f"\n{24 * ' '}{both} ".join(found))
+
+    return check
+
+
+def parallel_send(text: Template, data: Template, other: Template) -> Callable[[Network], str]:
+    """What sends all samples of a frame at once.
+
+    ``data`` sets one of them, and ``other`` makes it another code behind the frame.
+    """
+
+    def send(design: Network) -> str:
+        data_lines, other_lines = (
+            "\n".join(line.substitute(n=n) for n in range(design.inputs)) for line in (data, other)
+        )
+        return text.substitute(spacing=design.interval - 1, data=data_lines, other=other_lines)
+
+    return send
+
+
+def settle_clocks(design: Network) -> int:
+    """Clocks from a frame's last element until all outputs have left slowly, and some more."""
+    clocks = design.output_clocks[-1]
+    return clocks + 3 * design.outputs * (clocks // design.interval + 2)
+
+
+def connected(ports: Sequence[Port]) -> list[Port]:
+    """The ports that a test bench connects.
+
+    The held outputs are on the stream, too. Neither the profile nor a line is recorded.
+    """
+    return [p for p in ports if not p.name.startswith(("held_", "profile_", "dac_", "tx"))]
+
+
+def load_numbers(design: UartInstrument) -> dict[str, int]:
+    """What the packet of an image takes on a line: the last level of a byte, and clocks.
+
+    Scans go on meanwhile, so that it takes a whole number of scans with the clocks ``rest``.
+    """
+    clocks = len(design.image) * BYTE_BITS * design.divisor
+    return {
+        "last": BYTE_BITS - 1,
+        "divisor": design.divisor,
+        "rest": -clocks % design.interval,
+    }
 
 
 def due(design: Network) -> str:
@@ -301,7 +373,7 @@ STREAM = Style(
     _STREAM_VARIABLES,
     GAPS,
     lambda design: _stream_check(design, "out_valid = '1'", "out_data", "out_last"),
-    _stream_send,
+    stream_send(_STREAM_SEND),
 )
 AXIS = Style(
     _AXIS_VARIABLES,
@@ -312,7 +384,22 @@ AXIS = Style(
     ),
     lambda design: _AXIS_SEND,
 )
-PARALLEL = Style("", GAPS, _parallel_check, _parallel_send)
+PARALLEL = Style(
+    "",
+    GAPS,
+    parallel_check(
+        _PARALLEL_CHECK,
+        Template("out_data_$n = to_signed(results(received * outputs + $n), out_data_$n'length)"),
+        "and",
+    ),
+    parallel_send(
+        _PARALLEL_SEND,
+        Template(
+            "            in_data_$n <= to_signed(samples(frame * inputs + $n), in_data_$n'length);"
+        ),
+        Template("            in_data_$n <= not in_data_$n;"),
+    ),
+)
 # The sequencer goes on after the last frame, so outputs beyond that frame are not checked.
 CONVERTER = Style(
     _STREAM_VARIABLES,
@@ -323,13 +410,23 @@ CONVERTER = Style(
     lambda design: _stream_check(
         design, f"out_valid = '1' and received < {due(design)}", "out_data", "out_last"
     ),
-    _converter_send,
+    converter_send(_CONVERTER_SEND),
 )
 SPI = Style(
     _SPI_VARIABLES,
     ("with bits that come when sclk falls", "with bits that come as late as it rises"),
     CONVERTER.check,
-    _spi_send,
+    spi_send(
+        SpiText(
+            _SPI_SEND,
+            Template("                            when $asked => channel := $channel;"),
+            _AGAIN,
+            _TURNED,
+            "edges = {}",
+            " or ",
+            "false",
+        )
+    ),
 )
 
 

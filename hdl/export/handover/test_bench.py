@@ -5,12 +5,11 @@ from __future__ import annotations
 from string import Template
 
 from golden.instruments.uart_instrument import UartInstrument
-from golden.link.uart_transmitter import BYTE_BITS
 from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.port import Port
 from hdl.export.handover.example import vhdl_map, vhdl_signals
-from hdl.export.handover.styles import STYLES, due
+from hdl.export.handover.styles import STYLES, connected, due, load_numbers, settle_clocks
 
 _TEXT = Template("""\
 -- Plays the recorded frames of scene $scene into $top, $first and again
@@ -131,8 +130,7 @@ _LOAD = """\
             end loop;
 """
 
-# The line carries the packet of the image. Scans go on meanwhile, so this takes a whole number of
-# scans.
+# The line carries the packet of the image.
 _LOAD_LINE = Template("""\
             for number in image'range loop
                 for level in 0 to $last loop
@@ -186,15 +184,12 @@ _REFUSED = """\
 def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """The text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
-    clocks = design.output_clocks[-1]
-    # The held outputs are on the stream, too. Neither the profile nor a line is recorded.
-    unused = ("held_", "profile_", "dac_", "tx")
-    used = [port for port in ports if not port.name.startswith(unused)]
+    used = connected(ports)
     left_open = tuple(port.name for port in ports if port not in used)
     return _TEXT.substitute(
         scene=scene,
         top=design.entity,
-        settle=clocks + 3 * design.outputs * (clocks // design.interval + 2),
+        settle=settle_clocks(design),
         signals=vhdl_signals(used),
         map=vhdl_map(ports, left_open),
         variables=style.variables + (_DECIDED_VARIABLES if design.argmax else ""),
@@ -231,7 +226,4 @@ def _load(design: Network) -> str:
         return ""
     if not isinstance(design, UartInstrument):
         return _LOAD
-    clocks = len(design.image) * BYTE_BITS * design.divisor
-    return _LOAD_LINE.substitute(
-        last=BYTE_BITS - 1, divisor=design.divisor, rest=-clocks % design.interval
-    )
+    return _LOAD_LINE.substitute(load_numbers(design))

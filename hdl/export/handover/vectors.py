@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from string import Template
 
+import numpy as np
+
 from golden.fixed import Codes
+from golden.networks.network import Network
 
 # Longer recordings are cut to these lengths: any simulator elaborates so many constants in a
 # second, and plays scans of so many clocks in a minute.
@@ -56,6 +59,11 @@ $winners
 """)
 
 
+def winners_of(design: Network, results: Codes) -> Codes | None:
+    """Index and margin of the largest output of each frame, where the hardware gives them."""
+    return np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+
+
 def vectors(
     scene: str,
     top: str,
@@ -74,7 +82,7 @@ def vectors(
     image : bytes
         The image that is loaded before the first frame; empty where none is.
     winners : Codes, shape (frames - past, 2), optional
-        Index and margin of the largest output of each frame, where the hardware gives them.
+        See ``winners_of``.
     """
     decided = ""
     if winners is not None:

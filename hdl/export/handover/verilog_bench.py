@@ -13,11 +13,10 @@ import numpy as np
 
 from golden.fixed import Codes
 from golden.instruments.uart_instrument import UartInstrument
-from golden.link.uart_transmitter import BYTE_BITS
 from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.port import Port
-from hdl.export.handover.styles import STYLES
+from hdl.export.handover.styles import STYLES, connected, load_numbers, settle_clocks
 from hdl.export.handover.verilog_styles import VERILOG_STYLES
 from hdl.export.ports import verilog_type
 
@@ -138,8 +137,7 @@ _LOAD = Template("""\
             end
 """)
 
-# The line carries the packet of the image. Scans go on meanwhile, so this takes a whole number of
-# scans.
+# The line carries the packet of the image.
 _LOAD_LINE = Template("""\
             for (number = 0; number < $bytes; number = number + 1) begin
                 for (level = 0; level <= $last; level = level + 1) begin
@@ -185,10 +183,8 @@ def verilog_bench(scene: str, design: Network, ports: list[Port], most: int) -> 
         The most frames of a recording.
     """
     style = VERILOG_STYLES[design.stream]
-    clocks = design.output_clocks[-1]
     names = {port.name for port in ports}
-    # The held outputs are on the stream, too. Neither the profile nor a line is recorded.
-    used = [p for p in ports if not p.name.startswith(("held_", "profile_", "dac_", "tx"))]
+    used = connected(ports)
     inputs = [port.name for port in used if port.direction == "in" and port.name != "clk"]
     kind = {"in": "reg", "out": "wire"}
     memories, read = [], []
@@ -205,7 +201,7 @@ def verilog_bench(scene: str, design: Network, ports: list[Port], most: int) -> 
         inputs=design.inputs,
         outputs=design.outputs,
         past=design.past,
-        settle=clocks + 3 * design.outputs * (clocks // design.interval + 2),
+        settle=settle_clocks(design),
         signals="\n".join(f"    {kind[p.direction]} {verilog_type(p)}{p.name};" for p in used),
         memories="".join(f"{line}\n" for line in memories),
         variables=style.variables,
@@ -240,7 +236,7 @@ def hex_files(
     image : bytes
         The image that is loaded before the first frame; empty where none is.
     winners : Codes, shape (frames - past, 2), optional
-        Index and margin of the largest output of each frame, where the hardware gives them.
+        See ``winners_of``.
     """
     files = {
         FRAMES_FILE: f"{len(samples):08x}\n",
@@ -280,10 +276,4 @@ def _load(design: Network) -> str:
         return ""
     if not isinstance(design, UartInstrument):
         return _LOAD.substitute(bytes=len(design.image))
-    clocks = len(design.image) * BYTE_BITS * design.divisor
-    return _LOAD_LINE.substitute(
-        bytes=len(design.image),
-        last=BYTE_BITS - 1,
-        divisor=design.divisor,
-        rest=-clocks % design.interval,
-    )
+    return _LOAD_LINE.substitute(load_numbers(design), bytes=len(design.image))

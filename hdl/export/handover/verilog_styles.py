@@ -6,9 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from string import Template
 
-from golden.instruments.converter_instrument import ConverterInstrument
 from golden.networks.network import Network
-from golden.sensing.converter_parts import TWOS
+from hdl.export.handover.styles import (
+    SpiText,
+    converter_send,
+    parallel_check,
+    parallel_send,
+    spi_send,
+    stream_send,
+)
 
 
 @dataclass(frozen=True)
@@ -185,61 +191,6 @@ _TURNED = Template("""\
 """)
 
 
-def _spi_send(design: Network) -> str:
-    assert isinstance(design, ConverterInstrument)
-    reader = design.converter_reader
-    part, middle = reader.part, 1 << (reader.fmt.width - 1)
-    step, times = 1 << max(0, -reader.shift), 1 << max(0, reader.shift)
-    return _SPI_SEND.substitute(
-        final=reader.scan_clocks - 1,
-        asking=len(part.commands[0]),
-        commands="\n".join(
-            f"                            {int(part.commands[n], 2)}: channel = {n};"
-            for n in range(reader.inputs)
-        ),
-        middle=middle + step // 2,
-        step=step,
-        times=times,
-        most=(1 << part.bits) - 1,
-        turned=_TURNED.substitute(half=1 << (part.bits - 1), span=1 << part.bits)
-        if part.coding == TWOS
-        else "",
-        before=part.first - 1,
-        last=part.last,
-        again=_AGAIN.substitute(last=part.last) if part.mirrored else "",
-        zero=" || ".join(f"edges == {clock - 1}" for clock in part.zeros) or "0",
-    )
-
-
-def _converter_send(design: Network) -> str:
-    scan = design.scanner
-    assert scan is not None
-    return _CONVERTER_SEND.substitute(
-        last=scan.scan_clocks - 1, slot=scan.slot_clocks, sample=scan.sample_clock
-    )
-
-
-def _stream_send(design: Network) -> str:
-    elements = design.input_controller.inputs
-    return _STREAM_SEND.substitute(last=elements - 1, spacing=design.interval - elements)
-
-
-def _parallel_check(design: Network) -> str:
-    equal = (f"out_data_{i} === results[received * outputs + {i}]" for i in range(design.outputs))
-    return _PARALLEL_CHECK.substitute(equal=("\n" + 24 * " " + "&& ").join(equal))
-
-
-def _parallel_send(design: Network) -> str:
-    ports = [f"in_data_{k}" for k in range(design.inputs)]
-    return _PARALLEL_SEND.substitute(
-        spacing=design.interval - 1,
-        data="\n".join(
-            f"            {port} = samples[frame * inputs + {k}];" for k, port in enumerate(ports)
-        ),
-        other="\n".join(f"            {port} = ~{port};" for port in ports),
-    )
-
-
 def _stream_check(taken: str, data: str, last: str) -> str:
     return _STREAM_CHECK.substitute(taken=taken, data=data, last=last)
 
@@ -249,17 +200,26 @@ def _scan_check(design: Network) -> str:
     return _stream_check("out_valid === 1'b1 && received < due", "out_data", "out_last")
 
 
-_CONVERTER = VerilogStyle(_STREAM_VARIABLES, _STREAM_BEGIN, _scan_check, _converter_send)
-
 # The styles, by the ``stream`` of the network.
 VERILOG_STYLES = {
     "serial": VerilogStyle(
         _STREAM_VARIABLES,
         _STREAM_BEGIN,
         lambda design: _stream_check("out_valid === 1'b1", "out_data", "out_last"),
-        _stream_send,
+        stream_send(_STREAM_SEND),
     ),
-    "words": VerilogStyle("    integer level;\n", "", _parallel_check, _parallel_send),
+    "words": VerilogStyle(
+        "    integer level;\n",
+        "",
+        parallel_check(
+            _PARALLEL_CHECK, Template("out_data_$n === results[received * outputs + $n]"), "&&"
+        ),
+        parallel_send(
+            _PARALLEL_SEND,
+            Template("            in_data_$n = samples[frame * inputs + $n];"),
+            Template("            in_data_$n = ~in_data_$n;"),
+        ),
+    ),
     "axi_stream": VerilogStyle(
         _AXIS_VARIABLES,
         f"{_STREAM_BEGIN}        ticks = 0;\n        taking = 0;\n",
@@ -269,6 +229,23 @@ VERILOG_STYLES = {
         ),
         lambda design: _AXIS_SEND,
     ),
-    "converter": _CONVERTER,
-    "spi": VerilogStyle(_SPI_VARIABLES, _SPI_BEGIN, _scan_check, _spi_send),
+    "converter": VerilogStyle(
+        _STREAM_VARIABLES, _STREAM_BEGIN, _scan_check, converter_send(_CONVERTER_SEND)
+    ),
+    "spi": VerilogStyle(
+        _SPI_VARIABLES,
+        _SPI_BEGIN,
+        _scan_check,
+        spi_send(
+            SpiText(
+                _SPI_SEND,
+                Template("                            $asked: channel = $channel;"),
+                _AGAIN,
+                _TURNED,
+                "edges == {}",
+                " || ",
+                "0",
+            )
+        ),
+    ),
 }

@@ -12,7 +12,7 @@ from hdl.export.handover.constraints import constraints
 from hdl.export.handover.core import core, plain_name
 from hdl.export.handover.example import example
 from hdl.export.handover.test_bench import test_bench
-from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors
+from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors, winners_of
 from hdl.export.hierarchy import SUFFIX
 from hdl.export.ports import read_ports
 
@@ -47,7 +47,7 @@ def write_handover(
         samples = np.concatenate(scene.vectors().recordings)[:most]
         benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
         results = design.process(samples)
-        winners = np.stack(design.argmax.process(results), axis=1) if design.argmax else None
+        winners = winners_of(design, results)
         texts[benches[0]] = vectors(name, top, samples, results, design.past, design.image, winners)
         texts[benches[1]] = test_bench(name, design, ports)
     description = (

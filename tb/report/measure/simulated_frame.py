@@ -18,7 +18,7 @@ from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from hdl.export.exporter import ORDER
+from hdl.export.exporter import compile_order
 from hdl.export.ports import read_ports, verilog_type
 from tb.common.runner import export
 from tb.common.tools import check_simulator
@@ -169,7 +169,7 @@ def _simulate(
         play += [*_set(values), tick[0], show, *tick[1:]]
     lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]
     lines += ["    initial begin", *(f"        {words}" for words in play), "    end", "endmodule"]
-    files = [str(folder / name) for name in (folder / ORDER).read_text(encoding="utf-8").split()]
+    files = [str(folder / name) for name in compile_order(folder)]
     with tempfile.TemporaryDirectory() as work:
         source, program = Path(work) / "recorder.v", Path(work) / "recorder"
         source.write_text("\n".join([*lines, ""]), encoding="utf-8")

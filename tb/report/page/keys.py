@@ -8,7 +8,7 @@ from pathlib import Path
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from golden.scene.schema import EDITOR_SCHEMA, SCENE
-from golden.schema import Table, json_schema, key_rows
+from golden.schema import KeyTable, json_schema, key_rows
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.keys"
@@ -19,7 +19,7 @@ def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     text = PAGE.read_text(encoding="utf-8")
     for section, key in SCENE.keys.items():
-        assert isinstance(key.kind, Table), section
+        assert isinstance(key.kind, KeyTable), section
         text = put(PAGE, text, key_rows(key.kind), COMMAND, section)
     return {PAGE: text, EDITOR_SCHEMA: json_schema(SCENE, "A scene of tactus")}
 
