@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +13,12 @@ from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
-from tb.peers import alkaid_rows, da4ml_rows, installed, nngen_rows, ours
+from tb.peers import alkaid_rows, da4ml_rows, installed, kanele_rows, nngen_rows, ours, serv_rows
 from tb.peers.__main__ import PEERS, brought, chosen
+from tb.peers.cloned import cloned
 from tb.peers.collected import KEPT, collected
 from tb.peers.comparison import Row, Task, compared, task_of
+from tb.peers.kanele_rows import Layer
 from tb.peers.simulated import check, packed, simulated, unpacked
 from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
 
@@ -56,16 +57,19 @@ def test_frames_are_those_of_the_seed(task: Task) -> None:
 
 
 def test_the_table_names_what_is_counted() -> None:
-    """Of Series 7 LUTs are counted, and of Virtex-II every kind; a foreign network has no errors."""
+    """LUTs are counted in both families, all else in Virtex-II; a foreign network has no errors."""
     cells = {
         family: {kind: n + start for n, kind in enumerate(KINDS)}
         for family, start in (("xc2v", 0), ("xc7", 10))
     }
-    rows = [Row("digit", "one", cells, 8, 1, (2.25, 1.0)), Row("jets", "two", cells, 7, 1)]
+    rows = [
+        Row("digit", "one", cells, 8, 1, (2.25, 1.0)),
+        Row("jets", "two", cells, 7, 1, right=76.0),
+    ]
     table = compared(rows, "as measured")
     assert table.columns[2:7] == ["LUT4", "LUT6", "flip-flop", "MULT18", "RAMB16"]
-    assert table.rows[0] == ["digit", "one", 0, 10, 3, 4, 5, 8, 1, 2.25, 1.0]
-    assert table.rows[1][-2:] == [None, None]
+    assert table.rows[0] == ["digit", "one", 0, 10, 3, 4, 5, 8, 1, 2.25, 1.0, None]
+    assert table.rows[1][-3:] == [None, None, 76.0]
     assert table.lines()[-1] == "as measured"
 
 
@@ -161,12 +165,90 @@ def test_alkaid_is_asked_for_our_tables(task: Task) -> None:
     assert asked["first"]["weights"] == task.constants.first.weights
 
 
+def layer(width: int, signed: bool, out_width: int, tables: list[dict[int, list[int]]]) -> Layer:
+    return Layer(width, signed, out_width, dict(enumerate(tables)))
+
+
+@pytest.fixture
+def functions() -> list[Layer]:
+    """Two layers of tables; the first node has five inputs, so its sum takes two stages."""
+    rng = np.random.default_rng(1)
+    first = [{i: rng.integers(-8, 8, 8).tolist() for i in node} for node in (range(5), (1, 3))]
+    second = [{i: rng.integers(-16, 16, 16).tolist() for i in node} for node in ((0, 1), (1,))]
+    return [layer(3, False, 4, first), layer(4, True, 5, second)]
+
+
+def test_a_layer_of_functions_sums_and_saturates() -> None:
+    """Words are in the order of the numbers; -2 is the first of a signed input of two bits."""
+    one = layer(2, True, 3, [{0: [-3, 0, 1, 2], 1: [-2, 0, 1, 3]}, {1: [0, 1, 2, 3]}])
+    assert one.process(np.array([[-2, -2], [1, 1], [-1, 0]])).tolist() == [[-4, 0], [3, 3], [1, 2]]
+    assert one.lowest == -2
+    assert layer(2, False, 3, [{0: [0, 1, 2, 3]}]).lowest == 0
+
+
+def test_functions_as_verilog_are_those_of_the_tables(
+    functions: list[Layer], tmp_path: Path
+) -> None:
+    """Icarus gives the same; the first layer takes 1 + 2 + 1 clocks, and the second 1 + 1."""
+    (tmp_path / "peer.v").write_text(kanele_rows.written(functions, 5))
+    frames = np.random.default_rng(2).integers(0, 8, (50, 5))
+    expected = kanele_rows.processed(functions, frames)
+    assert [one.stages for one in functions] == [2, 1]
+    assert kanele_rows.clocks_of(functions) == 6
+    check("functions", tmp_path, frames, expected, 6, (3, 5))
+
+
+def test_functions_are_read_from_files() -> None:
+    """A table that is not used is left out; the keys are layer, input and node."""
+    config = {"layers": [2, 1, 1], "layers_bitwidth": [1, 2, 3]}
+    tables = {
+        "0_0_0": {"acive": True, "values_int": [0, 1]},
+        "0_1_0": {"acive": False, "values_int": [1, 1]},
+        "1_0_0": {"acive": True, "values_int": [-4, -1, 0, 3]},
+    }
+    first, second = kanele_rows.layers_of(config, tables)
+    assert first == Layer(1, False, 2, {0: {0: [0, 1]}})
+    assert second == Layer(2, True, 3, {0: {0: [-4, -1, 0, 3]}})
+
+
+def test_the_program_in_c_computes_the_network(task: Task) -> None:
+    """Its model is near the network in floating point, and its header has the words of tables."""
+    recorded, random = task.errors(serv_rows.model(task))
+    assert recorded < 2.5
+    assert random < 1
+    header = serv_rows.header(task)
+    assert "#define HIDDEN 16" in header
+    weights = ", ".join(map(str, task.constants.second.weights[3]))
+    assert f"{{{weights}}}" in header
+
+
+def test_files_of_a_commit_are_brought_once(tmp_path: Path) -> None:
+    """The files have the bytes of the commit, and are not brought again."""
+    source = tmp_path / "source"
+    (source / "deep").mkdir(parents=True)
+    (source / "deep" / "net.onnx").write_bytes(b"\x00\xff\r\n")
+    (source / "other").write_text("not asked for")
+    git = ["git", "-C", str(source)]
+    who = ["-c", "user.name=nobody", "-c", "user.email=nobody@localhost"]
+    for command in (["init", "-q"], ["add", "."], [*who, "commit", "-q", "-m", "one"]):
+        installed.run([*git, *command])
+    commit = installed.run([*git, "rev-parse", "HEAD"]).strip()
+    url, files = source.as_uri(), {"net/work.onnx": "deep/net.onnx"}
+    place = cloned(tmp_path / "found", url, commit, files)
+    assert [path.name for path in place.rglob("*") if path.is_file()] == ["work.onnx"]
+    assert (place / "net" / "work.onnx").read_bytes() == b"\x00\xff\r\n"
+    assert cloned(tmp_path / "found", "file:///nowhere", commit, files) == place
+    with pytest.raises(InputError, match="git: "):
+        cloned(tmp_path / "again", "file:///nowhere", commit, files)
+    assert not list((tmp_path / "again").glob("*"))
+
+
 def test_only_names_peers() -> None:
     assert chosen("") == list(PEERS)
     assert chosen("nngen alkaid") == ["alkaid", "nngen"]
     with pytest.raises(
         InputError,
-        match="ONLY=alkaide: got 'alkaide', expected some of ours, al.*; did you mean 'alkaid'",
+        match=r"ONLY=alkaide: got 'alkaide', expected some of ours, .*; did you mean 'alkaid'",
     ):
         chosen("alkaide")
 

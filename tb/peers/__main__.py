@@ -23,7 +23,7 @@ from golden.table import suggest
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.tools import version_of
 from tb.common.tools import check_simulator
-from tb.peers import alkaid_rows, da4ml_rows, kanele_rows, nngen_rows, ours, serv_rows
+from tb.peers import alkaid_rows, da4ml_rows, kanele_rows, nngen_rows, ours, serv_rows, zoo_rows
 from tb.peers.comparison import FEW, MAIN, Row, Task, compared, task_of
 
 
@@ -43,6 +43,7 @@ class Peer(Protocol):
 
 PEERS: dict[str, Peer] = {
     "ours": ours,
+    "zoo": zoo_rows,
     "alkaid": alkaid_rows,
     "da4ml": da4ml_rows,
     "nngen": nngen_rows,
@@ -91,7 +92,7 @@ def main() -> None:
     would(f"bring {', '.join(names)} and build their hardware of scenes {MAIN} and {FEW}")
     places, missing = brought(names, arguments.build)
     tasks = {scene: task_of(load_scene(scene), arguments.seed) for scene in (MAIN, FEW)}
-    rows = []
+    rows: list[Row] = []
     with (
         replace_folder(arguments.build / "peers" / "comparison") as folder,
         Progress("peers: synthesising", len(places), "projects") as progress,

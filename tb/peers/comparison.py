@@ -21,6 +21,8 @@ from tb.report.measure.table import Cell, Table
 # signed digits.
 MAIN = "digit-single"
 FEW = "digit-fast"
+# Networks that tell classes apart: of the jets at a collider, and of wines.
+JETS, WINE = "jets", "wine"
 # The headings of the columns, and the family and the kind of cells that stand below them.
 COLUMNS = {
     "LUT4": ("xc2v", "LUT"),
@@ -104,7 +106,10 @@ class Row:
     interval : int
         The clocks from one frame to the next.
     errors : tuple
-        See ``Task.errors``; None twice for a network that is not ours.
+        See ``Task.errors``; None twice for a network that tells classes apart.
+    right : float or None
+        Of such a network, how many of the rows held out from its training are decided rightly, in
+        percent.
     """
 
     network: str
@@ -113,6 +118,7 @@ class Row:
     clocks: int
     interval: int
     errors: tuple[float | None, float | None] = (None, None)
+    right: float | None = None
 
 
 def compared(rows: Sequence[Row], note: str) -> Table:
@@ -125,8 +131,9 @@ def compared(rows: Sequence[Row], note: str) -> Table:
             row.clocks,
             row.interval,
             *row.errors,
+            row.right,
         ]
         for row in rows
     ]
-    measured = ["clocks", "a frame every", "recorded", "random"]
+    measured = ["clocks", "a frame every", "recorded", "random", "right %"]
     return Table("peers", ["network", "design", *COLUMNS, *measured], lines, note)

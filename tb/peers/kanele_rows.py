@@ -9,7 +9,6 @@ behind each table, behind each sum of up to four, and behind each layer but the 
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,22 +16,21 @@ from typing import Any
 
 import numpy as np
 
-from golden.files import replace_folder
 from golden.fixed import Codes
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import Row, Task
-from tb.peers.installed import run
+from tb.peers.cloned import cloned
+from tb.peers.comparison import JETS, WINE, Row, Task
 from tb.peers.simulated import agree, check
 
 REPOSITORY = "https://github.com/Duchstf/KANELE"
 COMMIT = "9b9621f15e5a2a2a2e688e2060fcb8b75e548e8f"
 VERSION = f"KANELÉ {COMMIT[:7]}"
+# For each network its folder, and the accuracy in percent that its authors publish.
 NETWORKS = {
-    "jets": "benchmarks/JSC_OpenML/models/official",
-    "DryBean": "benchmarks/Tran_study/DryBean/models/20250913_102228",
+    JETS: ("benchmarks/JSC_OpenML/models/official", 76.0),
+    "beans": ("benchmarks/Tran_study/DryBean/models/20250913_102228", 92.05),
+    WINE: ("benchmarks/Tran_study/Wine/models/20250914_110625", 98.15),
 }
-# The accuracy that its authors print.
-ACCURACY = {"jets": "76.0 %", "DryBean": "92.05 %"}
 FILES = (
     "config.json",
     "truth_tables.json",
@@ -85,32 +83,18 @@ class Layer:
             sum(np.take(words, codes[:, i] - self.lowest) for i, words in node.items())
             for _, node in sorted(self.tables.items())
         ]
-        return np.clip(np.stack(sums, axis=-1), -high - 1, high)
+        result: Codes = np.clip(np.stack(sums, axis=-1), -high - 1, high)
+        return result
 
 
 def brought(folder: Path) -> Path:
-    """A folder with the files of every network, as they are in the pinned commit.
-
-    Raises
-    ------
-    InputError
-        When git is not installed, or when there is no network.
-    """
-    place = folder / COMMIT
-    if not place.is_dir():
-        with tempfile.TemporaryDirectory() as name, replace_folder(place) as new:
-            git = ["git", "-C", name]
-            run(["git", "init", "--quiet", name])
-            run([*git, "remote", "add", "origin", REPOSITORY])
-            # First without the files, of which many are large; git fetches what it shows.
-            run([*git, "fetch", "--quiet", "--depth=1", "--filter=blob:none", "origin", COMMIT])
-            for network, path in NETWORKS.items():
-                for file in FILES:
-                    text = run([*git, "show", f"{COMMIT}:{path}/{file}"])
-                    target = new / network / Path(file).name
-                    target.parent.mkdir(exist_ok=True)
-                    target.write_text(text, encoding="utf-8")
-    return place
+    """A folder with the files of every network; see ``cloned``."""
+    files = {
+        f"{network}/{Path(file).name}": f"{path}/{file}"
+        for network, (path, _) in NETWORKS.items()
+        for file in FILES
+    }
+    return cloned(folder, REPOSITORY, COMMIT, files)
 
 
 def processed(layers: list[Layer], codes: Codes) -> Codes:
@@ -118,6 +102,11 @@ def processed(layers: list[Layer], codes: Codes) -> Codes:
     for layer in layers:
         codes = layer.process(codes)
     return codes
+
+
+def clocks_of(layers: list[Layer]) -> int:
+    """One clock for the tables of each layer, those of its sums, and one from layer to layer."""
+    return sum(layer.stages + 2 for layer in layers) - 1
 
 
 def layers_of(config: Mapping[str, Any], tables: Mapping[str, Any]) -> list[Layer]:
@@ -194,7 +183,7 @@ def _passed(kind: str, name: str, value: str) -> str:
     return f"{kind} {name}; always @(posedge clk) {name.split()[-1]} <= {value};"
 
 
-def rows(place: Path, _: Mapping[str, Task], folder: Path) -> Iterator[Row]:
+def rows(place: Path, _tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
     """The row of each network.
 
     Raises
@@ -202,14 +191,13 @@ def rows(place: Path, _: Mapping[str, Task], folder: Path) -> Iterator[Row]:
     InputError
         When a tool fails, or when the Verilog or its own frames differ from the tables.
     """
-    for network in NETWORKS:
-        config, tables, *vectors = (
-            (place / network / Path(file).name).read_text(encoding="utf-8") for file in FILES
-        )
-        layers = layers_of(json.loads(config), json.loads(tables))
+    for network, (_, right) in NETWORKS.items():
+        texts = [(place / network / Path(file).name).read_text("utf-8") for file in FILES]
+        config, tables = map(json.loads, texts[:2])
         theirs, expected = (
-            np.array([line.split() for line in v.splitlines()], int) for v in vectors
+            np.array([line.split() for line in text.splitlines()], int) for text in texts[2:]
         )
+        layers = layers_of(config, tables)
         name = f"KANELÉ, {network}"
         agree(name, processed(layers, theirs), expected)
         more = np.random.default_rng(1).integers(
@@ -219,8 +207,9 @@ def rows(place: Path, _: Mapping[str, Task], folder: Path) -> Iterator[Row]:
         verilog = folder / network
         verilog.mkdir()
         (verilog / "peer.v").write_text(written(layers, theirs.shape[1]), encoding="utf-8")
-        # A clock for the tables, those of the sums, and one behind each layer but the last.
-        clocks = sum(layer.stages + 2 for layer in layers) - 1
+        clocks = clocks_of(layers)
         widths = layers[0].width, layers[-1].out_width
         check(name, verilog, frames, processed(layers, frames), clocks, widths)
-        yield Row(network, f"KANELÉ, {ACCURACY[network]}", in_one_piece(verilog, "peer"), clocks, 1)
+        shape = ":".join(map(str, config["layers"]))
+        cells = in_one_piece(verilog, "peer")
+        yield Row(network, f"KANELÉ, {shape}", cells, clocks, 1, right=right)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
+from golden.decisions import decisions_of, held_out_or_all
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.settings import Settings
@@ -13,11 +15,13 @@ from golden.scene import Scene, load_scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import Row, Task
+from tb.peers.comparison import WINE, Row, Task
 
 VERSION = "tactus"
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
+# The scene of a network for classes whose data others have trained networks for too.
+CLASSES = "wine-fast"
 
 
 def brought(folder: Path) -> Path:
@@ -44,30 +48,35 @@ def designs(scene: Scene, task: Task) -> Iterator[tuple[str, Design]]:
                 yield f"{name}, {activation}", made
 
 
-def rows(_: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The rows of our designs of every task.
+def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
+    """The rows of our designs of every task, and of the network for classes.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    for scene, task in tasks.items():
-        for name, design in designs(load_scene(scene), task):
-            yield row(name, design, task)
+    for task in tasks.values():
+        for name, design in designs(load_scene(task.scene), task):
+            yield row(task.scene, name, design, errors=task.errors(design.process(task.frames)))
+    scene = load_scene(CLASSES)
+    (network,) = scene.networks()
+    held_out, _rows = held_out_or_all(scene, decisions_of(scene))
+    right = 100 * held_out.right / len(held_out.actual)
+    # No argmax, because the peers' rows have none.
+    yield row(WINE, f"{scene.design}, {scene.describe()}", scene.build(network), right=right)
 
 
-def row(name: str, design: Design, task: Task) -> Row:
-    """The row of a design in one piece.
+def row(network: str, name: str, design: Design, **measured: Any) -> Row:
+    """The row of a design in one piece; ``measured`` is ``errors`` or ``right``.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    errors = task.errors(design.process(task.frames))
     with tempfile.TemporaryDirectory() as folder:
         convert_hierarchy(elaborate(design), Path(folder), "verilog")
         cells = in_one_piece(Path(folder), design.entity)
     clocks = design.output_clocks[-1]
-    return Row(task.scene, f"our {name}", cells, clocks, design.interval, errors)
+    return Row(network, f"our {name}", cells, clocks, design.interval, **measured)

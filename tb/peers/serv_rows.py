@@ -67,7 +67,8 @@ def model(task: Task) -> Codes:
     fmt = EXACT.hidden_fmt
     q = np.clip((task.frames @ weights.T + biases) >> cut, fmt.low, fmt.high)
     r = bipartite_for(EXACT, 1, fmt.high).process(q)
-    return np.clip((r @ outer.T + outer_biases) >> last, SIGNAL.low, SIGNAL.high)
+    result: Codes = np.clip((r @ outer.T + outer_biases) >> last, SIGNAL.low, SIGNAL.high)
+    return result
 
 
 def header(task: Task) -> str:
