@@ -17,7 +17,7 @@ from tb.peers import alkaid_rows, da4ml_rows, installed, kanele_rows, nngen_rows
 from tb.peers.__main__ import PEERS, brought, chosen
 from tb.peers.cloned import cloned
 from tb.peers.collected import KEPT, collected
-from tb.peers.comparison import Row, Task, compared, task_of
+from tb.peers.comparison import MAIN, Row, Task, compared, task_of
 from tb.peers.kanele_rows import Layer
 from tb.peers.simulated import check, packed, simulated, unpacked
 from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
@@ -25,7 +25,7 @@ from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
 
 @pytest.fixture(scope="module")
 def task() -> Task:
-    return task_of(load_scene("digit-single"), 1)
+    return task_of(load_scene(MAIN), 1)
 
 
 def test_an_error_counts_to_the_end_of_the_range() -> None:
@@ -49,7 +49,7 @@ def test_recorded_and_random_frames_are_judged_apart(task: Task) -> None:
 
 
 def test_frames_are_those_of_the_seed(task: Task) -> None:
-    scene = load_scene("digit-single")
+    scene = load_scene(MAIN)
     assert (task_of(scene, 1).random == task.random).all()
     assert (task_of(scene, 2).random != task.random).any()
     assert task.random.shape == (RANDOM_FRAMES, 4)
@@ -74,14 +74,10 @@ def test_the_table_names_what_is_counted() -> None:
 
 
 def test_our_designs_are_found(task: Task) -> None:
-    """These are the designs that take a frame in every clock, and the engine, each once."""
-    names = [name for name, _ in ours.designs(load_scene("digit-single"), task)]
-    assert {"parallel, precise", "engine, precise"} <= set(names)
-    assert len(set(names)) == len(names)
-    fast = load_scene("digit-fast")
-    (only,) = ours.designs(fast, task_of(fast, 1))
-    assert only[0] == "adder_graph, bipartite"
-    assert only[1].entity == fast.twin().entity
+    """The design of the scene, and the engine with the same weights."""
+    own, engine = ours.designs(task)
+    assert [own.block, engine.block] == ["adder_graph", "engine"]
+    assert own.entity == load_scene(MAIN).twin().entity
 
 
 @given(st.lists(st.integers(SIGNAL.low, SIGNAL.high), min_size=1, max_size=6))
@@ -154,7 +150,7 @@ def test_a_simulation_that_differs_is_told(
     answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
     monkeypatch.setattr(nngen_rows, "run_isolated", lambda *_: answer)
     with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
-        list(nngen_rows.rows(Path("python"), {task.scene: task}, tmp_path))
+        list(nngen_rows.rows(Path("python"), {MAIN: task}, tmp_path))
 
 
 def test_alkaid_is_asked_for_our_tables(task: Task) -> None:

@@ -44,7 +44,7 @@ def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
         When alkaid or a tool fails, or when Verilog does not compute what alkaid's model does.
     """
     for task in tasks.values():
-        place = folder / task.scene
+        place = folder / task.name
         place.mkdir()
         answer = run_isolated(python, PROGRAM, question(task), place)
         outputs = np.array(answer["outputs"], dtype=np.int64)
@@ -54,4 +54,4 @@ def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
             clocks = answer["clocks"][operands]
             check("alkaid", verilog, task.frames, outputs, clocks)
             cells = in_one_piece(verilog, "peer")
-            yield Row(task.scene, f"alkaid, {way}", cells, clocks, 1, task.errors(outputs))
+            yield Row(task.name, f"alkaid, {way}", cells, clocks, 1, task.errors(outputs))

@@ -17,9 +17,9 @@ from tb.peers.cells import Cells
 from tb.report.measure.one_network import mean_error, random_frames
 from tb.report.measure.table import Cell, Table
 
-# The scene whose network every peer computes that takes ours at all, and one whose weights have few
-# signed digits.
-MAIN = "digit-single"
+# The scene whose network every peer computes that takes ours at all, with weights of 18 bits, and
+# one whose weights have few signed digits.
+MAIN = "comparison/digit-fast-full"
 FEW = "digit-fast"
 # Networks that tell classes apart: of the jets at a collider, and of wines.
 JETS, WINE = "jets", "wine"
@@ -39,8 +39,8 @@ class Task:
 
     Attributes
     ----------
-    scene : str
-        The scene from which network and frames come.
+    scene : Scene
+        Network and frames come from it.
     mlp : Mlp
         The network in floating point.
     constants : Constants
@@ -49,11 +49,16 @@ class Task:
         The codes of the samples.
     """
 
-    scene: str
+    scene: Scene
     mlp: Mlp
     constants: Constants
     recorded: Codes
     random: Codes
+
+    @property
+    def name(self) -> str:
+        """The name of the network in the table."""
+        return self.scene.name
 
     @property
     def frames(self) -> Codes:
@@ -87,7 +92,7 @@ def task_of(scene: Scene, seed: int) -> Task:
     (mlp,) = scene.mlps()
     random = random_frames(seed, mlp.shape[0])
     constants = constants_of(mlp, scene.settings())
-    return Task(scene.name, mlp, constants, scene.vectors().codes, random)
+    return Task(scene, mlp, constants, scene.vectors().codes, random)
 
 
 @dataclass(frozen=True)

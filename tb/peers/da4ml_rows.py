@@ -115,4 +115,4 @@ def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
     check("da4ml", verilog, task.frames, one.outputs, one.clocks)
     name = f"da4ml, sums kept ({one.setting})"
     errors = task.errors(one.outputs)
-    yield Row(task.scene, name, in_one_piece(verilog, "peer"), one.clocks, 1, errors)
+    yield Row(task.name, name, in_one_piece(verilog, "peer"), one.clocks, 1, errors)

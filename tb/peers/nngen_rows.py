@@ -38,4 +38,4 @@ def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
     errors = task.errors(np.clip(outputs, SIGNAL.low, SIGNAL.high))
     name = f"NNgen, table of {answer['words']} words"
     clocks = answer["clocks"]
-    yield Row(task.scene, name, in_one_piece(folder, "peer"), clocks, clocks, errors)
+    yield Row(task.name, name, in_one_piece(folder, "peer"), clocks, clocks, errors)

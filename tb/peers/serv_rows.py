@@ -152,4 +152,4 @@ def rows(verilog: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row
     found, clocks, interval = played(task.frames[:SIMULATED], outputs.shape[1], folder)
     agree("SERV", found, outputs[:SIMULATED])
     cells = in_one_piece(folder, "peer")
-    yield Row(task.scene, "SERV, program in C", cells, clocks, interval, task.errors(outputs))
+    yield Row(task.name, "SERV, program in C", cells, clocks, interval, task.errors(outputs))

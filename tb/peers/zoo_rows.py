@@ -67,4 +67,4 @@ def rows(place: Path, _tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row
     """
     (name,) = FILES
     shape = ":".join(map(str, SHAPE))
-    yield row(JETS, f"adder_graph, {shape}", design_of(place / name), right=RIGHT)
+    yield row(JETS, design_of(place / name), f", {shape}", right=RIGHT)
