@@ -154,11 +154,14 @@ def test_a_simulation_that_differs_is_told(
 
 
 def test_alkaid_is_asked_for_our_tables(task: Task) -> None:
-    """Its question holds the words of two block RAMs and the codes of both layers."""
+    """Its question holds the words of two block RAMs, and weights rounded to multiples of 4."""
     asked = alkaid_rows.question(task)
     assert len(asked["bases"]) == 1024
     assert len(asked["corrections"]) == 2048
     assert asked["first"]["weights"] == task.constants.first.weights
+    left_out = np.array(asked["second"]["weights"]) - np.array(task.constants.second.weights)
+    assert (left_out.min(), left_out.max()) == (-1, 2)
+    assert not (np.array(asked["second"]["weights"]) % 4).any()
 
 
 def layer(width: int, signed: bool, out_width: int, tables: list[dict[int, list[int]]]) -> Layer:

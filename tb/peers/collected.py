@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
 from golden.input_error import InputError
 
-# Changes of files: what is replaced in each, as a regular expression, and by what.
-Edits = Mapping[str, tuple[str, str]]
+# Changes: a file, what is replaced in it, as a regular expression, and by what.
+Edits = Sequence[tuple[str, str, str]]
+ADDER = "shift_adder.v"
 # da4ml and alkaid write the same adder. With this attribute a sum is not merged with others into
 # carry-save form, which takes more LUTs.
-KEPT: Edits = {"shift_adder.v": (r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")}
+KEPT: Edits = [(ADDER, r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")]
 
 
 def collected(name: str, source: Path, folder: Path, edits: Edits) -> None:
@@ -29,7 +30,7 @@ def collected(name: str, source: Path, folder: Path, edits: Edits) -> None:
     for file in (*source.glob("*.v"), *source.glob("static/*.v"), *source.glob("memfiles/*.mem")):
         if not file.name.endswith("_wrapper.v"):
             shutil.copy(file, folder)
-    for file_name, (pattern, text) in edits.items():
+    for file_name, pattern, text in edits:
         path = folder / file_name
         changed, count = re.subn(pattern, text, path.read_text(encoding="utf-8"))
         if count != 1:

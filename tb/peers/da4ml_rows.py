@@ -22,7 +22,7 @@ PROGRAM = Path(__file__).with_name("da4ml_network.py")
 VERSION = f"da4ml {pinned('da4ml')}"
 # Changes of the files that da4ml writes. Yosys knows no memory of LUTs for Virtex-II and stops with
 # an error there; without the attribute it takes block RAMs.
-EDITS: Edits = {"lookup_table.v": (r"\(\* rom_style.*?\*\)", ""), **KEPT}
+EDITS: Edits = [("lookup_table.v", r"\(\* rom_style.*?\*\)", ""), *KEPT]
 # da4ml may have errors of up to ``MORE`` times those of this design.
 MEASURE = "parallel"
 MORE = 1.2
