@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +16,18 @@ from hdl.synth.tools import run_tool, stored
 # The parameters of a module are known only where it is used, so reading it is deferred until then.
 SCRIPT = "read_verilog -defer *.v; {}; tee -q -o stat.json stat -json"
 # The counts of each kind of ``hdl.synth.netlist.KINDS``, by Yosys' names of families.
-Cells = Mapping[str, Mapping[str, int]]
+Cells = dict[str, dict[str, int]]
 
 
-def in_one_piece(verilog: Path, top: str) -> Cells:
-    """The cells of the ``.v`` and ``.mem`` files in a folder, in each family.
+def in_one_piece(verilog: Path, top: str, families: Iterable[str] = SYNTHESISE) -> Cells:
+    """The cells of the ``.v`` and ``.mem`` files in a folder, in some families.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    return {family: _counted(verilog, top, family) for family in SYNTHESISE}
+    return {family: _counted(verilog, top, family) for family in families}
 
 
 def _counted(verilog: Path, top: str, family: str) -> dict[str, int]:
