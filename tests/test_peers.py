@@ -11,11 +11,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from golden.dense import Dense, network_of
 from golden.input_error import InputError
+from golden.network_files.network_file import write_network
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
-from tb.peers import alkaid_rows, da4ml_rows, installed, kanele_rows, nngen_rows, ours, serv_rows
+from tb.peers import (
+    alkaid_rows,
+    da4ml_rows,
+    installed,
+    kanele_rows,
+    nngen_rows,
+    ours,
+    serv_rows,
+    zoo_rows,
+)
 from tb.peers.__main__ import PEERS, brought, chosen
 from tb.peers.cloned import cloned
 from tb.peers.collected import KEPT, collected
@@ -215,6 +226,26 @@ def functions() -> list[Layer]:
     first = [{i: rng.integers(-8, 8, 8).tolist() for i in node} for node in (range(5), (1, 3))]
     second = [{i: rng.integers(-16, 16, 16).tolist() for i in node} for node in ((0, 1), (1,))]
     return [layer(3, False, 4, first), layer(4, True, 5, second)]
+
+
+@pytest.mark.parametrize("weight", [1.0, 0.7])
+def test_our_hardware_of_a_published_network_is_exact(weight: float, tmp_path: Path) -> None:
+    """It is exact where no word is rounded, and where words are, this is told."""
+    rng = np.random.default_rng(1)
+    layers = []
+    for inputs, nodes in itertools.pairwise(zoo_rows.SHAPE):
+        weights = np.zeros((nodes, inputs))
+        places = np.arange(nodes), rng.integers(inputs, size=nodes)
+        weights[places] = weight
+        activation = "linear" if len(layers) == len(zoo_rows.SHAPE) - 2 else "relu"
+        layers.append(Dense(weights, np.zeros(nodes), activation))
+    path = tmp_path / "net.npz"
+    write_network(path, network_of(layers))
+    if weight == 1:
+        assert zoo_rows.design_of(path).interval == 1
+    else:
+        with pytest.raises(InputError, match="outputs are off by"):
+            zoo_rows.design_of(path)
 
 
 def test_a_layer_of_functions_sums_and_saturates() -> None:
