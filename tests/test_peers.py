@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -164,44 +163,6 @@ def test_a_simulation_that_differs_is_told(
     monkeypatch.setattr(nngen_rows, "run_isolated", lambda *_: answer)
     with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
         list(nngen_rows.rows(Path("python"), {MAIN: task}, tmp_path))
-
-
-SUM_OF_THREE = """module peer(input clk, input [23:0] model_inp, output reg [13:0] model_out);
-    wire [13:0] sum;
-    ternary_adder #(
-        .BW_INPUT0(8), .SIGNED0({0}), .NEGATE0({1}), .PAD0({2}),
-        .BW_INPUT1(8), .SIGNED1({3}), .NEGATE1({4}), .PAD1({5}),
-        .BW_INPUT2(8), .SIGNED2({6}), .NEGATE2({7}), .PAD2({8}), .BW_OUT(14), .DROP_LSBS({9})
-    ) dut (model_inp[7:0], model_inp[15:8], model_inp[23:16], sum);
-    always @(posedge clk) model_out <= sum;
-endmodule
-"""
-
-
-@pytest.mark.parametrize(
-    ("operands", "drop"),
-    [
-        (((1, 0, 0), (1, 0, 0), (1, 0, 0)), 0),
-        (((1, 1, 2), (0, 0, 0), (1, 1, 3)), 0),
-        (((0, 0, 4), (1, 1, 0), (0, 0, 2)), 0),
-        (((1, 0, 1), (1, 1, 4), (0, 1, 3)), 2),
-    ],
-)
-def test_a_sum_of_three_in_cells_of_series_7(
-    operands: tuple[tuple[int, int, int], ...], drop: int, tmp_path: Path
-) -> None:
-    """Operands are signed or not, negated or not, and shifted; corners and random ones."""
-    numbers = [number for operand in operands for number in operand]
-    (tmp_path / "peer.v").write_text(SUM_OF_THREE.format(*numbers, drop))
-    for file in (alkaid_rows.ADDER_OF_CELLS, alkaid_rows.CELLS):
-        shutil.copy(file, tmp_path)
-    corners = np.array(list(itertools.product((0, 1, 127, 128, 255), repeat=3)))
-    frames = np.concatenate([corners, np.random.default_rng(1).integers(0, 256, (200, 3))])
-    total = np.zeros(len(frames), dtype=np.int64)
-    for column, (signed, negated, shift) in zip(frames.T, operands, strict=True):
-        value = np.where(signed & (column > 127), column - 256, column) << shift
-        total += -value if negated else value
-    check("a sum", tmp_path, frames, total[:, np.newaxis] >> drop, 1, (8, 14))
 
 
 def test_alkaid_is_asked_for_our_tables(task: Task) -> None:

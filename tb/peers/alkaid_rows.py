@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -24,13 +23,10 @@ WHOLE: Edits = [
     (ADDER, r"if \(SHIFT1 == 0\)", "if (SHIFT1 == 0 || (SHIFT1 < 0 && IS_SUB == 1))"),
 ]
 # The rows: the operands of an adder, and the changes of its Verilog.
-TWO, THREE = "sums of two", "sums of three"
-WAYS: dict[str, tuple[str, Edits]] = {TWO: ("two", [*KEPT, *WHOLE]), THREE: ("three", [])}
-# Yosys builds a sum of three from two adders. On Series 7 it gets this file instead, which is made
-# of cells; the other one is for simulation.
-TERNARY = "ternary_adder.v"
-ADDER_OF_CELLS = Path(__file__).with_name("series7_adder.v")
-CELLS = Path(__file__).with_name("series7_cells.v")
+WAYS: dict[str, tuple[str, Edits]] = {
+    "sums of two": ("two", [*KEPT, *WHOLE]),
+    "sums of three": ("three", []),
+}
 # The lowest bits that the weights of the second layer do without, so that errors are near those of
 # our design. One bit less in the first layer already raises errors by a third above these.
 LEFT_OUT = {"digit-fast-full": 2}
@@ -70,14 +66,5 @@ def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
             collected("alkaid", place / operands / "src", verilog, edits)
             clocks = answer["clocks"][operands]
             check("alkaid", verilog, task.frames, outputs, clocks)
-            if way == THREE:
-                cells = in_one_piece(verilog, "peer", ["xc2v"])
-                mapped = place / "mapped"
-                shutil.copytree(verilog, mapped)
-                shutil.copy(ADDER_OF_CELLS, mapped / TERNARY)
-                cells |= in_one_piece(mapped, "peer", ["xc7"])
-                shutil.copy(CELLS, mapped)
-                check("alkaid, mapped", mapped, task.frames, outputs, clocks)
-            else:
-                cells = in_one_piece(verilog, "peer")
+            cells = in_one_piece(verilog, "peer")
             yield Row(task.name, f"alkaid, {way}", cells, clocks, 1, task.errors(outputs))

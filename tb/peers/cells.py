@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from collections import Counter
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +18,15 @@ SCRIPT = "read_verilog -defer *.v; {}; tee -q -o stat.json stat -json"
 Cells = dict[str, dict[str, int]]
 
 
-def in_one_piece(verilog: Path, top: str, families: Iterable[str] = SYNTHESISE) -> Cells:
-    """The cells of the ``.v`` and ``.mem`` files in a folder, in some families.
+def in_one_piece(verilog: Path, top: str) -> Cells:
+    """The cells of the ``.v`` and ``.mem`` files in a folder, in each family.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    return {family: _counted(verilog, top, family) for family in families}
+    return {family: _counted(verilog, top, family) for family in SYNTHESISE}
 
 
 def _counted(verilog: Path, top: str, family: str) -> dict[str, int]:
