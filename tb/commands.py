@@ -376,9 +376,9 @@ COMMANDS = (
     ),
     Command(
         "peers",
-        "Builds other projects' hardware for the same weights, and compares it with ours. SEED= "
-        "changes the random frames.",
-        (SEED,),
+        "Builds other projects' hardware for the same tasks, and compares it with ours; ONLY= "
+        "names some of them, and SEED= changes the random frames.",
+        (option("ONLY", "alkaid"), SEED),
         "tb.peers",
     ),
     Command(

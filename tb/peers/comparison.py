@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,15 +13,23 @@ from golden.mlp import Mlp, tanh
 from golden.networks.constants import Constants, constants_of
 from golden.precision import SIGNAL
 from golden.scene import Scene
+from tb.peers.cells import Cells
 from tb.report.measure.one_network import mean_error, random_frames
 from tb.report.measure.table import Cell, Table
 
-# The headings of the columns, and the kinds of ``hdl.synth.netlist.KINDS`` that stand below them.
+# The scene whose network every peer computes that takes ours at all, with weights of 18 bits, and
+# one whose weights have few signed digits.
+MAIN = "comparison/digit-fast-full"
+FEW = "digit-fast"
+# Networks that tell classes apart: of the jets at a collider, and of wines.
+JETS, WINE = "jets", "wine"
+# The headings of the columns, and the family and the kind of cells that stand below them.
 COLUMNS = {
-    "LUT4": "LUT",
-    "flip-flop": "flip-flop",
-    "MULT18": "multiplier",
-    "RAMB16": "block RAM",
+    "LUT4": ("xc2v", "LUT"),
+    "LUT6": ("xc7", "LUT"),
+    "flip-flop": ("xc2v", "flip-flop"),
+    "MULT18": ("xc2v", "multiplier"),
+    "RAMB16": ("xc2v", "block RAM"),
 }
 
 
@@ -31,6 +39,8 @@ class Task:
 
     Attributes
     ----------
+    scene : Scene
+        Network and frames come from it.
     mlp : Mlp
         The network in floating point.
     constants : Constants
@@ -39,10 +49,16 @@ class Task:
         The codes of the samples.
     """
 
+    scene: Scene
     mlp: Mlp
     constants: Constants
     recorded: Codes
     random: Codes
+
+    @property
+    def name(self) -> str:
+        """The name of the network in the table."""
+        return self.scene.name
 
     @property
     def frames(self) -> Codes:
@@ -76,7 +92,7 @@ def task_of(scene: Scene, seed: int) -> Task:
     (mlp,) = scene.mlps()
     random = random_frames(seed, mlp.shape[0])
     constants = constants_of(mlp, scene.settings())
-    return Task(mlp, constants, scene.vectors().codes, random)
+    return Task(scene, mlp, constants, scene.vectors().codes, random)
 
 
 @dataclass(frozen=True)
@@ -85,36 +101,44 @@ class Row:
 
     Attributes
     ----------
+    network : str
+        The network that it computes.
     name : str
     cells : mapping
-        The count of each kind of ``hdl.synth.netlist.KINDS``.
+        The count of each kind of ``hdl.synth.netlist.KINDS``, in each family.
     clocks : int
         The clocks from the last sample of a frame to its last output.
     interval : int
         The clocks from one frame to the next.
-    errors : tuple of float
-        See ``Task.errors``.
+    errors : tuple
+        See ``Task.errors``; None twice for a network that tells classes apart.
+    right : float or None
+        Of such a network, how many of the rows held out from its training are decided rightly, in
+        percent.
     """
 
+    network: str
     name: str
-    cells: Mapping[str, int]
+    cells: Cells
     clocks: int
     interval: int
-    errors: tuple[float, float]
+    errors: tuple[float | None, float | None] = (None, None)
+    right: float | None = None
 
 
 def compared(rows: Sequence[Row], note: str) -> Table:
     """The rows side by side."""
     lines: list[list[Cell]] = [
         [
+            row.network,
             row.name,
-            *(row.cells[kind] for kind in COLUMNS.values()),
+            *(row.cells[family][kind] for family, kind in COLUMNS.values()),
             row.clocks,
             row.interval,
             *row.errors,
+            row.right,
         ]
         for row in rows
     ]
-    return Table(
-        "peers", ["", *COLUMNS, "clocks", "a frame every", "recorded", "random"], lines, note
-    )
+    measured = ["clocks", "a frame every", "recorded", "random", "right %"]
+    return Table("peers", ["network", "design", *COLUMNS, *measured], lines, note)

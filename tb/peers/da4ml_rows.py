@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,18 +10,22 @@ import numpy as np
 
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.networks.designs import DESIGNS
+from golden.networks.settings import Settings
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import Row, Task
-from tb.peers.installed import run_isolated
-from tb.peers.simulated import simulated
+from tb.peers.collected import KEPT, Edits, collected
+from tb.peers.comparison import MAIN, Row, Task
+from tb.peers.installed import installed, pinned, run_isolated
+from tb.peers.simulated import check
 
 PROGRAM = Path(__file__).with_name("da4ml_network.py")
-TOP = "peer"
+VERSION = f"da4ml {pinned('da4ml')}"
 # Changes of the files that da4ml writes. Yosys knows no memory of LUTs for Virtex-II and stops with
 # an error there; without the attribute it takes block RAMs.
-NEEDED = {"lookup_table.v": (r"\(\* rom_style.*?\*\)", "")}
-# A sum with this attribute is not merged with others into carry-save form, which takes more LUTs.
-KEPT = {"shift_adder.v": (r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")}
+EDITS: Edits = [("lookup_table.v", r"\(\* rom_style.*?\*\)", ""), *KEPT]
+# da4ml may have errors of up to ``MORE`` times those of this design.
+MEASURE = "parallel"
+MORE = 1.2
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class Tried:
     clocks: int
     outputs: Codes
     folder: Path
+
+
+def brought(folder: Path) -> Path:
+    """The Python of an environment with da4ml; see ``installed``."""
+    return installed(folder, "da4ml")
 
 
 def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
@@ -91,53 +98,21 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
     return min(good, key=lambda one: one.cost)
 
 
-def collected(one: Tried, folder: Path, edits: dict[str, tuple[str, str]]) -> None:
-    """Copy a setting's Verilog and tables into one folder, and change them by ``edits``.
+def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
+    """The row of the cheapest setting whose errors are near those of our design.
 
     Raises
     ------
     InputError
-        When a text to change is not there, because another version of da4ml writes other text.
+        When da4ml or a tool fails, or when Verilog does not compute what da4ml's model does.
     """
-    source = one.folder / "src"
-    for file in (*source.glob("*.v"), *source.glob("static/*.v"), *source.glob("memfiles/*.mem")):
-        if file.name != f"{TOP}_wrapper.v":
-            shutil.copy(file, folder)
-    for name, (pattern, text) in edits.items():
-        path = folder / name
-        changed, count = re.subn(pattern, text, path.read_text(encoding="utf-8"))
-        if count != 1:
-            raise InputError(f"da4ml: {name}: got {count} times {pattern}, expected once")
-        path.write_text(changed, encoding="utf-8")
-
-
-def row(one: Tried, task: Task, verilog: Path, kept: bool) -> Row:
-    """The row of a setting in one piece, as it is written or with its sums kept.
-
-    Raises
-    ------
-    InputError
-        When the Verilog does not compute what da4ml's model does, or when a tool fails.
-    """
-    verilog.mkdir()
-    collected(one, verilog, NEEDED | KEPT if kept else NEEDED)
-    outputs = simulated(verilog, TOP, task.frames, one.outputs.shape[1], one.clocks)
-    check(outputs, one.outputs)
-    name = "da4ml, sums kept" if kept else "da4ml, as written"
-    return Row(name, in_one_piece(verilog, TOP), one.clocks, 1, task.errors(outputs))
-
-
-def check(found: Codes, expected: Codes) -> None:
-    """Refuse Verilog that differs from da4ml's model.
-
-    Raises
-    ------
-    InputError
-        When a frame has other outputs.
-    """
-    wrong = int((found != expected).any(axis=1).sum())
-    if wrong:
-        raise InputError(
-            f"da4ml: {wrong} of {len(expected)} frames differ between simulation and model, "
-            "expected none"
-        )
+    task = tasks[MAIN]
+    measure = DESIGNS[MEASURE].of([task.mlp], Settings(task.constants.precision))
+    recorded, random = task.errors(measure.process(task.frames))
+    one = cheapest(tried(python, task, folder), task, (MORE * recorded, MORE * random))
+    verilog = folder / "kept"
+    collected("da4ml", one.folder / "src", verilog, EDITS)
+    check("da4ml", verilog, task.frames, one.outputs, one.clocks)
+    name = f"da4ml, sums kept ({one.setting})"
+    errors = task.errors(one.outputs)
+    yield Row(task.name, name, in_one_piece(verilog, "peer"), one.clocks, 1, errors)

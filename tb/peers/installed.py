@@ -1,4 +1,4 @@
-"""A virtual environment with the packages of other projects, apart from ours."""
+"""Virtual environments with the packages of other projects, apart from ours."""
 
 from __future__ import annotations
 
@@ -14,47 +14,44 @@ from golden.input_error import InputError
 
 REQUIREMENTS = Path(__file__).with_name("requirements.txt")
 READY = ".ready"
+# These are written in part in C++. Without a wheel pip would try to compile them.
+WHEELS = "alkaid,da4ml"
 
 
-def installed(folder: Path) -> Path:
-    """The Python of an environment in ``folder`` with the packages of ``requirements.txt``.
+def pinned(package: str) -> str:
+    """The version of a package in ``requirements.txt``."""
+    lines = REQUIREMENTS.read_text(encoding="utf-8").split()
+    return dict(line.split("==") for line in lines)[package]
 
-    The environment is made if it is not there, or if the requirements have changed.
+
+def installed(folder: Path, package: str) -> Path:
+    """The Python of an environment in ``folder`` with a package of ``requirements.txt``.
+
+    The environment is made if it is not there, or if another version is required now.
 
     Raises
     ------
     InputError
-        When pip cannot install them, because there is no network or no wheel for this machine.
+        When pip cannot install it, because there is no network or no wheel for this machine.
     """
+    requirement = f"{package}=={pinned(package)}"
     python, ready = folder / "bin" / "python", folder / READY
-    wanted = fingerprint([REQUIREMENTS], sys.version)
+    wanted = fingerprint([], requirement, sys.version)
     if python.exists() and ready.is_file() and ready.read_text(encoding="utf-8") == wanted:
         return python
     print(f"setting up {folder}", flush=True)
     run([sys.executable, "-m", "venv", "--clear", str(folder)])
     pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     try:
-        run([*pip, "--only-binary", "da4ml", "--requirement", str(REQUIREMENTS)])
+        run([*pip, "--only-binary", WHEELS, requirement])
     except InputError as error:
-        names = ", ".join(line for line in _lines() if not line.startswith("#"))
         raise InputError(
-            f"{names}: not installed; make peers needs a network and a wheel for this machine, "
-            f"which da4ml has for x86-64 Linux and for macOS on ARM\n{error}"
+            f"{requirement}: not installed; this needs a network, and a wheel for this machine if "
+            f"the package is one of {WHEELS}\n{error}"
         ) from None
     with replace_file(ready) as temporary:
         temporary.write_text(wanted, encoding="utf-8")
     return python
-
-
-def _lines() -> list[str]:
-    return REQUIREMENTS.read_text(encoding="utf-8").split("\n")[:-1]
-
-
-def version_of(python: Path, package: str) -> str:
-    """The version of a package in an environment."""
-    listed = run([str(python), "-m", "pip", "list", "--format", "json"])
-    versions = {entry["name"]: entry["version"] for entry in json.loads(listed)}
-    return str(versions[package])
 
 
 def run_isolated(python: Path, program: Path, given: dict[str, Any], folder: Path) -> Any:
@@ -79,10 +76,14 @@ def run(command: list[str], folder: Path | None = None) -> str:
     Raises
     ------
     InputError
-        When the program fails; the message has its last lines.
+        When there is no such program, or when it fails; the message has its last lines.
     """
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    name = Path(command[0]).name
+    try:
+        result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise InputError(f"not installed: {name}") from None
     if result.returncode:
         last = (result.stdout + result.stderr).strip().splitlines()[-5:]
-        raise InputError(f"{Path(command[0]).name}: " + "\n".join(last))
+        raise InputError(f"{name}: " + "\n".join(last))
     return result.stdout

@@ -2,38 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from golden.input_error import InputError
 from golden.precision import SIGNAL
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import Row, Task
-from tb.peers.installed import run_isolated
+from tb.peers.comparison import MAIN, Row, Task
+from tb.peers.installed import installed, pinned, run_isolated
+from tb.peers.simulated import agree
 
 PROGRAM = Path(__file__).with_name("nngen_network.py")
-TOP = "peer"
+VERSION = f"NNgen {pinned('nngen')}"
 
 
-def row(python: Path, task: Task, folder: Path) -> Row:
-    """The row of the network of ``nngen_network.py`` in one piece.
+def brought(folder: Path) -> Path:
+    """The Python of an environment with NNgen; see ``installed``."""
+    return installed(folder, "nngen")
+
+
+def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
+    """The row of the network of ``nngen_network.py``.
 
     Raises
     ------
     InputError
         When NNgen fails, or a simulated frame has other outputs than its model.
     """
+    task = tasks[MAIN]
     answer = run_isolated(python, PROGRAM, task.question(), folder)
     outputs, simulated = np.array(answer["outputs"]), np.array(answer["simulated"])
-    wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
-    if wrong:
-        raise InputError(
-            f"NNgen: {wrong} of {len(simulated)} frames differ between simulation and model, "
-            "expected none"
-        )
+    agree("NNgen", simulated, outputs[: len(simulated)])
     # NNgen's outputs are 16 bits wide, so they are limited to the range of a signal.
     errors = task.errors(np.clip(outputs, SIGNAL.low, SIGNAL.high))
     name = f"NNgen, table of {answer['words']} words"
     clocks = answer["clocks"]
-    return Row(name, in_one_piece(folder, TOP), clocks, clocks, errors)
+    yield Row(task.name, name, in_one_piece(folder, "peer"), clocks, clocks, errors)

@@ -1,56 +1,70 @@
-"""Our designs with the same weights: those that take a whole frame per clock, and the engine."""
+"""Our designs: those that take a frame in every clock, and the engine, which folds a network."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
+from golden.decisions import decisions_of, held_out_or_all
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.settings import Settings
-from golden.scene import Scene
+from golden.scene import load_scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
-from hdl.synth.cells import synthesise
-from tb.peers.cells import FAMILY, in_one_piece
-from tb.peers.comparison import Row, Task
+from tb.peers.cells import in_one_piece
+from tb.peers.comparison import WINE, Row, Task
 
+VERSION = "tactus"
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
+# The scene of a network for classes whose data others have trained networks for too.
+CLASSES = "classes/wine-fast"
 
 
-def designs(scene: Scene, task: Task) -> Iterator[tuple[str, Design]]:
-    """Each design whose stream is words, and then the engine.
-
-    A design has the scene's activation, or comes with each of those that it knows.
-    """
-    words = [name for name, design in DESIGNS.items() if design.stream == "words"]
-    for name in (*words, FOLDED):
-        design = DESIGNS[name]
-        fits = "single" in design.arrangements
-        if fits and scene.precision.name in design.precisions:
-            for activation in design.known_activations or (scene.activation,):
-                made = design.of([task.mlp], Settings(scene.precision, activation))
-                yield f"{name}, {activation}", made
+def brought(folder: Path) -> Path:
+    """Nothing is needed but this project."""
+    return folder
 
 
-def rows(name: str, design: Design, task: Task) -> list[Row]:
-    """The rows of a design as it is exported, with a module for each entity, and in one piece.
+def designs(task: Task) -> Iterator[Design]:
+    """The design of the task's scene, and then the engine with the same weights."""
+    yield task.scene.build(task.mlp)
+    yield DESIGNS[FOLDED].of([task.mlp], Settings(task.scene.precision))
+
+
+def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
+    """The rows of our designs of every task, and of the network for classes.
 
     Raises
     ------
     InputError
         When Yosys fails.
     """
-    errors = task.errors(design.process(task.frames))
+    for task in tasks.values():
+        for design in designs(task):
+            errors = task.errors(design.process(task.frames))
+            yield row(task.name, design, errors=errors)
+    scene = load_scene(CLASSES)
+    (network,) = scene.networks()
+    held_out, _rows = held_out_or_all(scene, decisions_of(scene))
+    right = 100 * held_out.right / len(held_out.actual)
+    # No argmax, because the peers' rows have none.
+    yield row(WINE, scene.build(network), f", {scene.describe()}", right=right)
+
+
+def row(network: str, design: Design, shape: str = "", **measured: Any) -> Row:
+    """The row of a design in one piece; ``measured`` is ``errors`` or ``right``.
+
+    Raises
+    ------
+    InputError
+        When Yosys fails.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        verilog = Path(folder)
-        convert_hierarchy(elaborate(design), verilog, "verilog")
-        parts = synthesise(verilog, design.entity, FAMILY)[design.entity]
-        whole = in_one_piece(verilog, design.entity)
+        convert_hierarchy(elaborate(design), Path(folder), "verilog")
+        cells = in_one_piece(Path(folder), design.entity)
     clocks = design.output_clocks[-1]
-    return [
-        Row(f"{name}, as exported", parts, clocks, design.interval, errors),
-        Row(f"{name}, in one piece", whole, clocks, design.interval, errors),
-    ]
+    return Row(network, f"our {design.block}{shape}", cells, clocks, design.interval, **measured)

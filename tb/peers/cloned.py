@@ -1,0 +1,43 @@
+"""Files of one commit of a public git repository."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from golden.files import replace_folder
+from tb.peers.installed import run
+
+
+def cloned(folder: Path, repository: str, commit: str, files: Mapping[str, str]) -> Path:
+    """A folder with some files of a commit, which are brought if they are not there.
+
+    Parameters
+    ----------
+    folder : Path
+    repository : str
+        Its URL.
+    commit : str
+    files : mapping
+        The path in the repository of each file, by its path in the folder.
+
+    Raises
+    ------
+    InputError
+        When git is not installed, when there is no network, or when there is no such file.
+    """
+    place = folder / commit
+    if not all((place / name).is_file() for name in files):
+        with tempfile.TemporaryDirectory() as clone, replace_folder(place) as new:
+            git = ["git", "-C", clone]
+            run(["git", "init", "--quiet", clone])
+            # First without the files, many of which are large: git fetches those that are named.
+            run([*git, "remote", "add", "origin", repository])
+            run([*git, "fetch", "--quiet", "--depth=1", "--filter=blob:none", "origin", commit])
+            run([*git, "checkout", "--quiet", "FETCH_HEAD", "--", *files.values()])
+            for name, path in files.items():
+                (new / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(Path(clone) / path, new / name)
+    return place
