@@ -105,7 +105,10 @@ def test_samples_within_ends_need_no_more_bits(matrix: ConstantMatrix) -> None:
     ):
         assert low <= number.min()
         assert number.max() <= high
-    assert sum(narrow.graph.widths) <= sum(matrix.graph.widths)
+    # The search may find another graph for such samples, so the bits are those of the same one.
+    same = replace(matrix.graph, ends=narrow.in_ends)
+    for less, more in zip(same.widths, matrix.graph.widths, strict=True):
+        assert less <= more
 
 
 @settings(max_examples=30, deadline=None)

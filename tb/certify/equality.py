@@ -28,6 +28,7 @@ _PARAMETERS = (
     *("RD_CE_OVER_SRST", "RD_INIT_VALUE", "RD_ARST_VALUE", "RD_SRST_VALUE", "WR_PORTS"),
     *("WR_CLK_ENABLE", "WR_CLK_POLARITY", "WR_PRIORITY_MASK", "WR_WIDE_CONTINUATION"),
 )
+NETLIST = "netlist.txt"
 _WRITES = "writes.v"
 _WRITES_TEXT = """\
 // Hides data and address of a memory's write port while nothing is written.
@@ -71,15 +72,27 @@ _COMPARE = (
 )
 
 
+def ghdl_netlist(folder: Path, top: str) -> str:
+    """The netlist that GHDL makes of the delivered VHDL, as it prints it without comments.
+
+    Raises
+    ------
+    InputError
+        When GHDL refuses the files.
+    """
+    vhdl = folder / "design" / "vhdl"
+    with tempfile.TemporaryDirectory() as work:
+        text = dump([vhdl / name for name in compile_order(vhdl)], top, Path(work))
+    return _COMMENT.sub("", text)
+
+
 def write_equality(folder: Path, top: str) -> None:
     """Write ``equal`` below a folder that holds ``design``."""
     vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
     equal.mkdir()
-    names = compile_order(vhdl)
-    with tempfile.TemporaryDirectory() as work:
-        text = dump([vhdl / name for name in names], top, Path(work))
+    text = ghdl_netlist(folder, top)
     modules = read_dump(text)
-    (equal / "netlist.txt").write_text(_COMMENT.sub("", text), encoding="utf-8")
+    (equal / NETLIST).write_text(text, encoding="utf-8")
     said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
     (equal / "ghdl.txt").write_text(said.stdout.splitlines()[0] + "\n", encoding="utf-8")
     for file in compile_order(verilog):

@@ -109,7 +109,7 @@ def write_mutants(job: Job, folder: Path, count: int, seed: int) -> Mutants:
         proves = not (found and differs[0])
         return Mutants(
             job.entity,
-            population(job.entity, work),
+            population(job.entity, seed, work),
             len(quick),
             len(hidden) - len(found),
             named if proves else (),

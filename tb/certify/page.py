@@ -119,7 +119,7 @@ def content(
     told = {result.step for result in results}
     missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
     if not near.bounded:
-        missing.append("amber: no bound on the error is known for networks that read others")
+        missing.append("amber: no bound on the error is known for this network")
     every = _judged(made.mutants)
     left = sum(len(found.left) for found in made.mutants)
     if left:

@@ -14,9 +14,13 @@ from tb.sign_off.mutate.mutants import _change
 MOST = 100_000_000
 
 
-def population(entity: str, folder: Path) -> int:
-    """Count the possible mutants, in a folder where ``make_mutants`` has been."""
-    script = f"read_rtlil base.il; mutate -list {MOST} -module {entity} -o every.txt"
+def population(entity: str, seed: int, folder: Path) -> int:
+    """Count the possible mutants, in a folder where ``make_mutants`` has been with this seed.
+
+    By which other bit each bit is made wrong is drawn, too, and where that is a constant or the bit
+    itself the mutant counts as another or as none. So the number hangs a little on the seed.
+    """
+    script = f"read_rtlil base.il; mutate -list {MOST} -seed {seed} -module {entity} -o every.txt"
     run_tool("yosys", ["-q", "-p", script], folder)
     module = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"][entity]
     clock = module["ports"].get("clk", {"bits": []})["bits"]

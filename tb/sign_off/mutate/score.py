@@ -141,7 +141,7 @@ def score(
         trace, played = record_trace(subject)
         patterns = explanations(job.block, job.scene.name)
         state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
-        possible = population(job.entity, subject.folder)
+        possible = population(job.entity, seed, subject.folder)
         tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
         if before and before.get("digest") == state:
             found = before
