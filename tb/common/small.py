@@ -237,7 +237,7 @@ TABLES = {
         shapes=[(2, 3, 1)],
         activations=("table:bell,soft,bell",),
         functions=(SOFT, BELL),
-        hardware="reload = true\nprogram_words = 1024",
+        hardware="reload = true\nprogram_words = 2048",
         spread=1.0,
     ),
 }

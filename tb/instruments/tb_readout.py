@@ -35,6 +35,8 @@ from tb.common.small import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
 from tb.common.stimulus import random_resets, spread
 
 CASES = OTHER_PROFILES | {"reload-uart": UART_INSTRUMENTS["reload-uart"]} | READ_WINNERS
+# It has the ports of the largest output too.
+ALSO = ("winner",)
 FAULTS = [
     (r"count == 1", "count == 2"),
     (r"result_valid && result_last", "result_last && 0"),
