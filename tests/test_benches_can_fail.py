@@ -65,10 +65,10 @@ FINISH_FAULTS = [
     ("exact-graph", r"(word\[\d+\] = )0;", r"\g<1>1;"),
     ("exact-graph", r"(tie_to_even0(?s:.*?)) == 0\)", r"\1 == 1)"),
     ("exact-graph", r"else if \(\(?top == 0\)?\)", "else if (1)"),
-    ("operands-graph", r"\(\(one \+ other\) \+ more\)", "((one + other) - more)"),
-    ("operands-graph", r"\(\(one \+ other\) - more\)", "((one + other) + more)"),
-    ("operands-graph", r"\(\(one - other\) - more\)", "((one - other) + more)"),
-    ("operands-graph", r"\(\((\(?-?\d+\)?) \+ one\) ([+-]) other\)", r"((\1 - one) \2 other)"),
+    ("operands-graph", r"turned \+ more", "turned - more"),
+    ("operands-graph", r"turned - more", "turned + more"),
+    ("operands-graph", r"turned - other", "turned + other"),
+    ("operands-graph", r"turned \+ other", "turned - other"),
     ("operands-graph", r"(append0_total = \$signed\(\{add_three\d+_total, )", r"\1~"),
 ]
 

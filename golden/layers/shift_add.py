@@ -65,7 +65,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Alignment:
-    """How the hardware takes a number as an operand: ``(number >> cut) << move``; one of both is 0."""
+    """How the hardware takes an operand: ``(number >> cut) << move``, where one of both is 0."""
 
     cut: int
     move: int

@@ -1,8 +1,9 @@
 """Sums of three operands in place of two sums, for FPGAs whose adders take three.
 
 A LUT of six inputs and its carry add three bits and a carry of lower weight, so that a sum of three
-operands needs no more LUTs than one of two (J. Hormigo, J. Villalba and E. L. Zapata, Multioperand
-redundant adders on FPGAs, IEEE Transactions on Computers, 2013).
+operands needs no more LUTs than one of two (M. Kumm, M. Hardieck, J. Willkomm, P. Zipf and U.
+Meyer-Baese, Multiple constant multiplication with ternary adders, FPL 2013). How the pairs of sums
+are chosen is ours.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def fused(graph: ShiftAdd) -> ShiftAdd:
 def _merged(graph: ShiftAdd, place: int, operand: int) -> Sum:
     """The sum at ``place`` with the operands of one of its operands in place of that."""
     node, inner = graph.nodes[place], graph.nodes[operand]
-    assert isinstance(node, Sum) and isinstance(inner, Sum)
+    assert isinstance(node, Sum)
+    assert isinstance(inner, Sum)
     found: list[Operand] = []
     for one in node.operands:
         if one.node == operand:

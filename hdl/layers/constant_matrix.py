@@ -19,7 +19,8 @@ from hdl.common.delay import delay
 # carry-save adder, which takes a third more LUTs. Yosys does not do so where bits pass beside the
 # adder.
 #
-# Three operands stand in one sum, so that a tool for LUTs of six inputs makes one adder of them.
+# Three operands are added one behind the other, with nothing between, so that a tool for LUTs of
+# six inputs makes one adder of them.
 
 
 def wrapping(width: int):
@@ -193,7 +194,8 @@ def add_three(first, second, third, total, *, steps: tuple[Alignment, ...], minu
             other[:] = other << move_2
             more[:] = third >> cut_3
             more[:] = more << move_3
-            turned[:] = one - other - more
+            turned[:] = one - other
+            turned[:] = turned - more
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()
@@ -213,7 +215,8 @@ def add_three(first, second, third, total, *, steps: tuple[Alignment, ...], minu
             other[:] = other << move_2
             more[:] = third >> cut_3
             more[:] = more << move_3
-            turned[:] = one + other - more
+            turned[:] = one + other
+            turned[:] = turned - more
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()
@@ -233,7 +236,8 @@ def add_three(first, second, third, total, *, steps: tuple[Alignment, ...], minu
             other[:] = other << move_2
             more[:] = third >> cut_3
             more[:] = more << move_3
-            turned[:] = one + other + more
+            turned[:] = one + other
+            turned[:] = turned + more
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()
@@ -252,8 +256,8 @@ def add_two_and_constant(
     pairs = zip((first, second), steps, strict=True)
     bits = max(count, *(len(number) + step.move for number, step in pairs))
     half = 2 << max(bits, abs(value).bit_length() + 1)
-    # The negative of a number is its inverse plus 1. So if both are subtracted, the sum of all three
-    # negatives less 1 is inverted once.
+    # The negative of a number is its inverse plus 1. So if both are subtracted, the sum of all
+    # three negatives less 1 is inverted once.
     start = -value - 1 if minus == 2 else value
 
     if minus == 2:
@@ -268,7 +272,8 @@ def add_two_and_constant(
             one[:] = one << move_1
             other[:] = second >> cut_2
             other[:] = other << move_2
-            turned[:] = start + one + other
+            turned[:] = start + one
+            turned[:] = turned + other
             result[:] = ~turned
             total.next = result[count:].signed()
 
@@ -284,7 +289,8 @@ def add_two_and_constant(
             one[:] = one << move_1
             other[:] = second >> cut_2
             other[:] = other << move_2
-            turned[:] = start + one - other
+            turned[:] = start + one
+            turned[:] = turned - other
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()
@@ -301,7 +307,8 @@ def add_two_and_constant(
             one[:] = one << move_1
             other[:] = second >> cut_2
             other[:] = other << move_2
-            turned[:] = start + one + other
+            turned[:] = start + one
+            turned[:] = turned + other
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()

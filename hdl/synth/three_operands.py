@@ -1,8 +1,7 @@
 """A map of Yosys by which a sum of three operands costs a LUT for each bit, as in vendors' tools.
 
-Yosys makes carry-save adders of such a sum, which cost about two LUTs for each bit. The tools of
-AMD make one adder of it on FPGAs whose LUTs have six inputs (UG901, Vivado Design Suite User Guide:
-Synthesis, on ternary adders). The map does the same with the cells of Series 7.
+Yosys makes carry-save adders of such a sum, which cost about two LUTs for each bit. Vendors' tools
+make one adder of it where LUTs have six inputs. The map does the same with the cells of Series 7.
 """
 
 from __future__ import annotations
@@ -10,9 +9,10 @@ from __future__ import annotations
 from pathlib import Path
 
 _FILE = "three_operands.map"
-# ``$macc_v2`` is Yosys' sum of any number of products and operands. The LUT adds three bits, and its
-# second output is what they carry, which the LUT and the chain of the next bit take. The bits of an
-# operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain begins.
+# ``$macc_v2`` is Yosys' sum of any number of products and operands. The LUT adds three bits, and
+# its second output is what they carry, which the LUT and the chain of the next bit take. The bits
+# of an operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain
+# begins.
 _MAP = r"""
 (* techmap_celltype = "$macc_v2" *)
 module three_operands (A, B, C, Y);
