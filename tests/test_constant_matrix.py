@@ -97,6 +97,9 @@ def test_no_number_leaves_its_bounds_and_none_comes_late(matrix: ConstantMatrix)
         if isinstance(node, Sum):
             assert max(one.node for one in node.operands) < place
             assert graph.steps(place)[0].move == 0
+            first, cut = node.operands[0].node, graph.steps(place)[0].cut
+            assert graph.passing(place) in (0, graph.beside(place))
+            assert graph.passing(place) <= max(0, graph.widths[first] - cut)
 
 
 @settings(max_examples=30, deadline=None)
@@ -230,6 +233,14 @@ def test_no_other_pairs_of_sums_save_more(matrix: ConstantMatrix) -> None:
         if len({place for pair in chosen for place in pair}) == 2 * count
     )
     assert fused(graph).adder_bits == least
+
+
+def test_bits_that_an_operand_does_not_have_pass_beside_no_adder() -> None:
+    """A sample of 6 bits and the same 10 places further left."""
+    graph = ConstantMatrix(SAMPLES, WIDE, ((1025,),), (0,), 0, 0, 4).graph
+    assert (graph.beside(1), graph.passing(1)) == (10, 0)
+    graph = ConstantMatrix(SAMPLES, WIDE, ((65,),), (0,), 0, 0, 4).graph
+    assert (graph.beside(1), graph.passing(1)) == (6, 6)
 
 
 def test_a_sum_of_three_counts_as_one_adder() -> None:

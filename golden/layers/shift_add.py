@@ -130,6 +130,14 @@ class ShiftAdd:
         assert isinstance(node, Sum)
         return beside(node, self.steps(place))
 
+    def passing(self, place: int) -> int:
+        """As ``beside``, but 0 if the first operand is a constant or does not have these bits."""
+        node = self.nodes[place]
+        assert isinstance(node, Sum)
+        first, count = node.operands[0].node, self.beside(place)
+        there = self.widths[first] - self.steps(place)[0].cut
+        return 0 if isinstance(self.nodes[first], Constant) or count > there else count
+
     @cached_property
     def levels(self) -> tuple[int, ...]:
         """For each node the number of adders on the longest path from an input."""

@@ -512,20 +512,20 @@ class Numbers:
             if not isinstance(known, Constant)
         ]
         if len(nodes) > 2:
-            self._three(terms, sum(values), self.graph.beside(place), total)
+            self._three(terms, sum(values), self.graph.passing(place), total)
         elif len(terms) < 2:
             (term,) = terms
             cut, move = term.step.cut, term.step.move
             make = partial(add_constant, value=sum(values), cut=cut, move=move)
             self.parts.append(partial(make, term.number, total, minus=term.sign < 0))
         else:
-            self._two(terms, total)
+            self._two(terms, self.graph.passing(place), total)
 
-    def _two(self, terms: list[Term], total) -> None:
+    def _two(self, terms: list[Term], passing: int, total) -> None:
         low, high = terms
         minus, move = low.sign != high.sign, high.step.move
         cuts = {"low_cut": low.step.cut, "high_cut": high.step.cut}
-        if move and low.sign > 0:
+        if passing:
             make = partial(add_above, low_cut=low.step.cut, move=move, minus=minus)
         elif minus:
             make = partial(subtract, **cuts, move=move, reverse=low.sign < 0)
@@ -533,11 +533,9 @@ class Numbers:
             make = partial(add, **cuts, move=move)
         self.parts.append(partial(make, low.number, high.number, total))
 
-    def _three(self, terms: list[Term], value: int, beside: int, total) -> None:
+    def _three(self, terms: list[Term], value: int, passing: int, total) -> None:
         """The sum of three numbers, or of two numbers and a constant."""
         first = terms[0]
-        # Bits of a constant do not pass beside the adder.
-        passing = 0 if first.step.move else beside
         above = wrapping(len(total) - passing) if passing else total
         # Those that are subtracted come last.
         ordered = sorted((term.without(passing) for term in terms), key=lambda term: -term.sign)

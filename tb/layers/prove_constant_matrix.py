@@ -59,11 +59,10 @@ class Signals:
         constants = [isinstance(self.graph.nodes[one.node], Constant) for one in node.operands]
         if others[1:]:
             total = self._name("add_two_and_constant" if any(constants) else "add_three", "total")
-            beside = self.graph.beside(place) and not constants[0]
-            return self._name("append", "total") if beside else total
+            return self._name("append", "total") if self.graph.passing(place) else total
         if any(constants):
             return self._name("add_constant", "total")
-        if self.graph.beside(place):
+        if self.graph.passing(place):
             return self._name("add_above", "total")
         return self._name("add" if first.sign == others[0].sign else "subtract", "total")
 
