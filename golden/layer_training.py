@@ -1,8 +1,10 @@
-"""Trains networks for which the scene names several layers, or an activation other than tanh.
+"""Trains networks of several layers, or with an activation other than tanh.
 
-The training is that of one hidden layer of tanh (``golden.training``): each restart is a descent
-from random weights, the validation rows choose one of the restarts, and the output biases are
-shifted by the mean bit-true error. The scene names the nodes, so nothing else is searched.
+The training is that of one hidden layer of tanh (``golden.training``): each candidate is a descent
+from random weights, the validation rows choose one of the candidates, and the output biases are
+shifted by the mean bit-true error. The scene names the nodes of each layer, or it asks for a search
+with ``training.layers``. The search tries every number of layers, with some numbers of nodes
+(``widths``), which all hidden layers of a candidate share.
 """
 
 from __future__ import annotations
@@ -29,6 +31,27 @@ from golden.training.search import OPTIMISERS, Result, shift_biases, signed_erro
 from golden.training.task import Frames, Task, task_for
 
 CLASS_OPTIMISERS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_descent.descend}
+
+
+@dataclass(frozen=True)
+class LayersResult(Result):
+    """The result of one candidate of several layers.
+
+    Attributes
+    ----------
+    layers : tuple of int
+        The nodes of each hidden layer.
+    weights : int
+        How many weights the network has, without the biases.
+    """
+
+    layers: tuple[int, ...] = ()
+    weights: int = 0
+
+    @property
+    def rank(self) -> tuple[float, int, int]:
+        """The least is best; equal errors go to fewer weights, then to the earlier start."""
+        return self.validation, self.weights, self.restart
 
 
 def random_layers(
@@ -116,8 +139,33 @@ def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
     return float(np.sqrt((errors**2).mean()))
 
 
-def train(task: Task, restart: int) -> Trained:
-    """The network of one restart.
+def widths(low: int, high: int) -> list[int]:
+    """The numbers of nodes that a search tries: from low to high, each about half as much again."""
+    found = [low]
+    while found[-1] < high:
+        found.append(min(high, found[-1] + max(1, found[-1] // 2)))
+    return found
+
+
+def layers_searched(scene: Scene) -> list[tuple[int, ...]]:
+    """The hidden layers of every candidate: those that the scene names, or all of the search."""
+    settings = scene.training
+    if not settings.layers:
+        return [scene.members[0].layers]
+    low, high = settings.layers
+    found = [(nodes,) * n for n in range(low, high + 1) for nodes in widths(*settings.hidden)]
+    # Without a hidden layer there is one network, whatever the nodes would be.
+    return list(dict.fromkeys(found))
+
+
+def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
+    """The hidden layers and the number of the start of every candidate."""
+    starts = range(task.scene.training.restarts)
+    return [(layers, restart) for layers in layers_searched(task.scene) for restart in starts]
+
+
+def train(task: Task, hidden: tuple[int, ...], restart: int) -> Trained:
+    """The network of one candidate, with the nodes ``hidden`` in its hidden layers.
 
     Raises
     ------
@@ -125,29 +173,34 @@ def train(task: Task, restart: int) -> Trained:
         When the hardware's formats cannot hold its weights.
     """
     member = task.scene.members[task.number]
-    shape = (task.training.inputs.shape[1], *member.layers, task.training.targets.shape[1])
-    kinds = member.activations or ("tanh",) * len(member.layers)
-    rng = np.random.default_rng([task.scene.training.seed, task.number, *member.layers, restart])
+    shape = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
+    settings = task.scene.training
+    kinds = member.activations or (settings.activation,) * len(hidden)
+    rng = np.random.default_rng([settings.seed, task.number, *hidden, restart])
     random = random_layers(shape, kinds, rng, by_name(member.functions))
     start = on_readings(random, task.normal, [Scale()] * shape[-1])
     return descended(task, start, task.training, task.validation)
 
 
-def measured(task: Task, restart: int) -> Result:
+def measured(task: Task, hidden: tuple[int, ...], restart: int) -> LayersResult:
     """Train one candidate and measure its bit-true errors."""
-    nodes = sum(task.scene.members[task.number].layers)
+    sizes = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
+    weights = sum(one * other for one, other in pairwise(sizes))
     try:
-        network = as_read(task, train(task, restart))[1]
+        network = as_read(task, train(task, hidden, restart))[1]
         validation = bit_true_error(task, network, task.validation)
         test = bit_true_error(task, network, task.test)
     except InputError as error:
-        return Result(nodes, restart, float("inf"), float("inf"), str(error))
-    return Result(nodes, restart, validation, test)
+        infinite = float("inf")
+        return LayersResult(
+            sum(hidden), restart, infinite, infinite, str(error), layers=hidden, weights=weights
+        )
+    return LayersResult(sum(hidden), restart, validation, test, layers=hidden, weights=weights)
 
 
-def search(task: Task, workers: int = -1) -> Iterator[Result]:
-    """The results of all restarts, in order, each as soon as it is known."""
-    jobs = (delayed(measured)(task, restart) for restart in range(task.scene.training.restarts))
+def search(task: Task, workers: int = -1) -> Iterator[LayersResult]:
+    """The results of all candidates, in order, each as soon as it is known."""
+    jobs = (delayed(measured)(task, hidden, restart) for hidden, restart in candidates(task))
     yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
 
 
@@ -165,8 +218,8 @@ class LayerStages:
         """The task of the only network."""
         return task_for(self.scene, self.scene.vectors(), [])
 
-    def add(self, hidden: int, restart: int) -> None:
-        """Add the network of the chosen restart; ``hidden`` is the number of all of its nodes.
+    def add(self, hidden: tuple[int, ...], restart: int) -> None:
+        """Add the network of the chosen candidate, with the nodes ``hidden`` in its layers.
 
         Raises
         ------
@@ -174,7 +227,7 @@ class LayerStages:
             When the hardware's formats cannot hold its weights.
         """
         task = self.task([], 0)
-        chosen = as_read(task, train(task, restart))
+        chosen = as_read(task, train(task, hidden, restart))
         tested = written = chosen
         if self.scene.training.refit:
             start = on_signals(chosen[0], *self.scene.scales_of(0))

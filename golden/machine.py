@@ -12,7 +12,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-import scipy.linalg  # noqa: F401 - loads the BLAS that scipy brings
 import threadpoolctl
 
 CPUINFO = Path("/proc/cpuinfo")
@@ -63,7 +62,10 @@ def numpy_targets() -> list[str]:
 
 
 def blas_cores() -> list[str]:
-    """Core and number of threads of each linear algebra library that is loaded."""
+    """Core and number of threads of each linear algebra library: numpy's and scipy's."""
+    # This loads the library that scipy brings. Commands that state no machine do without it.
+    import scipy.linalg  # noqa: F401
+
     found = {
         f"{library['internal_api']} {library.get('architecture', 'of unknown core')}, threads: "
         f"{library['num_threads']}"

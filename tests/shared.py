@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,11 +19,10 @@ from golden.store import VARIABLE
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
 from tb.common.tools import language
-from tb.report.measure import store, table_records
-from tb.report.measure.registry import TABLES
-from tb.report.measure.steps import measured
-from tb.report.measure.table import Table
 from tb.sign_off.subject import first
+
+if TYPE_CHECKING:
+    from tb.report.measure.table import Table
 
 # If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
@@ -101,6 +101,11 @@ class Shared:
 
     def recorded(self, name: str, anew: bool) -> Table:
         """A recorded table, or the same table measured again if ``anew`` is true."""
+        # What measures is imported only here, because every run imports this module, and that takes
+        # longer than the tests of one file.
+        from tb.report.measure import store, table_records
+        from tb.report.measure.registry import TABLES
+
         if not anew:
             return table_records.read(name)
         path = self.folder / f"{name}.json"
@@ -112,6 +117,8 @@ class Shared:
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in this run."""
+        from tb.report.measure.steps import measured
+
         with self.alone("tables"), self.own_store():
             return measured(lambda *_: None)
 

@@ -313,6 +313,16 @@ def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypa
     assert network_plot(found).count("no hidden nodes") == 1
 
 
+def test_a_search_takes_the_fewest_weights_of_equal_networks(tmp_path: Path, monkeypatch) -> None:
+    """A straight line tells these gestures apart, so every layer is one too many."""
+    path = write_hand(tmp_path, more='layers = [0, 2]\nhidden = [2, 3]\nactivation = "relu"\n')
+    path.write_text(path.read_text().replace('hidden = 4\nactivations = ["relu"]\n', ""))
+    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
+    story = read_provenance(load_scene(str(path)).weights_paths[0])
+    assert (story["network"], story["candidates"]) == ("2:3", 10)
+    assert story["hidden"] == "0 to 2 layers of 2, 3 relu"
+
+
 @pytest.mark.parametrize("form", ["npz", "onnx"])
 def test_a_linear_layer_is_written_and_read(tmp_path: Path, form: str) -> None:
     network = DenseNetwork((Dense(np.array([[0.5, -1.5]] * 3), np.arange(3.0)),))
@@ -383,7 +393,7 @@ def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsy
     call(monkeypatch, scene, csv_file, "--classes", "gesture", "--to", to)
     text = capsys.readouterr()[0]
     assert re.search(r"gesture +classes +3 different labels", text)
-    assert "rows: 30 fist, 30 flat, 30 wave" in text
+    assert "rows: 30 of 'fist', 30 of 'flat', 30 of 'wave'" in text
     found = load_scene(str(to))
     assert (found.classes, found.labels, found.sensors[:2]) == ("gesture", LABELS, ("x", "y"))
     assert found.members[0].layers == (16,)
@@ -503,7 +513,7 @@ def test_the_loads_are_learnt_in_a_few_damped_steps() -> None:
         found, training=replace(found.training, optimiser="levenberg-marquardt", steps=150)
     )
     task = task_for(short, short.vectors(), [])
-    assert measured(task, 0).test <= 2
+    assert measured(task, task.scene.members[0].layers, 0).test <= 2
 
 
 def test_the_value_is_the_cross_entropy() -> None:

@@ -15,6 +15,7 @@ from golden.dense import Dense, DenseNetwork, Trained, network_of
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
 from golden.engine.graph import Kind
+from golden.engine.image import Image, Sizes
 from golden.engine.listing import listing
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
@@ -217,9 +218,74 @@ def test_tables_that_take_too_much_memory_are_refused() -> None:
         Engine.of([dense], Settings(options={"segment_width": 8, **options}))
 
 
-def test_an_image_is_for_tanh() -> None:
-    with pytest.raises(InputError, match="image needs the functions softsign, there is tanh"):
-        Engine.of([network((2, 3, 1), ("table:softsign",))], Settings(options={"reload": True}))
+# In images.
+
+
+def reloadable(kind: str, **sizes: int) -> Engine:
+    options = {"reload": True, "program_words": 2048, **sizes}
+    return Engine.of([network((2, 3, 1), (kind,))], Settings(options=options))
+
+
+HARDWARE = {
+    # Three blocks, one block, and room for four in hardware whose own network has tanh alone.
+    "table:softsign,gaussian,sine": {},
+    "table:softsign": {},
+    "tanh": {"table_blocks": 4},
+}
+
+
+@pytest.mark.parametrize("kind", HARDWARE)
+def test_images_bring_functions_of_their_own(kind: str) -> None:
+    """Images with other functions, tanh or none run on hardware with blocks enough for them."""
+    hardware = reloadable(kind, **HARDWARE[kind])
+    assert hardware.loaded is not None
+    blocks = hardware.loaded.sizes.table_blocks
+    for other, needed in (
+        ("table:softsign,gaussian,sine,sine", 4),
+        ("table:gelu", 2),
+        ("table:sine,softsign,sine,sine", 2),
+        ("table:points,gaussian,sine,sine", 5),
+        ("tanh", 1),
+        ("linear", 1),
+    ):
+        if needed > blocks:
+            with pytest.raises(InputError, match=rf"{needed} table_blocks for .+, there are "):
+                hardware.image_for([network((4, 4, 2), (other,))])
+            continue
+        dense = network((4, 4, 2), (other,))
+        image = hardware.image_for([dense])
+        found = hardware.image_loader.judge(image.to_bytes())
+        assert found is not None
+        before_last, words = found
+        running = hardware.running(Image(image.sizes, before_last + 2, tuple(words)))
+        codes = samples(4)
+        assert np.array_equal(running.process(codes), Engine.of([dense]).process(codes))
+        assert running.program.table[-1] == 0 or needed == blocks
+        assert running.table_address == hardware.table_address
+        assert running.program_ram == hardware.program_ram
+
+
+def test_tables_that_an_engine_has_no_room_for_are_refused() -> None:
+    bell = network((2, 3, 1), ("table:gaussian",))
+    message = "needs 2 table_blocks for gaussian, there is the table of tanh alone"
+    with pytest.raises(InputError, match=message):
+        reloadable("tanh").image_for([bell])
+    with pytest.raises(InputError, match="2 table_blocks for gaussian, there are 1"):
+        reloadable("table:gaussian", table_blocks=1)
+    with pytest.raises(InputError, match=r"table_blocks: got 65, expected 64 at most with segment"):
+        reloadable("tanh", table_blocks=65)
+    with pytest.raises(InputError, match=r"the image needs \d+ program words, there are 512"):
+        reloadable("table:gaussian", program_words=512)
+    starts = {Sizes(table_blocks=blocks).check_start for blocks in range(65)}
+    assert len(starts) == 65
+
+
+def test_the_listing_names_the_tables_of_an_image() -> None:
+    engine = reloadable("tanh", table_blocks=2)
+    assert listing(engine.graph, engine.program)[0].startswith("words 0 to 255: tanh in segments")
+    assert engine.loaded is not None
+    assert engine.loaded.notes[256] == "unused 0, slope 0"
+    assert engine.loaded.sizes.text().endswith("segment_width 9, 2 blocks of tables")
 
 
 # In files and scenes.

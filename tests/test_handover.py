@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from conftest import tiered
 from shared import Shared
 
 from golden.fingerprint import fingerprint
@@ -110,7 +111,9 @@ def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
     return [(int(matched), int(frames)) for matched, frames in found]
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
+# The benches of every run play the recorded frames of ``digit``. Here ``winner`` has the test bench
+# of an engine, and ``chain`` that of a cascade.
+@pytest.mark.parametrize("name", tiered(["digit-parallel", *OTHERS], ["digit"]))
 def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
     scene = scenes[name]
     result = simulate(library, scene.twin().entity)
@@ -261,6 +264,8 @@ def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
     )
 
 
+# Every run does the same with ``digit-single`` in test_export.py, test bench and example included.
+@pytest.mark.all_only
 def test_the_same_bytes_whatever_the_hash_seed(scenes, build, tmp_path: Path) -> None:
     subprocess.run(
         [sys.executable, "-m", "hdl.export", "digit-parallel", "vhdl", "--build", str(tmp_path)],

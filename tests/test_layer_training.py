@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,14 +16,16 @@ from golden.dense import ACTIVATIONS, Trained, layers_of, network_of
 from golden.function import Function
 from golden.input_error import InputError
 from golden.layer_objective import LayeredObjective, packed, unpacked
-from golden.layer_training import random_layers
+from golden.layer_training import random_layers, search, widths
 from golden.mlp import tanh
 from golden.network_files.network_file import read_provenance
 from golden.precision import SIGNAL
+from golden.rig.check import design
 from golden.scene import load_scene
 from golden.scene_errors import held_out_rows
 from golden.training.objective import Objective, Rows
 from golden.training.objective import pack as pack_of_two
+from golden.training.task import task_for
 from tb.common.cases import random_network, write_scene
 
 
@@ -158,6 +161,76 @@ def test_activations_without_nodes_are_not_trained(tmp_path: Path, monkeypatch) 
     path.write_text(path.read_text().replace("[4, 4]", '0\nactivations = ["relu"]'))
     with pytest.raises(InputError, match=r"deep.toml: network.hidden: got 0 with activations, exp"):
         trained(path, monkeypatch)
+
+
+def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -> None:
+    """One hidden layer of two nodes is too few for what two layers of four made."""
+    path = scene_of(tmp_path, 'layers = [1, 2]\nactivation = "relu"\n')
+    text = path.read_text().replace("hidden = [4, 4]\n", "")
+    path.write_text(text.replace("steps = 20", "steps = 60\nhidden = [2, 5]"))
+    trained(path, monkeypatch)
+    scene = load_scene(str(path))
+    story = read_provenance(scene.weights_paths[0])
+    assert story is not None
+    assert story["hidden"] == "1 to 2 layers of 2, 3, 4, 5 relu"
+    assert story["candidates"] == 8 * scene.training.restarts
+    # The candidate that was chosen is trained again on its own, and is better than the least one.
+    task = task_for(scene, scene.vectors(), [])
+    found = {(c.layers, c.restart): c for c in search(task, 1)}
+    best = min(found.values(), key=lambda c: c.rank)
+    assert story["network"] == ":".join(map(str, (3, *best.layers, 2)))
+    assert story["best_restart"] == best.restart
+    assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
+    assert best.validation < found[(2,), 0].validation
+    assert scene.networks()[0].activations == ("relu",) * len(best.layers)
+
+
+def test_the_nodes_that_a_search_tries() -> None:
+    assert widths(4, 16) == [4, 6, 9, 13, 16]
+    assert widths(1, 4) == [1, 2, 3, 4]
+    assert widths(5, 5) == [5]
+
+
+@pytest.mark.parametrize(
+    ("layers", "more", "message"),
+    [
+        ("hidden = 4", "layers = [1, 2]", "layers: got [1, 2] with network.hidden 4, expected net"),
+        ("", "layers = [2, 1]", "layers: got [2, 1], expected the least and the largest number"),
+        ("", "layers = [1, 9]", "layers: got [1, 9], expected the least and the largest number"),
+        ("", 'activation = "relu"', "activation: got 'relu' without layers, expected training.lay"),
+        ("", "layers = [1, 2]\ndigits = 9", "layers: got [1, 2] with digits 9, expected digits 0"),
+        (
+            'activations = ["relu"]',
+            "layers = [1, 2]",
+            "layers: got [1, 2] with network.activations ['relu'], expected training.activation",
+        ),
+    ],
+)
+def test_a_search_beside_what_fixes_the_layers(
+    tmp_path: Path, layers: str, more: str, message: str
+) -> None:
+    path = scene_of(tmp_path, f"{more}\n")
+    path.write_text(path.read_text().replace("hidden = [4, 4]", layers))
+    with pytest.raises(InputError, match=re.escape(f"deep.toml: training.{message}")):
+        load_scene(str(path))
+
+
+def test_a_search_is_for_one_network(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, "layers = [1, 2]\n")
+    text = path.read_text().replace("hidden = [4, 4]", "").replace('"single"', '"multiple"')
+    path.write_text(text.replace('weights = "deep.npz"', 'weights = ["a.npz", "b.npz"]'))
+    with pytest.raises(InputError, match=r"layers: got .1, 2. with arrangement 'multiple', expect"):
+        load_scene(str(path))
+
+
+@pytest.mark.parametrize(("least", "verdict"), [(1, "warning"), (2, "fault")])
+def test_a_search_is_checked_before_it_begins(tmp_path: Path, least: int, verdict: str) -> None:
+    """A hybrid has one hidden layer, so two are too many for it."""
+    path = scene_of(tmp_path, f"layers = [{least}, 2]\n")
+    text = path.read_text().replace("hidden = [4, 4]", "").replace('"engine"', '"hybrid"')
+    path.write_text(text)
+    found = design(load_scene(str(path)), trained=False)
+    assert [finding.verdict for finding in found] == [verdict]
 
 
 def test_few_digits_are_for_one_hidden_layer(tmp_path: Path) -> None:

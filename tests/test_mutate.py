@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -19,11 +20,12 @@ from golden.input_error import InputError
 from golden.store import VARIABLE
 from tb.common.collected import BENCHES
 from tb.common.runner import run_job
-from tb.report.page.sign_off import percent
+from tb.report.page.sign_off import mutation, percent
 from tb.sign_off.current import of_this_verilog
 from tb.sign_off.mutate import flat
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
+from tb.sign_off.mutate.population import population
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import COUNT, Subject, prepare, run_bench
@@ -62,6 +64,7 @@ def test_the_score_is_high_and_every_survivor_explained(name: str) -> None:
     counted = record["mutants"] - record["same"] - record["explained"]
     assert record["score"] == round(record["killed"] / counted, 4)
     assert record["score"] >= LEAST
+    assert record["population"] >= record["mutants"]
     for one in survivors:
         assert one["explained"], f"{one['where']}: {one['what']}: not explained"
         assert one["explained"] == explain(block, record["scene"], one["what"])
@@ -109,6 +112,15 @@ def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
     )
     write_bench(trace, "abs_unit", clocked=True)
     return [bool(replay(trace, small.sources(n))) for n in range(FEW + 1)]
+
+
+def test_about_as_many_mutants_are_possible_as_can_be_made(small: Subject, tmp_path: Path) -> None:
+    count = population("abs_unit", 3, small.folder)
+    shutil.copy(small.folder / "abs_unit.v", tmp_path)
+    every = make_mutants(["abs_unit.v"], "abs_unit", count + 1, 3, tmp_path)
+    # By which other bit a bit is made wrong is drawn.
+    assert len(every) == pytest.approx(count, rel=0.01)
+    assert count > FEW
 
 
 def test_what_the_replay_finds_the_bench_finds(
@@ -231,3 +243,6 @@ def test_the_page_tells_how_sure_a_score_is() -> None:
     at_least = chance**190 + 190 * chance**189 * lost
     assert at_least == pytest.approx(0.025, rel=0.1)
     assert percent({"mutants": 31, "score": 1}) == "100 %"
+    facts |= {"survivors": [], "population": 796}
+    assert mutation(facts).startswith("189 of 200 mutants, of 796 possible ones, are detected, 7 ")
+    assert mutation(facts | {"population": COUNT}).startswith("189 of 200 mutants are detected, 7 ")

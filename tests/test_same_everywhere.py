@@ -136,6 +136,7 @@ print([hashlib.sha256(numpy.asarray(n).tobytes()).hexdigest() for n in numbers])
         pytest.skip(f"the settings are of x86-64 and change nothing on {platform.machine()}")
 
 
+@pytest.mark.usefixtures("few_runs")
 def test_the_digests_hold_every_scene_and_every_table() -> None:
     names = [line.partition(": ")[0] for line in here()]
     assert len(set(names)) == len(names)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 import logging
 import os
+import re
 import signal
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
 import pytest
 from shared import Shared, copied_job
 
+from golden.fingerprint import ROOT
 from tb.common.bench import CONFIGURATION
 from tb.common.runner import run_job
 from tb.common.simulate import Run, analyse, simulate
@@ -155,3 +159,38 @@ def test_a_job_inherits_no_variable_that_changes_a_bench(
     outcome = run_job(job)
     assert outcome.passed, outcome.complaint()
     assert outcome.compared == expected.compared
+
+
+# To import any of these takes longer than many a bench. A run starts hundreds of benches.
+HEAVY = {"IPython", "jinja2", "joblib", "matplotlib", "onnx", "pandas", "rich", "scipy"}
+
+
+def imported(log: str) -> set[str]:
+    """The packages of which Python says that it imported them."""
+    return set(re.findall(r"^import time:.*\| +(\w+)", log, re.M))
+
+
+def test_a_bench_imports_nothing_heavy(
+    shared: Shared, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
+    outcome = run_job(copied_job(shared.subject("abs_unit"), tmp_path))
+    found = imported(outcome.log.read_text(encoding="utf-8"))
+    assert {"golden", "numpy", "cocotb"} <= found
+    assert not found & (HEAVY | {"myhdl", "_pytest"})
+
+
+def test_pytest_begins_with_nothing_heavy() -> None:
+    """A run of one file, of which some tests start several, imports ``conftest.py`` first."""
+    environment = os.environ | {"PYTHONPROFILEIMPORTTIME": "1", "PYTHONPATH": "tests"}
+    result = subprocess.run(
+        [sys.executable, "-c", "import conftest"],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found = imported(result.stderr)
+    assert {"golden", "numpy", "hypothesis"} <= found
+    assert not found & HEAVY

@@ -265,14 +265,14 @@ def test_a_docstring_is_resolved() -> None:
 
     Notes
     -----
-    Row ``spec.addr_width`` bits, for ``twice(spec.outputs)`` clocks; see ``in_valid``.
+    Row ``spec.addr_width`` bits, of ``spec.outputs``; see ``in_valid``.
     """
     spec = OutputController(outputs=2)
-    assert describe(docstring, spec, {"twice": lambda count: 2 * count}) == dedent(
+    assert describe(docstring, spec) == dedent(
         """\
         Row address.
 
-        Row 1 bit, for 4 clocks; see in_valid."""
+        Row 1 bit, of 2; see in_valid."""
     )
 
 

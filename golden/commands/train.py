@@ -6,6 +6,7 @@ import argparse
 import platform
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,15 +14,20 @@ from typing import Any
 import numpy as np
 import scipy
 
-from golden import store
+from golden import layer_training, store
 from golden.cli import run, would
 from golden.closure import code
 from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.layer_training import LayerStages, bit_true_error, percent_errors
-from golden.layer_training import search as search_layers
+from golden.layer_training import (
+    LayersResult,
+    LayerStages,
+    bit_true_error,
+    layers_searched,
+    percent_errors,
+)
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
 from golden.rig import class_counts
@@ -47,15 +53,17 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     refused = 0
     member = task.scene.members[task.number]
     name = task.scene.classes or ", ".join(member.outputs)
-    named = is_named(task.scene)
-    total = task.scene.training.restarts if named else len(candidates(task))
-    results = search_layers(task, workers) if named else search(task, record, workers)
+    if has_layers(task.scene):
+        total = len(layer_training.candidates(task))
+        results: Iterator[Result] = layer_training.search(task, workers)
+    else:
+        total, results = len(candidates(task)), search(task, record, workers)
     with Progress(name, total, "candidates") as progress:
         for result in results:
             refused += bool(result.refused)
             if not result.refused and (best is None or result.rank < best.rank):
                 best = result
-            found = f"{best.validation:.2f} % with {best.hidden} hidden nodes" if best else "none"
+            found = f"{best.validation:.2f} % with {nodes_of(best)}" if best else "none"
             progress.step(f"best bit-true validation {found}")
     if best is None:
         raise InputError(
@@ -89,13 +97,20 @@ def main() -> None:
         train_scene(scene, arguments.build, arguments.workers)
 
 
-def is_named(scene: Scene) -> bool:
-    """Whether the scene names the layers of its network, so that training does not search."""
-    return bool(scene.labels or scene.members[0].layers)
+def nodes_of(result: Result) -> str:
+    """The hidden nodes of a candidate, such as "hidden layers of 9, 9 nodes"."""
+    if isinstance(result, LayersResult) and len(result.layers) > 1:
+        return f"hidden layers of {', '.join(map(str, result.layers))} nodes"
+    return f"{result.hidden} hidden nodes"
+
+
+def has_layers(scene: Scene) -> bool:
+    """Whether training is that of ``golden.layer_training``: of any layers, and of classes."""
+    return bool(scene.labels or scene.members[0].layers or scene.training.layers)
 
 
 def check_layers(scene: Scene) -> None:
-    """Refuse layers whose nodes nobody names: training does not search for them.
+    """Refuse activations of layers whose nodes nobody names.
 
     Raises
     ------
@@ -105,7 +120,8 @@ def check_layers(scene: Scene) -> None:
         if member.activations not in ((), ("tanh",)) and not member.layers:
             raise InputError(
                 f"{scene.path}: network.hidden: got 0 with activations, expected the nodes of each "
-                f"hidden layer, {', '.join(member.activations)}: training does not search for them"
+                f"hidden layer, {', '.join(member.activations)}; or training.layers instead, with "
+                "which training searches for them"
             )
 
 
@@ -129,15 +145,17 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    named = is_named(scene)
-    stages: Any = LayerStages(scene) if named else Stages(scene)
+    stages: Any = LayerStages(scene) if has_layers(scene) else Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        counts = [] if named else [h for h, _ in candidates(task)]
-        total = len(counts) or settings.restarts
-        stages.add(best.hidden, best.restart)
+        if isinstance(best, LayersResult):
+            total = len(layer_training.candidates(task))
+            stages.add(best.layers, best.restart)
+        else:
+            total = len(candidates(task))
+            stages.add(best.hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
         errors: dict[str, Any] = {}
@@ -160,7 +178,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "earlier_outputs": settings.earlier_outputs if number else "none",
                 "candidates": total,
                 "candidates_refused": refused,
-                "hidden": member.text if named else f"{counts[0]} to {counts[-1]}",
+                "hidden": searched_text(task),
                 "restarts": settings.restarts,
                 "best_restart": best.restart,
                 "weight_decay": settings.weight_decay,
@@ -183,6 +201,19 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
+
+
+def searched_text(task: Task) -> str:
+    """Which hidden nodes and layers were tried, for the provenance."""
+    scene = task.scene
+    if scene.training.layers:
+        low, high = scene.training.layers
+        nodes = sorted({layers[0] for layers in layers_searched(scene) if layers})
+        return f"{low} to {high} layers of {', '.join(map(str, nodes))} {scene.training.activation}"
+    if has_layers(scene):
+        return scene.members[task.number].text
+    tried = [hidden for hidden, _ in candidates(task)]
+    return f"{tried[0]} to {tried[-1]}"
 
 
 def digits_story(stages: Stages, number: int) -> dict[str, Any]:

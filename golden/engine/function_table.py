@@ -145,6 +145,11 @@ def codes_of(functions: Sequence[Function]) -> dict[Function, int]:
     return found
 
 
+def blocks_of(functions: Sequence[Function]) -> int:
+    """How many blocks some functions take."""
+    return sum(2 - is_odd(function) for function in functions)
+
+
 @lru_cache
 def joined(functions: tuple[Function, ...], width: int) -> LineTable:
     """The blocks of some functions, one after the other; for tanh alone, its own table.
@@ -154,18 +159,35 @@ def joined(functions: tuple[Function, ...], width: int) -> LineTable:
     InputError
         See ``table_of``.
     """
-    if functions == (TANH,):
-        return tanh_table(width)
+    return tanh_table(width) if functions == (TANH,) else in_blocks(functions, width)
+
+
+@lru_cache
+def in_blocks(functions: tuple[Function, ...], width: int, least: int = 0) -> LineTable:
+    """The blocks of some functions, one after the other, and of zeros until there are ``least``.
+
+    Raises
+    ------
+    InputError
+        See ``table_of``.
+    """
     tables = {function: table_of(function, width) for function in _in_order(functions)}
     labels = [
         (function.name, table.result)
         for function, table in tables.items()
         for _ in range(1 + table.both)
     ]
-    segments = 1 << (HIDDEN.width - 1 - width)
+    unused = max(0, least - len(labels))
+    segments = segments_of(width)
     words = [(*pair,) for table in tables.values() for pair in _blocks(table, segments)]
-    intercepts, slopes = zip(*words, strict=True)
+    intercepts, slopes = zip(*words, *[(0, 0)] * (unused * segments), strict=True)
+    labels += [("unused", RESULT)] * unused
     return LineTable(width, intercepts, slopes, tuple(labels))
+
+
+def segments_of(width: int) -> int:
+    """The number of segments of the whole range of q, on one side of 0."""
+    return 1 << (HIDDEN.width - 1 - width)
 
 
 def _blocks(table: FunctionTable, segments: int) -> list[tuple[int, int]]:

@@ -6,12 +6,20 @@ from binascii import crc_hqx
 from dataclasses import dataclass, field, replace
 
 from golden.engine.formats import WIDTH
-from golden.engine.function_table import SEGMENT_WIDTH
+from golden.engine.function_table import (
+    MOST_WORDS,
+    SEGMENT_WIDTH,
+    blocks_of,
+    in_blocks,
+    joined,
+    segments_of,
+)
 from golden.engine.graph import Graph
+from golden.engine.line_table import LineTable
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program, assemble
 from golden.engine.tanh_table import tanh_table
-from golden.function import TANH
+from golden.function import Function
 from golden.input_error import InputError
 
 # Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
@@ -40,18 +48,22 @@ class Sizes:
     program_words, operand_words : int
         Words of its memories; each a power of two.
     segment_width : int
-        Bits of q within a segment of the table of tanh; every image holds the whole table.
+        Bits of q within a segment of a table; every image holds whole tables.
     pipeline : Pipeline
     rectifies : bool
         Whether it has ReLU.
     cut : int
     even : bool
         Of results with ReLU; see ``Neuron``.
+    table_blocks : int
+        Blocks for the tables of any functions; see ``golden.engine.function_table``. Without them
+        there is the table of tanh alone, which is shorter than a block.
 
     Raises
     ------
     InputError
-        For a number of words that is no power of two, or more than an address reaches.
+        For a number of words that is no power of two, or more than an address reaches; for tables
+        that take too much memory.
     """
 
     program_words: int = 512
@@ -61,6 +73,7 @@ class Sizes:
     rectifies: bool = False
     cut: int = 0
     even: bool = False
+    table_blocks: int = 0
 
     def __post_init__(self) -> None:
         for name, most in (("program_words", LAST_ADDR[1]), ("operand_words", BEFORE_LAST[1])):
@@ -69,6 +82,12 @@ class Sizes:
                 raise InputError(
                     f"hardware.{name}: got {words}, expected a power of two, 2 to {1 << most}"
                 )
+        room = MOST_WORDS // segments_of(self.segment_width)
+        if not 0 <= self.table_blocks <= room:
+            raise InputError(
+                f"hardware.table_blocks: got {self.table_blocks}, expected {room} at most with "
+                f"segment_width {self.segment_width}"
+            )
 
     @property
     def program_addr_width(self) -> int:
@@ -84,9 +103,17 @@ class Sizes:
         return RELU_ACC_WIDTH if self.rectifies else ACC_WIDTH
 
     @property
-    def segments(self) -> int:
-        """Words of the table of tanh. The program begins behind them."""
+    def table_words(self) -> int:
+        """Words of the tables. The program begins behind them."""
+        if self.table_blocks:
+            return self.table_blocks * segments_of(self.segment_width)
         return len(tanh_table(self.segment_width).slopes)
+
+    def table_for(self, functions: tuple[Function, ...]) -> LineTable:
+        """The table that an image has for some functions, with more blocks if they do not fit."""
+        if self.table_blocks:
+            return in_blocks(functions, self.segment_width, self.table_blocks)
+        return joined(functions, self.segment_width)
 
     @property
     def check_start(self) -> int:
@@ -102,13 +129,16 @@ class Sizes:
             self.segment_width,
             self.pipeline.memory_registers,
             *([self.cut, self.even] if self.rectifies else []),
+            *([self.table_blocks] if self.table_blocks else []),
         ]
         return crc_hqx(bytes(hardware), CHECK_PRESET)
 
     def text(self) -> str:
         return (
             f"{self.program_words} program words, {self.operand_words} operand words, "
-            f"segment_width {self.segment_width}" + (f", {self.results}" if self.rectifies else "")
+            f"segment_width {self.segment_width}"
+            + (f", {self.results}" if self.rectifies else "")
+            + (f", {self.table_blocks} blocks of tables" if self.table_blocks else "")
         )
 
     @property
@@ -145,13 +175,14 @@ class Image:
         return Program(
             self.inputs,
             self.sizes.segment_width,
-            self.words[: self.sizes.segments],
-            self.words[self.sizes.segments :],
+            self.words[: self.sizes.table_words],
+            self.words[self.sizes.table_words :],
             self.sizes.pipeline,
             self.notes,
             self.sizes.rectifies,
             self.sizes.cut,
             self.sizes.even,
+            max(1, self.sizes.table_blocks),
         )
 
     @property
@@ -190,9 +221,10 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
 
     Notes
     -----
-    A graph without ReLU fits hardware with ReLU, which then never uses it.
+    A graph without ReLU fits hardware with ReLU, which then never uses it. A graph fits hardware
+    with more blocks of tables than its functions need; those that are left hold zeros.
     """
-    table = tanh_table(sizes.segment_width)
+    table = sizes.table_for(graph.functions)
     program = assemble(graph, table, sizes.pipeline, sizes.rectifies)
     # The counter reads a few words more until it has returned. They have no effect; here they
     # become zeros so that they are defined too.
@@ -204,9 +236,10 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
         ("bits of a sum", graph.sum_bits(table), sizes.acc_width),
     )
     faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]
-    if graph.functions != (TANH,):
+    if len(program.table) > sizes.table_words:
         names = ", ".join(function.name for function in graph.functions)
-        faults.append(f"the functions {names}, there is tanh")
+        there = f"are {sizes.table_blocks}" if sizes.table_blocks else "is the table of tanh alone"
+        faults.append(f"{blocks_of(graph.functions)} table_blocks for {names}, there {there}")
     wanted = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
     if graph.rectifies and wanted != sizes:
         faults.append(f"{wanted.results}, there is {sizes.results}")

@@ -94,7 +94,7 @@ def listing(graph: Graph, program: Program) -> list[str]:
 def _tables(graph: Graph, program: Program) -> list[str]:
     """A line for every table of the program."""
     segment = 2.0 ** (program.segment_width - HIDDEN.frac)
-    if graph.functions == (TANH,):
+    if graph.functions == (TANH,) and program.blocks == 1:
         last = len(program.table) - 1
         return [f"words 0 to {last}: tanh in segments of {segment:g}; the last holds beyond"]
     found = []

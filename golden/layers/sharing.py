@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from random import Random
@@ -92,39 +93,55 @@ class Growing:
         return term[1] + self.widths[term[0]]
 
 
-def pattern_of(one: Term, other: Term, differ: bool) -> tuple[Pattern, Term]:
-    """The pattern of two terms, and the low one of them, which gives the sum its sign."""
-    low, high = one, other
-    # A search spends most of its time here.
-    if high[1] < low[1] or (high[1] == low[1] and high[0] < low[0]):
-        low, high = high, low
-    return (low[0], high[0], high[1] - low[1], differ), low
-
-
 class Sharing:
-    """Rows of signed terms, in which patterns that occur often become terms of their own."""
+    """Rows of signed terms, in which patterns that occur often become terms of their own.
 
-    def __init__(
-        self, graph: Growing, rows: list[dict[Term, int]], place: int, spread: int, random: Random
-    ):
+    All runs of a search begin with the same rows, so these are examined once: each run works on a
+    copy, which ``begun`` makes.
+    """
+
+    spread: int
+    random: Random
+    luck: dict[Pattern, int]
+    queue: list[tuple[int, int, Pattern]]
+
+    def __init__(self, graph: Growing, rows: list[dict[Term, int]], place: int):
         self.graph, self.rows, self.place = graph, rows, place
-        self.spread, self.random = spread, random
-        self.luck: dict[Pattern, int] = {}
         # For each pattern the rows in which it occurs, each with the pattern's low term there.
         self.places: dict[Pattern, set[tuple[int, Term]]] = defaultdict(set)
-        self.queue: list[tuple[int, int, Pattern]] = []
         for number, row in enumerate(rows):
             for term in row:
                 for pattern, low in self._pairs(number, term):
                     self.places[pattern].add((number, low))
-        for pattern in sorted(self.places):
-            self._offer(pattern)
+        several = sorted(pattern for pattern, found in self.places.items() if len(found) > 1)
+        self._first = [(pattern, self._saved(pattern)) for pattern in several]
 
-    def _pairs(self, number: int, term: Term) -> Iterator[tuple[Pattern, Term]]:
+    def begun(self, spread: int, random: Random) -> Sharing:
+        """A copy for one run, in which chance changes the value of a pattern by ``spread`` %."""
+        other = copy(self)
+        other.graph, other.rows = self.graph.copy(), [dict(row) for row in self.rows]
+        other.places = defaultdict(set, {p: set(found) for p, found in self.places.items()})
+        other.spread, other.random, other.luck, other.queue = spread, random, {}, []
+        for pattern, saved in self._first:
+            other._offer(pattern, saved)
+        return other
+
+    def _pairs(self, number: int, term: Term) -> list[tuple[Pattern, Term]]:
+        """The pattern of a term with each other one of its row, and the low one of the two.
+
+        The low one gives the sum its sign. A search spends most of its time here.
+        """
         row = self.rows[number]
+        node, place = term
+        own = row[term]
+        found: list[tuple[Pattern, Term]] = []
         for other, sign in row.items():
-            if other != term:
-                yield pattern_of(term, other, sign != row[term])
+            shift = other[1] - place
+            if shift > 0 or (shift == 0 and other[0] > node):
+                found.append(((node, other[0], shift, sign != own), term))
+            elif other != term:
+                found.append(((other[0], node, -shift, sign != own), other))
+        return found
 
     def _uses(self, pattern: Pattern) -> list[tuple[int, Term]]:
         """Occurrences of a pattern, of which no two share a term."""
@@ -137,8 +154,8 @@ class Sharing:
                 found.append((number, low))
         return found
 
-    def _gain(self, pattern: Pattern) -> int:
-        """About how many bits of adders a pattern saves, times a random number near 100.
+    def _saved(self, pattern: Pattern) -> int | None:
+        """About how many bits of adders a pattern saves, or None if no two occurrences overlap.
 
         A shared sum has the bits of the occurrence that needs the most.
         """
@@ -146,26 +163,32 @@ class Sharing:
         uses = self._uses(pattern) if pattern[0] == pattern[1] else self.places[pattern]
         overlap = self.graph.overlap(pattern)
         if len(uses) < 2 or not overlap:
-            return 0
+            return None
         top = overlap + pattern[2] - self.place
         bits = [max(0, min(overlap, top + low[1])) for _, low in uses]
+        return sum(bits) - max(bits)
+
+    def _gain(self, pattern: Pattern, saved: int | None) -> int:
+        """The bits that a pattern saves, times a random number near 100."""
+        if saved is None:
+            return 0
         if pattern not in self.luck:
             self.luck[pattern] = 100 + self.random.randrange(-self.spread, self.spread + 1)
-        return (sum(bits) - max(bits)) * self.luck[pattern]
+        return saved * self.luck[pattern]
 
-    def _offer(self, pattern: Pattern) -> None:
-        if len(self.places[pattern]) > 1 and (gain := self._gain(pattern)) > 0:
+    def _offer(self, pattern: Pattern, saved: int | None) -> None:
+        if (gain := self._gain(pattern, saved)) > 0:
             heapq.heappush(self.queue, (-gain, self.random.getrandbits(32), pattern))
 
     def run(self) -> None:
         """Share patterns until none occurs more than once."""
         while self.queue:
             offered, _, pattern = heapq.heappop(self.queue)
-            gain = self._gain(pattern)
-            if gain == -offered:
+            saved = self._saved(pattern)
+            if self._gain(pattern, saved) == -offered:
                 self._share(pattern)
-            elif gain > 0:
-                self._offer(pattern)
+            else:
+                self._offer(pattern, saved)
 
     def _share(self, pattern: Pattern) -> None:
         low_node, high_node, shift, differ = pattern
@@ -184,8 +207,8 @@ class Sharing:
             for new, at in self._pairs(number, term):
                 self.places[new].add((number, at))
                 found.add(new)
-        for new in sorted(found):
-            self._offer(new)
+        for new in sorted(new for new in found if len(self.places[new]) > 1):
+            self._offer(new, self._saved(new))
 
 
 def add_up(
@@ -278,11 +301,12 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
         for row in matrix.weights
     ]
     pairs = sum(len(row) ** 2 for row in digits)
+    at_first = Sharing(Growing(matrix.ends), digits, matrix.place)
     found: dict[int, list[tuple[int, int, ShiftAdd]]] = defaultdict(list)
     for run in range(max(1, min(RUNS, PAIRS // max(1, pairs)))):
-        graph = Growing(matrix.ends)
-        rows = [dict(row) for row in digits]
-        Sharing(graph, rows, matrix.place, SPREADS[run % len(SPREADS)], Random(run)).run()
+        sharing = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
+        sharing.run()
+        graph, rows = sharing.graph, sharing.rows
         clocks, least = stages(least_depth(graph, rows)), 0
         while not least or clocks < least + operands:
             depth = clocks * levels - spare

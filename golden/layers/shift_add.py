@@ -245,8 +245,13 @@ def weights_of(node: Sum, known: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
 
 def sum_ends(weights: Sequence[int], start: int, ends: Ends) -> tuple[int, int]:
     """The least and the largest value of ``start`` and the products of weights and inputs."""
-    both = [(w * low, w * high) for w, (low, high) in zip(weights, ends, strict=True)]
-    return start + sum(map(min, both)), start + sum(map(max, both))
+    least = most = start
+    for weight, (low, high) in zip(weights, ends, strict=True):
+        if weight > 0:
+            least, most = least + weight * low, most + weight * high
+        elif weight < 0:
+            least, most = least + weight * high, most + weight * low
+    return least, most
 
 
 def cut_back(ends: Ends, nodes: Sequence[Node], rows: Sequence[Row], least: int) -> ShiftAdd:

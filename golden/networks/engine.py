@@ -14,7 +14,7 @@ from golden.dense import Trained
 from golden.engine.formats import DROPPED, HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
+from golden.engine.function_table import SEGMENT_WIDTH, blocks_of, joined, table_of
 from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
@@ -98,6 +98,7 @@ class Engine(Design):
         "reload",
         "program_words",
         "operand_words",
+        "table_blocks",
     )
     program: Program
     acc_width: int
@@ -139,7 +140,8 @@ class Engine(Design):
         loaded = None
         program: Program
         if reload:
-            sizes = Sizes(**chosen, pipeline=pipeline)
+            own = 0 if graph.functions == (TANH,) else blocks_of(graph.functions)
+            sizes = Sizes(**{"table_blocks": own, **chosen}, pipeline=pipeline)
             sizes = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
             loaded = image_of(graph, sizes)
             program, acc_width = loaded.program, loaded.sizes.acc_width
@@ -297,7 +299,7 @@ class Engine(Design):
         """Replaces the program memory where the image can change."""
         return ProgramRam(
             self._sizes.program_addr_width,
-            self._sizes.segments,
+            self._sizes.table_words,
             self.table_address.addr_width,
             self.program.pipeline.memory_registers,
         )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import signal
 
 from golden.domain import checked
 from golden.fixed import Codes
@@ -124,6 +123,9 @@ class Conditioning:
             raise InputError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
         if self.cutoff == 0:
             return np.asarray(self.gain * v)
+        # It is imported only here, because that takes half a second and few commands filter.
+        from scipy import signal
+
         b, a = signal.butter(1, self.cutoff, "highpass", fs=self.rate)
         passed, _ = signal.lfilter(b, a, v - r, zi=[0.0])
         return np.asarray(self.gain * passed)
@@ -183,6 +185,8 @@ class LowPass:
         (v,) = checked(volts=(volts, -most, most))
         if v.ndim != 1 or not v.size:
             raise InputError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
+        from scipy import signal
+
         b, a = signal.butter(1, self.cutoff, fs=self.rate)
         found, _ = signal.lfilter(b, a, v - v[0], zi=[0.0])
         return np.asarray(v[0] + found)

@@ -222,11 +222,12 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     if unknown:
         return []  # It is a fault of the data, and is reported with the data.
     low, high = scene.training.hidden
+    fewest, most = scene.training.layers or (1, 1)
     findings: list[Finding] = []
-    for hidden, verdict in ((low, FAULT), (high, WARNING)):
+    for hidden, verdict in (((low,) * fewest, FAULT), ((high,) * most, WARNING)):
         with _stand_in(scene, hidden) as other:
             sizes = ", ".join(":".join(map(str, n.shape[1:-1])) for n in other.networks())
-            findings = _built(other, f"with {sizes} hidden nodes: ")
+            findings = _built(other, f"with {sizes or 0} hidden nodes: ")
         if faults(findings):
             return [replace(finding, verdict=verdict) for finding in findings]
     return findings
@@ -265,15 +266,21 @@ def _saturating(scene: Scene) -> list[Finding]:
 
 
 @contextmanager
-def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
-    """The scene with small random networks in place of those that are still to be trained."""
+def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
+    """The scene with small random networks in place of those that are still to be trained.
+
+    Where training searches, they have the nodes ``hidden`` in their hidden layers.
+    """
+    settings = scene.training
     rng = np.random.default_rng(0)
     with TemporaryDirectory() as folder:
         members = []
         for number, member in enumerate(scene.members):
-            hiddens = member.layers if scene.labels else member.layers or (member.hidden or hidden,)
+            hiddens = member.layers or (member.hidden,) * (member.hidden > 0)
+            if not hiddens and (settings.layers or not scene.labels):
+                hiddens = hidden
             widths = (member.inputs, *hiddens, len(member.outputs))
-            kinds = (*(member.activations or ["tanh"] * len(hiddens)), "linear")
+            kinds = (*(member.activations or [settings.activation] * len(hiddens)), "linear")
             known = by_name(member.functions)
             layers = [
                 Dense(

@@ -31,7 +31,7 @@ def findings(scene: Scene) -> list[Finding]:
     wanted, split = read_recorded(scene).targets, split_of(scene)
     parts = (wanted, *(wanted[rows] for rows in (split.training, split.test)))
     rows, trains, held = (part.sum(axis=0).astype(int) for part in parts)
-    counts = ", ".join(f"{n} {label}" for n, label in zip(rows, scene.labels, strict=True))
+    counts = ", ".join(f"{n} of {label!r}" for n, label in zip(rows, scene.labels, strict=True))
     subject = f"data.classes {scene.classes}"
     found = [Finding(OK, subject, f"rows: {counts}")]
     none_trains = [label for label, n in zip(scene.labels, trains, strict=True) if not n]

@@ -106,10 +106,10 @@ HARDWARE = KeyTable(
             False,
             "Only for `engine`. With `true` the program is not part of the hardware: it is an "
             "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
-            "depends only on `program_words`, `operand_words`, `segment_width` and `pipeline`, on "
-            "whether the scene's own network has ReLU, and on the kinds of its quantisers. A "
-            "scene with a section [uart](#uart) loads the image over that line. Any other scene "
-            "must have no front end, no visualisation and no `axi_stream`.",
+            "depends only on `program_words`, `operand_words`, `table_blocks`, `segment_width` and "
+            "`pipeline`, on whether the scene's own network has ReLU, and on the kinds of its "
+            "quantisers. A scene with a section [uart](#uart) loads the image over that line. Any "
+            "other scene must have no front end, no visualisation and no `axi_stream`.",
         ),
         "program_words": Key(
             Whole(absent=True),
@@ -122,6 +122,15 @@ HARDWARE = KeyTable(
             0,
             "Only with `reload`. The number of words of the operand memory, a power of two.",
             "128",
+        ),
+        "table_blocks": Key(
+            Whole(absent=True),
+            0,
+            "Only with `reload`. The number of blocks for [tables of functions]"
+            "(#functions-of-your-own) in the program memory. With any blocks, each image brings "
+            "the functions of its own network, as many as the blocks hold; without them there is "
+            "the table of tanh alone.",
+            "what the scene's own functions take",
         ),
         "adders_per_clock": Key(
             Whole(absent=True),

@@ -34,6 +34,8 @@ EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
 # By which part of its error digits = "fewest" may increase the error of an output.
 DIGITS_TOLERANCE = 0.02
+# More hidden layers than any network that the hardware was made for.
+MOST_LAYERS = 8
 # An engine's operand memory has so many words.
 MOST_HIDDEN = 1024
 
@@ -59,8 +61,9 @@ NETWORK = KeyTable(
             Each(Whole(Span(0, MOST_HIDDEN))),
             0,
             "The number of hidden nodes. 0 means as many as the network file has, in as many "
-            "layers; training then searches the range `training.hidden` or, for `classes`, trains "
-            "a network without a hidden layer. With `single`, a list has the number of nodes of "
+            "layers; training then searches the range `training.hidden` and, where it is given, "
+            "`training.layers`. For `classes` without `training.layers` it trains a network "
+            "without a hidden layer. With `single`, a list has the number of nodes of "
             "each hidden layer, such as `[32, 16]`: [networks of several "
             "layers](#networks-of-several-layers).",
         ),
@@ -73,7 +76,8 @@ NETWORK = KeyTable(
             ),
             [],
             'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
-            "it, the activations are those of the network file, and training takes tanh. "
+            "it, the activations are those of the network file, and training takes "
+            "`training.activation`. "
             f'`"{TABLE}"` and a name of `functions` is [a function of your own]'
             "(#functions-of-your-own).",
         ),
@@ -128,7 +132,29 @@ TRAINING = KeyTable(
                 rising=True,
             ),
             [4, 25],
-            "The least and the largest number of hidden nodes to search, if `network.hidden` is 0.",
+            "The least and the largest number of hidden nodes to search, if `network.hidden` is 0. "
+            "With `layers`, these are the nodes of each hidden layer.",
+        ),
+        "layers": Key(
+            List(
+                Whole(Span(0, MOST_LAYERS)),
+                "the least and the largest number of hidden layers, such as [1, 3], "
+                f"{MOST_LAYERS} at most",
+                "a list of whole numbers",
+                least=2,
+                most=2,
+                rising=True,
+            ),
+            None,
+            "The least and the largest number of hidden layers to search. The arrangement must be "
+            "`single` and `network.hidden` 0. See [a search for the layers]"
+            "(#a-search-for-the-layers).",
+            "none",
+        ),
+        "activation": Key(
+            Text(tuple(ACTIVATIONS)),
+            "tanh",
+            "Only with `layers`: the activation of every hidden layer.",
         ),
         "seed": Key(
             Whole(Span(0)),

@@ -34,11 +34,14 @@ class Training:
     ``split_by`` and ``block_rows`` are those of ``golden.training.split``. With ``refit`` the
     chosen network is trained further, on all rows. ``digits`` and ``digits_tolerance`` are those of
     ``golden.training.few_digits``. ``disturbance`` is the expected disturbance of the readings by
-    the sensors.
+    the sensors. ``layers``, where it is not empty, and ``activation`` are those of
+    ``golden.layer_training``.
     """
 
     optimiser: str
     hidden: tuple[int, int]
+    layers: tuple[int, ...]
+    activation: str
     seed: int
     restarts: int
     weight_decay: float
@@ -183,10 +186,48 @@ def training(values: dict[str, Any], path: Path) -> Training:
     kept = {key: values[key] for key in values if key not in ("noise", "drift")}
     read = {
         "hidden": tuple(values["hidden"]),
+        "layers": tuple(values.get("layers", ())),
         "split_by": _split_by(values, path),
         "disturbance": Disturbance(values["noise"], **values["drift"]),
     }
     return Training(**(kept | read))
+
+
+def check_layers(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse a search for the hidden layers of a network whose layers are fixed otherwise.
+
+    Raises
+    ------
+    InputError
+    """
+    training, network = values["training"], values["network"]
+    layers, place = training.get("layers"), f"{path}: training.layers"
+    if layers is None:
+        if training["activation"] != "tanh":
+            raise InputError(
+                f"{path}: training.activation: got {training['activation']!r} without layers, "
+                "expected training.layers, or network.hidden and network.activations instead"
+            )
+        return
+    if network["arrangement"] != "single":
+        raise InputError(
+            f"{place}: got {layers} with arrangement {network['arrangement']!r}, expected 'single'"
+        )
+    if network["hidden"] not in (0, [0]):
+        raise InputError(
+            f"{place}: got {layers} with network.hidden {network['hidden']}, expected "
+            "network.hidden 0, because training chooses the nodes of each layer"
+        )
+    if network["activations"]:
+        raise InputError(
+            f"{place}: got {layers} with network.activations {network['activations']}, expected "
+            "training.activation instead, which is that of every layer"
+        )
+    if training["digits"]:
+        raise InputError(
+            f"{place}: got {layers} with digits {training['digits']!r}, expected digits 0: few "
+            "digits are for one hidden layer of tanh"
+        )
 
 
 def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
@@ -336,7 +377,7 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
             f"{path}: hardware.reload: got true with {around[0]}, expected false: only a "
             "section [uart] can load an engine that has something around it"
         )
-    for key in ("program_words", "operand_words"):
+    for key in ("program_words", "operand_words", "table_blocks"):
         if hardware[key] and not hardware["reload"]:
             raise InputError(
                 f"{path}: hardware.{key}: got {hardware[key]} without reload, expected "

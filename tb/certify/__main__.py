@@ -18,35 +18,46 @@ from golden.files import replace_folder
 from golden.folders import BUILD
 from golden.progress import stage
 from golden.scene import Scene
+from tb.certify.bits import Fate, try_bits
 from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, check, deliver, write_digests
-from tb.certify.page import write_page
+from tb.certify.page import bits_line, write_page
+from tb.certify.picture import draw_page, picture_file
 from tb.certify.results import OUTPUT, StepResult, read_results
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
+from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.unknown import UNKNOWN
 
 MOST = 100_000
 
 
-def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[StepResult]:
-    """Write the certificate of a scene, and return what its script found."""
+def certify(
+    scene: Scene, wanted: Wanted, build: Path = BUILD
+) -> tuple[list[StepResult], list[Fate]]:
+    """Write the certificate of a scene; return what its script found, and of the changed bits."""
     with stage(f"{scene.name}: exporting"), ThreadPoolExecutor() as pool:
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     # Tools run in folders of their own, so the path is absolute.
     with replace_folder((build / scene.name / "certificate").resolve()) as folder:
         with stage(f"{scene.name}: writing the certificate"):
-            made = deliver(
-                scene, build, folder, wanted, lambda part: print(f"  {part}", flush=True)
-            )
+            made = deliver(scene, build, folder, wanted, _tell)
         digests = write_digests(folder)
         print(f"{scene.name}: running {SCRIPT}", flush=True)
         check(folder)
         results = read_results(folder)
-        write_page(made, results, digests, folder)
+        fates = []
+        if wanted.bits:
+            with stage(f"{scene.name}: changing {wanted.bits} bits"):
+                fates = try_bits(folder, wanted.bits, wanted.seed, _tell)
+        write_page(made, results, fates, digests, folder)
         if all(result.colour != "red" for result in results):
             shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
-    return results
+    return results, fates
+
+
+def _tell(text: str) -> None:
+    print(f"  {text}", flush=True)
 
 
 def main() -> int:
@@ -56,17 +67,28 @@ def main() -> int:
     parser.add_argument("--frames", type=whole("FRAMES", 0, MOST))
     parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
     parser.add_argument("--netlist")
+    parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
+    parser.add_argument("--picture", type=picture_file)
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
     families = chosen(arguments.netlist) if arguments.netlist else []
     folder = BUILD / scene.name / "certificate"
     would(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
     wanted = Wanted(
-        arguments.frames, arguments.seed, tuple(name for name in families if name != UNKNOWN)
+        arguments.frames,
+        arguments.seed,
+        tuple(name for name in families if name != UNKNOWN),
+        arguments.bits,
     )
-    results = certify(scene, wanted)
+    results, fates = certify(scene, wanted)
+    if arguments.picture:
+        draw_page(folder / "certificate.html", arguments.picture)
+    if fates:
+        print(bits_line(fates))
     print(f"wrote {folder / 'certificate.html'}")
-    return 1 if any(result.colour == "red" for result in results) else 0
+    print(processor_line(processor_minutes()))
+    red = any(result.colour == "red" for result in results)
+    return 1 if red or any(fate.survives for fate in fates) else 0
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from hdl.export.exporter import compile_order
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
-from tb.certify.mutants import Mutants, write_mutants
+from tb.certify.mutants import FIRST, OTHER, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
@@ -33,6 +33,7 @@ STEPS = (
     "digests",
     "vhdl",
     "verilog",
+    "netlist",
     "equality",
     "properties",
     "sums",
@@ -51,14 +52,17 @@ class Wanted:
     frames : int or None
         The number of random frames; None for the usual one.
     seed : int
-        The seed of random frames and mutants.
+        The seed of random frames, mutants and changed bits.
     families : tuple of str
         The families on whose cells the frames are played.
+    bits : int
+        The number of single bits of the design that are changed, to see that the script finds it.
     """
 
     frames: int | None
     seed: int
-    families: tuple[str, ...]
+    families: tuple[str, ...] = ()
+    bits: int = 0
 
 
 @dataclass(frozen=True)
@@ -111,10 +115,13 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_sums(design, folder)
-    mutants = []
+    mutants: list[Mutants] = []
+    blocks: set[str] = set()
     for job in entities:
         tell(f"mutants of {job.entity}")
-        mutants.append(write_mutants(job, folder, wanted.seed))
+        count = OTHER if job.block in blocks else FIRST
+        blocks.add(job.block)
+        mutants.append(write_mutants(job, folder, count, wanted.seed))
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
@@ -154,7 +161,7 @@ def _write_script(
     script.chmod(0o755)
 
 
-def check(folder: Path, *steps: str, **environment: str) -> int:
+def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) -> int:
     """Run the script of a certificate with the tools of this environment; its exit code.
 
     Parameters
@@ -162,13 +169,16 @@ def check(folder: Path, *steps: str, **environment: str) -> int:
     folder : Path
     *steps : str
         The steps to run; all without any.
+    quiet : bool
+        Whether nothing is printed.
     **environment : str
         Variables of the script.
     """
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
     command = ["sh", str(folder / SCRIPT), *steps]
     settings = {**os.environ, "PATH": path, **environment}
-    return subprocess.run(command, env=settings, check=False).returncode
+    printed = subprocess.DEVNULL if quiet else None
+    return subprocess.run(command, env=settings, check=False, stdout=printed).returncode
 
 
 def write_digests(folder: Path) -> dict[str, str]:

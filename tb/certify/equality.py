@@ -1,4 +1,4 @@
-"""The proof that VHDL and Verilog are the same functions, as a script that Yosys alone runs.
+"""The proof that VHDL and Verilog are the same functions, as scripts that Yosys alone runs.
 
 ``make prove`` cuts netlists in Python; here Yosys does the same by itself. ``expose`` turns
 registers of the same name into inputs and outputs, ``equiv_make`` joins signals, parts and memories
@@ -28,6 +28,7 @@ _PARAMETERS = (
     *("RD_CE_OVER_SRST", "RD_INIT_VALUE", "RD_ARST_VALUE", "RD_SRST_VALUE", "WR_PORTS"),
     *("WR_CLK_ENABLE", "WR_CLK_POLARITY", "WR_PRIORITY_MASK", "WR_WIDE_CONTINUATION"),
 )
+NETLIST = "netlist.txt"
 _WRITES = "writes.v"
 _WRITES_TEXT = """\
 // Hides data and address of a memory's write port while nothing is written.
@@ -71,29 +72,40 @@ _COMPARE = (
 )
 
 
+def ghdl_netlist(folder: Path, top: str) -> str:
+    """The netlist that GHDL makes of the delivered VHDL, as it prints it without comments.
+
+    Raises
+    ------
+    InputError
+        When GHDL refuses the files.
+    """
+    vhdl = folder / "design" / "vhdl"
+    with tempfile.TemporaryDirectory() as work:
+        text = dump([vhdl / name for name in compile_order(vhdl)], top, Path(work))
+    return _COMMENT.sub("", text)
+
+
 def write_equality(folder: Path, top: str) -> None:
     """Write ``equal`` below a folder that holds ``design``."""
     vhdl, verilog, equal = folder / "design/vhdl", folder / "design/verilog", folder / "equal"
     equal.mkdir()
-    names = compile_order(vhdl)
-    with tempfile.TemporaryDirectory() as work:
-        text = dump([vhdl / name for name in names], top, Path(work))
+    text = ghdl_netlist(folder, top)
     modules = read_dump(text)
-    (equal / "netlist.txt").write_text(_COMMENT.sub("", text), encoding="utf-8")
+    (equal / NETLIST).write_text(text, encoding="utf-8")
     said = subprocess.run(["ghdl", "--version"], capture_output=True, text=True, check=True)
     (equal / "ghdl.txt").write_text(said.stdout.splitlines()[0] + "\n", encoding="utf-8")
-    lines: list[str] = []
     for file in compile_order(verilog):
         entity = Path(file).stem
         source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
         netlist = to_verilog(modules[entity], list_lengths(source))
         (equal / file).write_text(netlist, encoding="utf-8")
-        lines += _proof(entity, sorted(modules[entity].children()))
+        proof = _proof(entity, sorted(modules[entity].children()))
+        (equal / f"{entity}.ys").write_text("\n".join([*proof, ""]), encoding="utf-8")
     parameters = "\n".join(f"    parameter {name} = 0;" for name in _PARAMETERS)
     passed = ", ".join(f".{name}({name})" for name in _PARAMETERS)
     text = _WRITES_TEXT.format(parameters=parameters, passed=passed)
     (equal / _WRITES).write_text(text, encoding="ascii")
-    (equal / "equal.ys").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 def _proof(entity: str, parts: list[str]) -> list[str]:

@@ -4,7 +4,8 @@ Yosys makes one module of each entity (``flatten.ys``), the property is put into
 Yosys writes the transition from one clock to the next as SMT-LIB (``formulas.ys``). The questions
 (``.ask``) unroll this transition, as yosys-smtbmc does: that what is assumed can be; that from a
 reset on nothing fails in the first clocks; and that after so many clocks without a fault there is
-none in the next one.
+none in the next one. There is a file for each number of clocks, since few are quickly answered and
+are mostly enough.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
             )
             text = item.added(clocked="clk" in _inputs(job), reset="rst" in _inputs(job))
             (place / f"{name}.sv").write_text(f"{text}\n", encoding="utf-8")
-            (place / f"{name}.ask").write_text(_questions(item, job.entity), encoding="ascii")
+            for clocks in _depths(item):
+                text = _questions(item, job.entity, clocks)
+                (place / f"{name}.{clocks:03}.ask").write_text(text, encoding="ascii")
             due = ["sat", "unsat", *(["unsat"] if item.induction else [])]
             (place / f"{name}.due").write_text("\n".join([*due, ""]), encoding="ascii")
             written.append((job, item))
@@ -50,13 +53,20 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
     return written
 
 
+def _depths(item: Property) -> list[int]:
+    """Over how many clocks it is asked, until a proof closes."""
+    if not item.induction:
+        return [item.clocks]
+    doubled = (1 << n for n in range(item.induction.bit_length()))
+    return sorted({item.induction, *(n for n in doubled if n < item.induction)})
+
+
 def _inputs(job: Job) -> set[str]:
     return {port.name for port in job.twin.ports if port.direction == "in"}
 
 
-def _questions(item: Property, top: str) -> str:
-    """The questions about a property as SMT-LIB."""
-    last = item.induction or item.clocks
+def _questions(item: Property, top: str, last: int) -> str:
+    """The questions about a property over so many clocks, as SMT-LIB."""
 
     def states(count: int, first: bool) -> list[str]:
         lines = []

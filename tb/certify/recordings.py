@@ -21,9 +21,9 @@ from hdl.export.ports import read_ports
 # Random frames, where no number is given; fewer where a frame takes thousands of clocks.
 RANDOM = 200
 LEAST_RANDOM = 5
-# What a mutant plays first, and alone when it is played again where it was delivered.
+# What a mutant plays: so many frames, and fewer where a frame takes thousands of clocks.
 SHORT = "short"
-SHORT_FRAMES = 12
+SHORT_FRAMES, SHORT_CLOCKS = 12, 20_000
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,10 @@ class PlayedFrames:
         for start in range(0, max(1, len(frames) - past), step):
             yield frames[start : start + step + past]
 
-    def short(self, past: int) -> Codes:
+    def short(self, design: Network) -> Codes:
         """A few frames: recorded ones from all of the recording, and random ones."""
-        count = SHORT_FRAMES // 2
+        count = max(1, min(SHORT_FRAMES, SHORT_CLOCKS // design.interval) // 2)
+        past = design.past
         places = np.linspace(0, len(self.recorded) - 1, count).astype(np.int64)
         found = [self.recorded[:past], self.recorded[places], self.random[:count]]
         return np.concatenate(found)
@@ -84,7 +85,7 @@ def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder
             vectors(name, top, samples, results, design.past, design.image, winners),
             encoding="utf-8",
         )
-    _write_verilog(design, frames.short(design.past), folder / "bench" / SHORT)
+    _write_verilog(design, frames.short(design), folder / "bench" / SHORT)
     exported = folder / "design" / "verilog"
     last = compile_order(exported)[-1]
     ports = read_ports(design, (exported / last).read_text(encoding="utf-8"), "verilog")

@@ -4,6 +4,7 @@ from binascii import crc_hqx
 
 from golden.dense import Quantiser, Trained
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
+from golden.function import Function
 from golden.networks.engine import Engine
 from tb.common.cases import random_mlp, random_network
 
@@ -26,6 +27,18 @@ def networks_of_other_depth(quantiser: Quantiser | None) -> list[Trained]:
         shape = (2 + depth, *(2 + n % 2 for n in range(depth)), 2)
         found.append(random_network(shape, hidden, 1.5, seed=depth, quantiser=quantiser))
     return found
+
+
+def networks_of_other_functions() -> list[Trained]:
+    """Networks whose tables take one block, three, or fewer than three, and one of tanh."""
+    soft, wave = Function("soft", "x / (1 + abs(x))"), Function("wave", "x * (3 - abs(x)) / 8")
+    bent = Function("bent", "x * x / 64 - x / 4")
+    # The last node of a hidden layer has no effect.
+    kinds = ("tanh", "table:wave", "table:bent,wave,wave", "table:soft,bent,bent", "table:bent")
+    return [
+        random_network((3, 3, 2), (kind,), 2.0, seed, functions=(soft, wave, bent))
+        for seed, kind in enumerate(kinds)
+    ]
 
 
 def with_check(sizes: Sizes, sent: bytes) -> bytes:

@@ -18,6 +18,8 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import UARTS, WINNER_UART
 
 CASES = UARTS | {"winner-line": WINNER_UART}
+# Its packets carry the largest output too.
+ALSO = ("winner-line",)
 FAULTS = [
     (r"\(complete \|\| \(waited == \d+\)\)", "(complete)"),
     (r"waited == \d+", "waited == 20"),

@@ -4,8 +4,9 @@ Sweeps: all recorded frames of the scene; corner frames (rails, alternating rail
 at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
 are too short or too long among good frames. If the engine can be reloaded: its own image, images of
 shipped scenes, images with other numbers of samples and, where it has ReLU, images of networks with
-one to four hidden layers; images that are cut, too long, changed in one bit, for other hardware, or
-without an end; wrong images whose check matches, wholly or in part.
+one to four hidden layers; where it has blocks of tables, images of networks with other functions;
+images that are cut, too long, changed in one bit, for other hardware, or without an end; wrong
+images whose check matches, wholly or in part.
 Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
 If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
@@ -27,6 +28,7 @@ from tb.common.bench import Bench, test_of
 from tb.common.framing import random_lengths
 from tb.common.images import fitting_checks, image_for
 from tb.common.images import networks_of_other_depth as other_depths
+from tb.common.images import networks_of_other_functions as other_functions
 from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.network import (
     corners_and_random,
@@ -149,6 +151,23 @@ async def networks_of_other_depth(dut):
         counts = check_loading(bench, recording)
         assert counts == [len(codes)], f"{network.shape}: got {counts} frames"
     bench.finish(at_least=80)
+
+
+@test_of(lambda twin: loaded(twin) and twin.loaded.sizes.table_blocks)
+async def networks_of_other_functions(dut):
+    """Load networks one after the other, each with tables of its own."""
+    bench = Bench(dut)
+    hardware = bench.twin
+    networks = other_functions()
+    for number, network in enumerate(networks):
+        image = hardware.image_for([network])
+        bench.twin = hardware.running(image)
+        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (20, image.inputs))
+        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
+        counts = check_loading(bench, recording)
+        assert counts == [len(codes)], f"network {number}: got {counts} frames"
+    bench.finish(at_least=20 * len(networks))
 
 
 @test_of(loaded)

@@ -17,9 +17,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from golden.activation.activation_block import ActivationBlock
@@ -198,6 +196,10 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
     All schemes are odd, so q starts at 0. In ``thesis`` precision Q is 8: the steps of q are
     2**-10, and q reaches beyond the end of every scheme.
     """
+    # It is imported only here, because every command that measures imports this module.
+    import matplotlib
+    from matplotlib.figure import Figure
+
     # Without a salt, the ids in the file would be random.
     with matplotlib.rc_context({"svg.hashsalt": "tactus", "svg.fonttype": "none"}):
         figure = Figure(figsize=(7, 2.6), layout="constrained")

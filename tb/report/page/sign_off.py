@@ -12,8 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
@@ -34,8 +32,10 @@ def recorded(kind: str, block: str) -> Record:
 
 def mutation(record: Record) -> str:
     """A text on how many mutants the bench detects, and what is known about the others."""
+    possible = record.get("population", record["mutants"])
+    drawn = "" if possible == record["mutants"] else f", of {possible} possible ones,"
     facts = [
-        f"{record['killed']} of {record['mutants']} mutants are detected",
+        f"{record['killed']} of {record['mutants']} mutants{drawn} are detected",
         f"{_are(record['same'])} proved equivalent",
     ]
     undetected = record["survivors"]
@@ -65,6 +65,9 @@ def percent(record: Record) -> str:
         return score
     detected = record["killed"]
     counted = record["mutants"] - record["same"] - record["explained"]
+    # It is imported only here, because that takes half a second.
+    from scipy.stats import binomtest
+
     interval = binomtest(detected, counted).proportion_ci(0.95, "exact")
     return f"{score} ({100 * interval.low:.1f} to {100 * interval.high:.0f} %)"
 

@@ -32,6 +32,7 @@ from tb.common.runner import Job, run_job
 from tb.common.tools import version
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
+from tb.sign_off.mutate.population import population
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import SAME, proved
 from tb.sign_off.mutate.words import describe
@@ -140,7 +141,8 @@ def score(
         trace, played = record_trace(subject)
         patterns = explanations(job.block, job.scene.name)
         state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
-        tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
+        possible = population(job.entity, seed, subject.folder)
+        tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
         if before and before.get("digest") == state:
             found = before
         else:
@@ -158,6 +160,7 @@ def score(
         "seed": seed,
         "clocks": trace.rows,
         "mutants": len(subject.mutants),
+        "population": possible,
         "score": round(found["killed"] / max(1, len(subject.mutants) - found["same"] - excused), 4),
         "explained": excused,
         "survivors": survivors,
