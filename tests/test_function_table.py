@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +32,7 @@ from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.scene.saturation import saturating
+from hdl.synth.cells import synthesise
 from tb.common.cases import random_network, write_scene
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
@@ -187,6 +190,35 @@ def test_one_odd_function_is_the_hardware_of_tanh() -> None:
     assert [e.table_address.base_ports for e in engines] == [(), ()]
     assert len({e.program.words for e in engines}) == 1
     assert Engine.of([network(shape, ("table:gaussian",))], Settings()).names_blocks
+
+
+# What the hidden nodes of the networks look up whose cells the page shows.
+COSTS = {
+    "tanh": "tanh",
+    "gaussian": "table:gaussian",
+    "softsign and sine": "table:softsign,softsign,softsign,sine,sine,sine",
+    "softsign and gaussian": "table:softsign,softsign,softsign,gaussian,gaussian,gaussian",
+    "softsign, sine, gaussian and gelu": "table:softsign,sine,gaussian,gelu,softsign,sine",
+}
+
+
+@pytest.mark.all_only
+@pytest.mark.usefixtures("yosys")
+@pytest.mark.parametrize("row", COSTS)
+def test_the_page_shows_what_tables_cost(tmp_path: Path, row: str) -> None:
+    """Random 4:6:1 networks, mapped to a Virtex-II."""
+    dense = network((4, 6, 1), (COSTS[row],), 1.0)
+    path = write_scene(
+        tmp_path, "own", "exact", [dense], activation="precise", design="engine", functions=SHOWN
+    )
+    kinds = f'hidden = 6\nactivations = ["{COSTS[row]}"]'
+    path.write_text(path.read_text().replace("hidden = 6", kinds))
+    command = [sys.executable, "-m", "hdl.export", str(path), "verilog", "--build", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    found = synthesise(tmp_path / "own" / "verilog", "engine", "xc2v")["engine"]
+    blocks = {1: "one", 2: "two", 3: "three", 6: "six"}[Engine.of([dense]).program.blocks]
+    counts = (found["LUT"], found["flip-flop"], found["block RAM"])
+    assert f"| {row} | {blocks} | {' | '.join(map(str, counts))} |\n" in PAGE
 
 
 def test_functions_of_nodes_that_are_not_built_take_no_memory() -> None:

@@ -201,7 +201,8 @@ ENGINES = {
 SOFT, BELL = Function("soft", "x / (1 + abs(x))"), Function("bell", "1 / (1 + x * x)")
 # Several functions in one memory. The first case has sums that leave the tables, and tanh among
 # them; the second has registers behind the memories, one function, and few segments; the third has
-# no multiplier, and functions for single nodes; into the fourth an image is loaded.
+# no multiplier, and functions for single nodes; the fourth is recorded; into the last an image is
+# loaded.
 TABLES = {
     "tables-engine": replace(
         ENGINE,
@@ -223,6 +224,14 @@ TABLES = {
         activations=("table:bell,soft,bell",),
         functions=(SOFT, BELL),
         hardware='multiplier = "serial"',
+        spread=1.0,
+    ),
+    # A short program, and each weight is one step of it.
+    "small-tables-engine": replace(
+        ENGINE,
+        shapes=[(2, 3, 2)],
+        activations=("table:bell,soft,bell",),
+        functions=(SOFT, BELL),
         spread=1.0,
     ),
     # Each image that is loaded brings tables of its own, in up to three blocks.

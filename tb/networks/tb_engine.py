@@ -43,9 +43,10 @@ from tb.common.stimulus import random_resets, spread
 # Without a multiplier the block of the sum is another one. All other blocks are the same.
 SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
 CASES = RELOADED | ENGINES | LAYERED | TABLES | SERIAL
-# Its program is part of the hardware, and it has a layer of ReLU and one of tanh. What quantised
-# networks add is in round_saturate alone, which has records of these.
-ALSO = ("steep-engine",)
+# Their program is part of the hardware. The first has a layer of ReLU and one of tanh, and steps of
+# the second name the tables of two functions. What quantised networks add is in round_saturate
+# alone, which has records of these.
+ALSO = ("steep-engine", "small-tables-engine")
 FAULTS = [
     (r"first_bit|word\[31\]", "word[30]"),
     (r"out_valid <= .*;", "out_valid <= leaves;"),

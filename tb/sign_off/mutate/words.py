@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
+from typing import Any
 
 from tb.sign_off.mutate.mutants import given
 
@@ -13,7 +15,8 @@ MODES = {"inv": "inverted", "const0": "stuck at 0", "const1": "stuck at 1"}
 def describe(command: str, folder: Path) -> tuple[str, str]:
     """Where a mutant is, as file and line, and what it changes, by the text of the line.
 
-    ``folder`` holds the files of which the mutant was made.
+    ``folder`` holds the files of which the mutant was made. Yosys makes cells of its own, such as
+    the enable of a register; a mutant of one of these is at what its result goes to.
     """
     parts = given(command)
     mode = MODES.get(parts["mode"])
@@ -21,10 +24,39 @@ def describe(command: str, folder: Path) -> tuple[str, str]:
         mode = f"inverted where bit {parts['ctrlbit']} is {parts['mode'][-1]}"
     places = [_place(source, folder) for source in re.findall(r"-src (\S+)", command)]
     # The first place is the declaration of the wire, if it has a name; the next is the expression.
-    where, text = places[min(len(places) - 1, "wire" in parts)] if places else ("", "")
+    if places:
+        where, text = places[min(len(places) - 1, "wire" in parts)]
+    else:
+        where, text = _place(_source_behind(parts, folder), folder)
+        text = f"before {text}"
     wire = f" ({parts['wire']}[{parts['wirebit']}])" if "wire" in parts else ""
     what = f"{text}: {parts['port']}[{parts['portbit']}]{wire} {mode}"
     return where, what.replace("\\", "")
+
+
+def _source_behind(parts: dict[str, str], folder: Path) -> str:
+    """The source of the nearest cell with one that the result of a mutant's cell goes to."""
+    modules = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"]
+    cells = modules[parts["module"]]["cells"]
+    seen, names = set[str](), [parts["cell"].removeprefix("\\")]
+    for name in names:
+        cell = cells[name]
+        if "src" in cell["attributes"]:
+            return str(cell["attributes"]["src"]).split("|")[0]
+        seen.add(name)
+        results = _bits(cell, "output")
+        names += [
+            other
+            for other, there in cells.items()
+            if other not in seen and results & _bits(there, "input")
+        ]
+    raise AssertionError(f"{parts['cell']}: no cell with a source behind it")
+
+
+def _bits(cell: dict[str, Any], direction: str) -> set[int | str]:
+    """The nets at the ports of a cell."""
+    ports = [port for port, to in cell["port_directions"].items() if to == direction]
+    return {bit for port in ports for bit in cell["connections"][port]}
 
 
 def _place(source: str, folder: Path) -> tuple[str, str]:
