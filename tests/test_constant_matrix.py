@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
-from golden.layers.shift_add import Sum
+from golden.layers.shift_add import Operand, Sum
+from golden.layers.three_operands import fused, saving_of
 from golden.signed_digits import signed_digits
 
 pytestmark = pytest.mark.usefixtures("few_runs")
@@ -43,6 +46,7 @@ def matrices(draw: st.DrawFn) -> ConstantMatrix:
         draw(st.integers(0, 8)),
         draw(st.integers(0, 3)),
         draw(st.integers(1, 6)),
+        adder_operands=draw(st.sampled_from([2, 3])),
     )
 
 
@@ -91,8 +95,11 @@ def test_no_number_leaves_its_bounds_and_none_comes_late(matrix: ConstantMatrix)
     assert graph.depth + matrix.saturates <= matrix.latency * matrix.adders_per_clock
     for place, node in enumerate(graph.nodes):
         if isinstance(node, Sum):
-            assert max(node.low, node.high) < place
-            assert graph.step(place).low_cut >= 0
+            assert max(one.node for one in node.operands) < place
+            assert graph.steps(place)[0].move == 0
+            first, cut = node.operands[0].node, graph.steps(place)[0].cut
+            assert graph.passing(place) in (0, graph.beside(place))
+            assert graph.passing(place) <= max(0, graph.widths[first] - cut)
 
 
 @settings(max_examples=30, deadline=None)
@@ -186,6 +193,67 @@ def test_a_graph_is_the_same_every_time() -> None:
     assert matrix.graph == first
 
 
+@settings(max_examples=30, deadline=None)
+@given(matrices())
+def test_three_operands_give_the_same_results_with_fewer_bits(matrix: ConstantMatrix) -> None:
+    graph = replace(matrix, adder_operands=2).graph
+    made = fused(graph)
+    frames = some_frames(matrix).T
+    before, after = graph.numbers(frames), made.numbers(frames)
+    for one, other in zip(graph.rows, made.rows, strict=True):
+        assert (before[one.node] == after[other.node]).all()
+        assert graph.reaches[one.node] == made.reaches[other.node]
+    assert made.adder_bits <= graph.adder_bits
+    assert made.depth <= graph.depth
+    for node in made.nodes:
+        if isinstance(node, Sum):
+            assert len(node.operands) in (2, 3)
+            assert node.operands[0].shift == 0
+            assert any(one.sign > 0 for one in node.operands)
+
+
+@settings(max_examples=30, deadline=None)
+@given(matrices())
+def test_no_other_pairs_of_sums_save_more(matrix: ConstantMatrix) -> None:
+    """Tries every set of sums that are taken in, in a graph with few of them."""
+    graph = replace(matrix, adder_operands=2).graph
+    users = Counter(one.node for n in graph.nodes if isinstance(n, Sum) for one in n.operands)
+    users.update(row.node for row in graph.rows for _ in range(2))
+    pairs = [
+        (place, one.node)
+        for place, node in enumerate(graph.nodes)
+        if isinstance(node, Sum)
+        for one in node.operands
+        if users[one.node] == 1 and isinstance(graph.nodes[one.node], Sum)
+    ]
+    assume(len(pairs) <= 10)
+    least = min(
+        graph.adder_bits - sum(saving_of(graph, *pair) for pair in chosen)
+        for count in range(len(pairs) + 1)
+        for chosen in combinations(pairs, count)
+        if len({place for pair in chosen for place in pair}) == 2 * count
+    )
+    assert fused(graph).adder_bits == least
+
+
+def test_bits_that_an_operand_does_not_have_pass_beside_no_adder() -> None:
+    """A sample of 6 bits and the same 10 places further left."""
+    graph = ConstantMatrix(SAMPLES, WIDE, ((1025,),), (0,), 0, 0, 4).graph
+    assert (graph.beside(1), graph.passing(1)) == (10, 0)
+    graph = ConstantMatrix(SAMPLES, WIDE, ((65,),), (0,), 0, 0, 4).graph
+    assert (graph.beside(1), graph.passing(1)) == (6, 6)
+
+
+def test_a_sum_of_three_counts_as_one_adder() -> None:
+    # 1 + 4 + 16 times a sample.
+    matrix = ConstantMatrix(SAMPLES, WIDE, ((21,),), (0,), 0, 0, 1)
+    three = replace(matrix, adder_operands=3)
+    assert (matrix.graph.depth, three.graph.depth) == (2, 1)
+    assert (matrix.latency, three.latency) == (2, 1)
+    (node,) = (node for node in three.graph.nodes if isinstance(node, Sum))
+    assert node == Sum((Operand(0), Operand(0, 2), Operand(0, 4)))
+
+
 def test_three_times_and_nine_times_share_an_adder() -> None:
     matrix = ConstantMatrix(SAMPLES, WIDE, ((5, 0), (5, 1), (40, 8)), (0, 0, 0), 0, 0, 4)
     # The adders are 5 x and 5 x + z. The eightfold is a shift by wires.
@@ -208,6 +276,7 @@ def test_results_saturate() -> None:
         ({"biases": (1,)}, "got 1 biases"),
         ({"guard": -1}, "got guard=-1, expected 0 or more"),
         ({"adders_per_clock": 0}, "got adders_per_clock=0, expected 1 or more"),
+        ({"adder_operands": 4}, "got adder_operands=4, expected 2 or 3"),
         ({"finishes": (Finish(),)}, "got 1 finishes, expected 2 or none"),
         ({"in_ends": ((0, 1),)}, "got 1 in_ends, expected 2 or none"),
         ({"in_ends": ((0, 1), (3, 2))}, r"got in_ends \(3, 2\), expected codes of Fix\(6,5\)"),

@@ -218,8 +218,8 @@ def test_bits_are_cut_as_the_page_says(adders: AdderGraph) -> None:
             if isinstance(node, Sum):
                 kept = min(asked[place])
                 assert graph.lows[place] == kept
-                asked[node.low].append(kept)
-                asked[node.high].append(max(0, kept - node.shift))
+                for one in node.operands:
+                    asked[one.node].append(max(0, kept - one.shift))
             else:
                 assert graph.lows[place] == 0
 

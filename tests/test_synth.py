@@ -76,6 +76,23 @@ def test_a_multiplier_with_a_register_ends_a_path() -> None:
     assert depth(chain("00000001")) == 1
 
 
+def test_a_lut_of_two_outputs_counts_where_an_output_depends_on_an_input() -> None:
+    """In a sum of three operands what a bit carries does not depend on what is carried into it."""
+
+    def bit(number: int, table: int) -> dict:
+        pins = {"I0": [1], "I3": [9 + number], "O5": [10 + number], "O6": [20 + number]}
+        return {
+            "type": "LUT6_2",
+            "parameters": {"INIT": f"{table:064b}"},
+            "port_directions": {pin: "output" if pin[0] == "O" else "input" for pin in pins},
+            "connections": pins,
+        }
+
+    # O6 is I0 xor I3. O5 is I0, or the same as O6.
+    for table, levels in ((0x55AA55AA_AAAAAAAA, 2), (0x55AA55AA_55AA55AA, 5)):
+        assert depth({"cells": {f"bit {n}": bit(n, table) for n in range(5)}}) == levels
+
+
 def test_a_loop_is_an_error() -> None:
     with pytest.raises(CycleError):
         depth({"cells": {"a": cell("LUT1", [2], 1), "b": cell("LUT1", [1], 2)}})

@@ -70,6 +70,10 @@ class ConstantMatrix(Block):
     in_ends : tuple of tuple of int
         For each sample its least and its largest code; empty for those of ``in_fmt``. No other code
         may come.
+    adder_operands : int
+        The most operands of an adder, 2 or 3. An adder of three needs a LUT for each bit where LUTs
+        have six inputs, and about two where they have four. It counts as one adder in
+        ``adders_per_clock``.
 
     Notes
     -----
@@ -98,6 +102,7 @@ class ConstantMatrix(Block):
     adders_per_clock: int
     finishes: tuple[Finish, ...] = ()
     in_ends: Ends = ()
+    adder_operands: int = 2
 
     def __post_init__(self) -> None:
         if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
@@ -113,6 +118,10 @@ class ConstantMatrix(Block):
         ):
             if value < least:
                 raise InputError(f"{self.entity}: got {name}={value}, expected {least} or more")
+        if self.adder_operands not in (2, 3):
+            raise InputError(
+                f"{self.entity}: got adder_operands={self.adder_operands}, expected 2 or 3"
+            )
         for name, count, expected in (
             ("finishes", len(self.finishes), len(self.weights)),
             ("in_ends", len(self.in_ends), self.inputs),
@@ -164,7 +173,7 @@ class ConstantMatrix(Block):
     def graph(self) -> ShiftAdd:
         """The graph of adders."""
         matrix = Matrix(self.weights, self.biases, self.sample_ends, self.place)
-        return shared(matrix, self.adders_per_clock, self.finish_levels)
+        return shared(matrix, self.adders_per_clock, self.finish_levels, self.adder_operands)
 
     @property
     def row_finishes(self) -> tuple[Finish, ...]:

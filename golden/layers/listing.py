@@ -41,13 +41,14 @@ def _text(graph: ShiftAdd, number: int) -> str:
         return f"in_data_{node.number}"
     if isinstance(node, Constant):
         return str(node.value)
-    step = graph.step(number)
-    low = f"(n{node.low} >> {step.low_cut})" if step.low_cut else f"n{node.low}"
-    high = f"n{node.high}"
-    if step.high_cut:
-        high = f"({high} >> {step.high_cut})"
-    elif step.move:
-        high = f"({high} << {step.move})"
-    if node.low_sign < 0:
-        return f"{high} - {low}"
-    return f"{low} {'+' if node.high_sign > 0 else '-'} {high}"
+    found = []
+    for one, step in zip(node.operands, graph.steps(number), strict=True):
+        text = f"n{one.node}"
+        if step.cut:
+            text = f"({text} >> {step.cut})"
+        elif step.move:
+            text = f"({text} << {step.move})"
+        found.append((one.sign, text))
+    # One that is added comes first.
+    (_, first), *rest = sorted(found, key=lambda item: -item[0])
+    return " ".join([first, *(f"{'+' if sign > 0 else '-'} {text}" for sign, text in rest)])

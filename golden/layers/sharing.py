@@ -21,12 +21,15 @@ from golden.layers.shift_add import (
     Ends,
     Input,
     Node,
+    Operand,
     Row,
     ShiftAdd,
     Sum,
     cut_back,
     sum_ends,
+    weights_of,
 )
+from golden.layers.three_operands import fused
 from golden.signed_digits import signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.
@@ -62,9 +65,8 @@ class Growing:
 
     def sum(self, node: Sum) -> int:
         """Append a sum; returns its index among the nodes."""
-        pairs = zip(self._weights[node.low], self._weights[node.high], strict=True)
-        weights = tuple(node.low_sign * a + node.high_sign * (b << node.shift) for a, b in pairs)
-        return self._append(node, 1 + max(self.levels[node.low], self.levels[node.high]), weights)
+        level = 1 + max(self.levels[one.node] for one in node.operands)
+        return self._append(node, level, weights_of(node, self._weights))
 
     def _append(self, node: Node, level: int, weights: tuple[int, ...]) -> int:
         self.nodes.append(node)
@@ -190,7 +192,8 @@ class Sharing:
 
     def _share(self, pattern: Pattern) -> None:
         low_node, high_node, shift, differ = pattern
-        node = self.graph.sum(Sum(low_node, high_node, shift, 1, -1 if differ else 1))
+        pair = Operand(low_node), Operand(high_node, shift, -1 if differ else 1)
+        node = self.graph.sum(Sum(pair))
         found: set[Pattern] = set()
         for number, low in self._uses(pattern):
             row = self.rows[number]
@@ -233,7 +236,8 @@ def add_up(
             # The sign of a constant can still be chosen freely.
             sign = 1
             low_sign, high_sign = (1, high_sign) if constants[0] else (low_sign, 1)
-        node = graph.sum(Sum(low[0], high[0], shift, low_sign * sign, high_sign * sign))
+        operands = Operand(low[0], 0, low_sign * sign), Operand(high[0], shift, high_sign * sign)
+        node = graph.sum(Sum(operands))
         terms.append(((node, low[1]), sign))
     return terms[0]
 
@@ -273,7 +277,7 @@ class Matrix:
 
 
 @lru_cache(maxsize=64)
-def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
+def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
     """The graph for a matrix with the fewest bits of adders among several runs.
 
     Parameters
@@ -284,7 +288,14 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
         stages, or one more where that saves enough.
     spare : int
         Adders that follow the last adder of a row.
+    operands : int
+        The most operands of an adder, 2 or 3. Sums of three are made of two sums that are chosen
+        first, so the numbers of stages that are tried reach one further.
     """
+
+    def stages(depth: int) -> int:
+        return max(1, -(-(depth + spare) // levels))
+
     digits = [
         {(k, place): sign for k, weight in enumerate(row) for place, sign in signed_digits(weight)}
         for row in matrix.weights
@@ -296,18 +307,25 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
         sharing = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
         sharing.run()
         graph, rows = sharing.graph, sharing.rows
-        clocks, least = max(1, -(-(least_depth(graph, rows) + spare) // levels)), 0
-        while not least or clocks <= least + 1:
+        clocks, least = stages(least_depth(graph, rows)), 0
+        while not least or clocks < least + operands:
             depth = clocks * levels - spare
             made = finished(matrix, graph.copy(), rows, depth)
             if made.depth <= depth:
-                least = least or clocks
-                found[clocks].append((made.adder_bits, run, made))
+                least, before = least or clocks, stages(made.depth)
+                made = fused(made) if operands > 2 else made
+                saved = before - stages(made.depth)
+                found[clocks - saved].append((made.adder_bits, run, made))
             clocks += 1
     least = min(found)
-    bits, _, chosen = min(found[least])
-    more_bits, _, more = min(found[least + 1])
+    bits, _, chosen = min(found[least], key=_cost)
+    more_bits, _, more = min(found.get(least + 1, found[least]), key=_cost)
     return more if more_bits * (PAYS + 1) < bits * PAYS else chosen
+
+
+def _cost(made: tuple[int, int, ShiftAdd]) -> tuple[int, int]:
+    """The bits of a graph's adders, and the run that it comes from."""
+    return made[:2]
 
 
 def least_depth(graph: Growing, rows: Sequence[dict[Term, int]]) -> int:

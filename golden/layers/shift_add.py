@@ -1,14 +1,14 @@
 """Shifted adds: sums of products with constants as a graph of adders, without a multiplier.
 
-A node is an input, a constant, or the sum or difference of two nodes, one of which is shifted left.
-A row, which is one result of a matrix, is a node shifted left, and negated where needed. Each node
-has only the low bits that somebody needs.
+A node is an input, a constant, or a sum of two or three nodes, which may be shifted left or
+subtracted. A row, which is one result of a matrix, is a node shifted left, and negated where
+needed. Each node has only the low bits that somebody needs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from golden.fixed import Codes, signed_width
@@ -32,18 +32,23 @@ class Constant:
 
 
 @dataclass(frozen=True)
-class Sum:
-    """``low + (high << shift)``; the operands are nodes' indices, and one of them may be negated.
+class Operand:
+    """A node, given by its index, shifted left; with a ``sign`` of -1 it is subtracted."""
 
-    It is cheapest to subtract the high operand, because the last bits of the low one then pass
-    unchanged.
+    node: int
+    shift: int = 0
+    sign: int = 1
+
+
+@dataclass(frozen=True)
+class Sum:
+    """The sum of two or three operands, of which at least one is added.
+
+    They are in the order of their shifts, and the first is not shifted. It is cheapest to add the
+    first, because its last bits then pass unchanged.
     """
 
-    low: int
-    high: int
-    shift: int
-    low_sign: int = 1
-    high_sign: int = 1
+    operands: tuple[Operand, ...]
 
 
 Node = Input | Constant | Sum
@@ -60,13 +65,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Alignment:
-    """The operands that the hardware adds: ``low >> low_cut`` and ``(high >> high_cut) << move``.
+    """How the hardware takes an operand: ``(number >> cut) << move``, where one of both is 0."""
 
-    At least one of ``high_cut`` and ``move`` is 0.
-    """
-
-    low_cut: int
-    high_cut: int
+    cut: int
     move: int
 
 
@@ -117,21 +118,33 @@ class ShiftAdd:
         """The number of inputs."""
         return len(self.ends)
 
-    def step(self, place: int) -> Alignment:
-        """How the sum at index ``place`` is formed from the numbers of its operands."""
+    def steps(self, place: int) -> tuple[Alignment, ...]:
+        """How the sum at index ``place`` takes the number of each operand."""
         node = self.nodes[place]
         assert isinstance(node, Sum)
-        low = self.lows[place]
-        move = self.lows[node.high] + node.shift - low
-        return Alignment(low - self.lows[node.low], max(0, -move), max(0, move))
+        return steps_of(node, self.lows, self.lows[place])
+
+    def beside(self, place: int) -> int:
+        """How many last bits of the sum at index ``place`` pass beside its adder."""
+        node = self.nodes[place]
+        assert isinstance(node, Sum)
+        return beside(node, self.steps(place))
+
+    def passing(self, place: int) -> int:
+        """As ``beside``, but 0 if the first operand is a constant or does not have these bits."""
+        node = self.nodes[place]
+        assert isinstance(node, Sum)
+        first, count = node.operands[0].node, self.beside(place)
+        there = self.widths[first] - self.steps(place)[0].cut
+        return 0 if isinstance(self.nodes[first], Constant) or count > there else count
 
     @cached_property
     def levels(self) -> tuple[int, ...]:
         """For each node the number of adders on the longest path from an input."""
         found: list[int] = []
         for node in self.nodes:
-            operands = (node.low, node.high) if isinstance(node, Sum) else ()
-            found.append(1 + max(found[place] for place in operands) if operands else 0)
+            operands = node.operands if isinstance(node, Sum) else ()
+            found.append(1 + max(found[one.node] for one in operands) if operands else 0)
         return tuple(found)
 
     @property
@@ -150,10 +163,7 @@ class ShiftAdd:
             elif isinstance(node, Constant):
                 found.append((0,) * inputs + (node.value,))
             else:
-                pairs = zip(found[node.low], found[node.high], strict=True)
-                found.append(
-                    tuple(node.low_sign * a + node.high_sign * (b << node.shift) for a, b in pairs)
-                )
+                found.append(weights_of(node, found))
         return tuple(found)
 
     @cached_property
@@ -168,14 +178,10 @@ class ShiftAdd:
         return tuple(found)
 
     def _with_errors(self, exact: Reach, place: int, node: Sum, found: list[Reach]) -> Reach:
-        step = self.step(place)
         below = above = twice = 0
-        for operand, shift, cut, sign in (
-            (node.low, 0, step.low_cut, node.low_sign),
-            (node.high, node.shift, step.high_cut, node.high_sign),
-        ):
-            reach = found[operand]
-            dropped = ((1 << cut) - 1) << (self.lows[operand] + shift)
+        for one, step in zip(node.operands, self.steps(place), strict=True):
+            reach, shift, sign = found[one.node], one.shift, one.sign
+            dropped = ((1 << step.cut) - 1) << (self.lows[one.node] + shift)
             ends = (sign * ((reach.below << shift) - dropped), sign * (reach.above << shift))
             below, above = below + min(ends), above + max(ends)
             twice += sign * ((reach.twice_mean << shift) - dropped)
@@ -194,14 +200,14 @@ class ShiftAdd:
         """Bits of the number at each node."""
         return tuple(signed_width(ends) for ends in self.bounds)
 
+    def bits(self, place: int) -> int:
+        """Bits of the adder of a sum. Low bits where only one operand has bits need none."""
+        return max(0, self.widths[place] - self.beside(place))
+
     @property
     def adder_bits(self) -> int:
-        """Bits of all adders. Low bits where only one operand has bits need no adder."""
-        return sum(
-            max(0, self.widths[place] - (self.step(place).move if node.low_sign > 0 else 0))
-            for place, node in enumerate(self.nodes)
-            if isinstance(node, Sum)
-        )
+        """Bits of all adders."""
+        return sum(self.bits(p) for p, node in enumerate(self.nodes) if isinstance(node, Sum))
 
     def numbers(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
         """The number at each node for given inputs, which are arrays or Python's integers."""
@@ -212,11 +218,29 @@ class ShiftAdd:
             elif isinstance(node, Constant):
                 found.append(samples[0] * 0 + node.value)
             else:
-                step = self.step(place)
-                low = found[node.low] >> step.low_cut
-                high = (found[node.high] >> step.high_cut) << step.move
-                found.append(node.low_sign * low + node.high_sign * high)
+                total = samples[0] * 0
+                for one, step in zip(node.operands, self.steps(place), strict=True):
+                    total = total + one.sign * ((found[one.node] >> step.cut) << step.move)
+                found.append(total)
         return found
+
+
+def steps_of(node: Sum, lows: Sequence[int], low: int) -> tuple[Alignment, ...]:
+    """How a sum that keeps the places from ``low`` on takes each operand; the first never moves."""
+    moves = [lows[one.node] + one.shift - low for one in node.operands]
+    return tuple(Alignment(max(0, -move), max(0, move)) for move in moves)
+
+
+def beside(node: Sum, steps: Sequence[Alignment]) -> int:
+    """How many last bits of the first operand pass beside the adder of a sum unchanged."""
+    return min(step.move for step in steps[1:]) if node.operands[0].sign > 0 else 0
+
+
+def weights_of(node: Sum, known: Sequence[tuple[int, ...]]) -> tuple[int, ...]:
+    """The factors of a sum, from those of each node; see ``ShiftAdd.weights``."""
+    columns = zip(*(known[one.node] for one in node.operands), strict=True)
+    scales = [one.sign * (1 << one.shift) for one in node.operands]
+    return tuple(sum(s * w for s, w in zip(scales, column, strict=True)) for column in columns)
 
 
 def sum_ends(weights: Sequence[int], start: int, ends: Ends) -> tuple[int, int]:
@@ -246,21 +270,29 @@ def cut_back(ends: Ends, nodes: Sequence[Node], rows: Sequence[Row], least: int)
     for place in range(len(nodes) - 1, -1, -1):
         node, at = nodes[place], needed[place]
         if isinstance(node, Sum) and at is not None:
-            need(node.low, at)
-            need(node.high, at - node.shift)
+            for one in node.operands:
+                need(one.node, at - one.shift)
     # Inputs and constants keep all bits, because their unused bits cost no wires.
     kept = [n for n, node in enumerate(nodes) if needed[n] is not None or isinstance(node, Input)]
+    lows = [(needed[n] or 0) if isinstance(node, Sum) else 0 for n, node in enumerate(nodes)]
+    return renumbered(ends, nodes, lows, rows, kept)
+
+
+def renumbered(
+    ends: Ends, nodes: Sequence[Node], lows: Sequence[int], rows: Sequence[Row], kept: Sequence[int]
+) -> ShiftAdd:
+    """The graph of those nodes alone whose indices are ``kept``."""
     places = {n: place for place, n in enumerate(kept)}
 
     def moved(node: Node) -> Node:
         if isinstance(node, Sum):
-            return replace(node, low=places[node.low], high=places[node.high])
+            return Sum(tuple(Operand(places[o.node], o.shift, o.sign) for o in node.operands))
         return node
 
     return ShiftAdd(
         ends,
         tuple(moved(nodes[n]) for n in kept),
-        tuple((needed[n] or 0) if isinstance(nodes[n], Sum) else 0 for n in kept),
+        tuple(lows[n] for n in kept),
         tuple(Row(places[row.node], row.shift, row.minus) for row in rows),
     )
 

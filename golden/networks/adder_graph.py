@@ -37,8 +37,9 @@ from golden.networks.whole_layers import (
 from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
-# The most adders between two registers, where a scene does not set it.
-ADDERS_PER_CLOCK = 5
+# The options of a scene that does not set them: the most adders between two registers, and the most
+# operands of an adder.
+OPTIONS = {"adders_per_clock": 5, "adder_operands": 2}
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class AdderGraph(Design):
     precisions = (EXACT.name,)
     known_activations = ("bipartite",)
     half_codes = decides_itself = True
-    options = ("adders_per_clock",)
+    options = tuple(OPTIONS)
     stream = "words"
     layers: tuple[ConstantMatrix, ...]
     activations: tuple[tuple[Bipartite, ...], ...]
@@ -104,9 +105,10 @@ class AdderGraph(Design):
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        options: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
+        options: dict[str, Any] = {**OPTIONS, **settings.options}
         chosen = Chosen(
             options["adders_per_clock"],
+            options["adder_operands"],
             str(settings.activation_options.get("memory", MEMORY)),
             f"{variant}_" if variant else "",
         )
@@ -141,6 +143,7 @@ class AdderGraph(Design):
             shift,
             GUARD[0],
             chosen.adders_per_clock,
+            adder_operands=chosen.adder_operands,
             variant=f"{chosen.prefix}hidden",
         )
         # The bias makes up for half a step of each r, and rounds the output with half a step of its
@@ -158,6 +161,7 @@ class AdderGraph(Design):
             shift,
             GUARD[1],
             chosen.adders_per_clock,
+            adder_operands=chosen.adder_operands,
             variant=f"{chosen.prefix}outputs",
         )
         activations = tabled(list(map(_halved, constants.activations)), hidden.result_widths)

@@ -43,6 +43,8 @@ class Chosen:
     ----------
     adders_per_clock : int
         The most adders between two registers.
+    adder_operands : int
+        The most operands of an adder; see ``ConstantMatrix``.
     memory : str
         Where the tables of tanh are stored; see ``Bipartite``.
     prefix : str
@@ -50,6 +52,7 @@ class Chosen:
     """
 
     adders_per_clock: int
+    adder_operands: int
     memory: str
     prefix: str = ""
 
@@ -316,6 +319,7 @@ class _Step:
             self.chosen.adders_per_clock,
             finishes if any(finish != Finish() for finish in finishes) else (),
             () if whole else ends,
+            self.chosen.adder_operands,
             variant=variant,
         )
 

@@ -139,6 +139,14 @@ HARDWARE = KeyTable(
             "registers. Fewer adders make the clock faster and the latency longer.",
             "5",
         ),
+        "adder_operands": Key(
+            Whole(absent=True),
+            0,
+            "Only for `adder_graph`. How many numbers an adder adds, 2 or 3. With 3 the hardware "
+            "is smaller where LUTs have six inputs, as in Series 7 and UltraScale, and larger "
+            "where they have four.",
+            "2",
+        ),
     },
     name="a section",
 )

@@ -1,7 +1,11 @@
 """constant_matrix: all sums of a layer as one graph of shifts and adds, without a multiplier."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from myhdl import Signal, always, always_comb, block, concat, intbv, modbv
 
@@ -14,6 +18,9 @@ from hdl.common.delay import delay
 # costs nothing and changes nothing. Otherwise Yosys would merge it and the sum that uses it into a
 # carry-save adder, which takes a third more LUTs. Yosys does not do so where bits pass beside the
 # adder.
+#
+# Three operands are added one behind the other, with nothing between, so that a tool for LUTs of
+# six inputs makes one adder of them.
 
 
 def wrapping(width: int):
@@ -23,12 +30,12 @@ def wrapping(width: int):
 
 
 @block
-def add(low, high, total, *, step: Alignment):
+def add(low, high, total, *, low_cut: int, high_cut: int, move: int):
     """``total`` is the sum of two numbers.
 
     Each of them is cut first: it loses its last bits. Then ``high`` is moved left.
     """
-    low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
+    count = len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
     @always_comb
@@ -49,9 +56,9 @@ def add(low, high, total, *, step: Alignment):
 
 
 @block
-def subtract(low, high, total, *, step: Alignment, reverse: bool):
+def subtract(low, high, total, *, low_cut: int, high_cut: int, move: int, reverse: bool):
     """``low`` minus ``high``, or with ``reverse`` the opposite; both are taken as in ``add``."""
-    low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
+    count = len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
     if reverse:
@@ -89,13 +96,12 @@ def subtract(low, high, total, *, step: Alignment, reverse: bool):
 
 
 @block
-def add_above(low, high, total, *, step: Alignment, minus: bool):
+def add_above(low, high, total, *, low_cut: int, move: int, minus: bool):
     """``low`` plus or minus ``high``, where ``high`` is moved beyond the last bits of ``low``.
 
     So these bits of ``low`` are the last bits of the result, and pass beside the adder.
     """
-    end = step.low_cut
-    start, count = end + step.move, len(total) - step.move
+    end, start, count = low_cut, low_cut + move, len(total) - move
     half = 1 << max(len(low), len(high), count)
 
     if minus:
@@ -157,6 +163,166 @@ def add_constant(number, total, *, value: int, cut: int, move: int, minus: bool)
             turned[:] = ~turned
             result[:] = ~turned
             total.next = result[count:].signed()
+
+    return join
+
+
+@block
+def add_three(first, second, third, total, *, steps: tuple[Alignment, ...], minus: int):
+    """The sum of three numbers, of which the last ``minus`` are subtracted, at most two.
+
+    Each of them is cut and then moved left.
+    """
+    cut_1, cut_2, cut_3 = (step.cut for step in steps)
+    move_1, move_2, move_3 = (step.move for step in steps)
+    count = len(total)
+    pairs = zip((first, second, third), steps, strict=True)
+    half = 2 << max(count, *(len(number) + step.move for number, step in pairs))
+
+    if minus == 2:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            more = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            more[:] = third >> cut_3
+            more[:] = more << move_3
+            turned[:] = one - other
+            turned[:] = turned - more
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    elif minus == 1:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            more = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            more[:] = third >> cut_3
+            more[:] = more << move_3
+            turned[:] = one + other
+            turned[:] = turned - more
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    else:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            more = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            more[:] = third >> cut_3
+            more[:] = more << move_3
+            turned[:] = one + other
+            turned[:] = turned + more
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    return join
+
+
+@block
+def add_two_and_constant(
+    first, second, total, *, value: int, steps: tuple[Alignment, ...], minus: int
+):
+    """A constant and two numbers, of which the last ``minus`` are subtracted; see ``add_three``."""
+    cut_1, cut_2 = (step.cut for step in steps)
+    move_1, move_2 = (step.move for step in steps)
+    count = len(total)
+    pairs = zip((first, second), steps, strict=True)
+    bits = max(count, *(len(number) + step.move for number, step in pairs))
+    half = 2 << max(bits, abs(value).bit_length() + 1)
+    # The negative of a number is its inverse plus 1. So if both are subtracted, the sum of all
+    # three negatives less 1 is inverted once.
+    start = -value - 1 if minus == 2 else value
+
+    if minus == 2:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            turned[:] = start + one
+            turned[:] = turned + other
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    elif minus == 1:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            turned[:] = start + one
+            turned[:] = turned - other
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    else:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = first >> cut_1
+            one[:] = one << move_1
+            other[:] = second >> cut_2
+            other[:] = other << move_2
+            turned[:] = start + one
+            turned[:] = turned + other
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    return join
+
+
+@block
+def append(number, above, total, *, start: int, end: int):
+    """``total`` is ``above``, and behind it the bits of ``number`` from ``start`` to ``end``."""
+
+    @always_comb
+    def join():
+        total.next = concat(above, number[end:start]).signed()
 
     return join
 
@@ -290,6 +456,20 @@ def constant(clk, number, *, value: int):
     return hold
 
 
+@dataclass(frozen=True)
+class Term:
+    """A signal that is an operand of a sum, how the sum takes it, and its sign."""
+
+    number: Any
+    step: Alignment
+    sign: int
+
+    def without(self, bits: int) -> Term:
+        """The same without so many last bits of what the sum takes."""
+        move = self.step.move - bits
+        return replace(self, step=Alignment(self.step.cut + max(0, -move), max(0, move)))
+
+
 class Numbers:
     """The number at each node of the graph in any clock, and the hardware that brings it there."""
 
@@ -306,7 +486,7 @@ class Numbers:
                 self._there[place, 0] = in_data[node.number]
             elif isinstance(node, Sum):
                 total = wrapping(self.graph.widths[place])
-                self.parts.append(self._sum(place, node, total))
+                self._sum(place, node, total)
                 self._there[place, self.clocks[place]] = total
 
     def at(self, place: int, clock: int):
@@ -318,33 +498,59 @@ class Numbers:
             self._there[place, clock] = late
         return self._there[place, clock]
 
-    def _sum(self, place: int, node: Sum, total) -> Callable:
-        step, clock = self.graph.step(place), self.clocks[place]
-        operands = [
-            (node.low, step.low_cut, 0, node.low_sign),
-            (node.high, step.high_cut, step.move, node.high_sign),
+    def _sum(self, place: int, node: Sum, total) -> None:
+        """Make the number at a sum."""
+        steps, clock = self.graph.steps(place), self.clocks[place]
+        nodes = [self.graph.nodes[one.node] for one in node.operands]
+        values = [
+            one.sign * (known.value >> step.cut << step.move) if isinstance(known, Constant) else 0
+            for one, known, step in zip(node.operands, nodes, steps, strict=True)
         ]
-        constants = [isinstance(self.graph.nodes[operand[0]], Constant) for operand in operands]
-        if any(constants):
-            number, cut, move, sign = operands[constants.index(False)]
-            constant, constant_cut, constant_move, constant_sign = operands[constants.index(True)]
-            value = self.graph.nodes[constant].value >> constant_cut << constant_move
-            return partial(
-                add_constant,
-                self.at(number, clock),
-                total,
-                value=constant_sign * value,
-                cut=cut,
-                move=move,
-                minus=sign < 0,
-            )
-        pair = self.at(node.low, clock), self.at(node.high, clock)
-        minus = node.low_sign != node.high_sign
-        if step.move and node.low_sign > 0:
-            return partial(add_above, *pair, total, step=step, minus=minus)
-        if minus:
-            return partial(subtract, *pair, total, step=step, reverse=node.low_sign < 0)
-        return partial(add, *pair, total, step=step)
+        terms = [
+            Term(self.at(one.node, clock), step, one.sign)
+            for one, known, step in zip(node.operands, nodes, steps, strict=True)
+            if not isinstance(known, Constant)
+        ]
+        if len(nodes) > 2:
+            self._three(terms, sum(values), self.graph.passing(place), total)
+        elif len(terms) < 2:
+            (term,) = terms
+            cut, move = term.step.cut, term.step.move
+            make = partial(add_constant, value=sum(values), cut=cut, move=move)
+            self.parts.append(partial(make, term.number, total, minus=term.sign < 0))
+        else:
+            self._two(terms, self.graph.passing(place), total)
+
+    def _two(self, terms: list[Term], passing: int, total) -> None:
+        low, high = terms
+        minus, move = low.sign != high.sign, high.step.move
+        cuts = {"low_cut": low.step.cut, "high_cut": high.step.cut}
+        if passing:
+            make = partial(add_above, low_cut=low.step.cut, move=move, minus=minus)
+        elif minus:
+            make = partial(subtract, **cuts, move=move, reverse=low.sign < 0)
+        else:
+            make = partial(add, **cuts, move=move)
+        self.parts.append(partial(make, low.number, high.number, total))
+
+    def _three(self, terms: list[Term], value: int, passing: int, total) -> None:
+        """The sum of three numbers, or of two numbers and a constant."""
+        first = terms[0]
+        above = wrapping(len(total) - passing) if passing else total
+        # Those that are subtracted come last.
+        ordered = sorted((term.without(passing) for term in terms), key=lambda term: -term.sign)
+        make = partial(
+            add_two_and_constant if len(terms) < 3 else add_three,
+            *(term.number for term in ordered),
+            above,
+            steps=tuple(term.step for term in ordered),
+            minus=sum(term.sign < 0 for term in ordered),
+        )
+        self.parts.append(partial(make, value=value >> passing) if len(terms) < 3 else make)
+        if passing:
+            start = first.step.cut
+            bits = partial(append, start=start, end=start + passing)
+            self.parts.append(partial(bits, first.number, above, total))
 
     def finish(self, row: Row, kind: Finish, result) -> None:
         """Make the result of a row, one clock after the last clock of the graph."""

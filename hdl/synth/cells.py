@@ -9,6 +9,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from hdl.synth.netlist import LATCHES, count, depth, total
+from hdl.synth.three_operands import write_map
 from hdl.synth.tools import run_tool, stored
 
 # The families by Yosys' names, and what they are.
@@ -31,7 +32,9 @@ MENDED = "; ".join(
         NARROW,
         f"{XILINX} -run map_dsp:coarse",
         DRIVEN,
-        f"{XILINX} -run coarse:",
+        f"{XILINX} -run coarse:map_memory",
+        "{three_operands}",
+        f"{XILINX} -run map_memory:",
     ]
 )
 SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}
@@ -106,12 +109,13 @@ def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:
 
 
 def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]]:
+    script = SYNTHESISE[family].format(family=family, top=top, three_operands=write_map(folder))
     run_tool(
         "yosys",
         [
             "-q",
             "-p",
-            f"read_verilog *.v; {SYNTHESISE[family].format(family=family, top=top)}; "
+            f"read_verilog *.v; {script}; "
             "tee -q -o stat.json stat -json; write_json -noscopeinfo hierarchy.json; "
             "write_rtlil mapped.il",
         ],

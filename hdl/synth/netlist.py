@@ -66,7 +66,12 @@ def depth(module: dict[str, Any]) -> int:
     graphlib.CycleError
         For a loop without a register.
     """
-    cells = {name: c for name, c in module["cells"].items() if not clocked(c)}
+    cells: dict[str, dict[str, Any]] = {}
+    for name, cell in module["cells"].items():
+        if cell["type"] == "LUT6_2":
+            cells |= {f"{name} {port}": half for port, half in _halves(cell).items()}
+        elif not clocked(cell):
+            cells[name] = cell
     driver = {bit: name for name, cell in cells.items() for bit in _bits(cell, "output")}
     before = {
         name: {driver[bit] for bit in _bits(cell, "input") if bit in driver}
@@ -77,6 +82,24 @@ def depth(module: dict[str, Any]) -> int:
         own = int(cells[name]["type"].startswith(LEVELS))
         level[name] = own + max((level[other] for other in before[name]), default=0)
     return max(level.values(), default=0)
+
+
+def _halves(cell: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """A LUT of two outputs as one of each output, with those inputs alone on which it depends."""
+    init, pins = int(cell["parameters"]["INIT"], 2), {f"I{n}": 1 << n for n in range(6)}
+    found = {}
+    for port, entries in (("O6", range(64)), ("O5", range(32))):
+        table = [init >> entry & 1 for entry in entries]
+        used = {
+            pin
+            for pin, step in pins.items()
+            if step < len(table) and any(table[n] != table[n ^ step] for n in entries)
+        }
+        connections = {
+            pin: bits for pin, bits in cell["connections"].items() if pin in used or pin == port
+        }
+        found[port] = {**cell, "connections": connections}
+    return found
 
 
 def _bits(cell: dict[str, Any], direction: str) -> Iterator[Any]:

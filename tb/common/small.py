@@ -41,7 +41,7 @@ PARALLEL = {
 }
 
 # These have sums that leave their formats, one sensor, few levels of adders between registers, rows
-# without a weight, an odd number of hidden nodes, and tables in LUTs.
+# without a weight, an odd number of hidden nodes, tables in LUTs, and adders of three operands.
 ADDER_GRAPH = Case([(3, 4, 3)], "exact", activation="bipartite", design="adder_graph", seed=2)
 ADDER_GRAPHS = {
     "rails-graph": replace(ADDER_GRAPH, spread=20.0),
@@ -51,6 +51,9 @@ ADDER_GRAPHS = {
         ADDER_GRAPH, shapes=[(2, 3, 2)], spread=100.0, hardware="adders_per_clock = 1"
     ),
     "logic-graph": replace(ADDER_GRAPH, options='{ memory = "logic" }'),
+    "operands-graph": replace(
+        ADDER_GRAPH, shapes=[(3, 4, 2)], spread=20.0, hardware="adder_operands = 3"
+    ),
     "three-graph": replace(
         ADDER_GRAPH, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple"
     ),

@@ -31,9 +31,9 @@ class Signals:
             if isinstance(node, Input):
                 self.there[place, 0] = f"in_data_{node.number}"
             elif isinstance(node, Sum):
-                for operand in (node.low, node.high):
-                    self.at(operand, clock)
-                self.there[place, clock] = self._name(self._kind(place, node), "total")
+                for one in node.operands:
+                    self.at(one.node, clock)
+                self.there[place, clock] = self._total(place, node)
         self.results = [self._row(row.node, twin.latency - 1) for row in self.graph.rows]
 
     def at(self, place, clock):
@@ -54,12 +54,17 @@ class Signals:
         self.constants[signal] = node.value
         return signal
 
-    def _kind(self, place, node):
-        if any(isinstance(self.graph.nodes[n], Constant) for n in (node.low, node.high)):
-            return "add_constant"
-        if self.graph.step(place).move and node.low_sign > 0:
-            return "add_above"
-        return "add" if node.low_sign == node.high_sign else "subtract"
+    def _total(self, place, node):
+        first, *others = node.operands
+        constants = [isinstance(self.graph.nodes[one.node], Constant) for one in node.operands]
+        if others[1:]:
+            total = self._name("add_two_and_constant" if any(constants) else "add_three", "total")
+            return self._name("append", "total") if self.graph.passing(place) else total
+        if any(constants):
+            return self._name("add_constant", "total")
+        if self.graph.passing(place):
+            return self._name("add_above", "total")
+        return self._name("add" if first.sign == others[0].sign else "subtract", "total")
 
     def _name(self, kind, signal):
         self.made[kind] = self.made.get(kind, -1) + 1
@@ -71,16 +76,18 @@ def apart(graph):
     lists = {}
     for place, node in enumerate(graph.nodes):
         if isinstance(node, Sum):
-            taken = {lists.get(node.low), lists.get(node.high)}
-            lists[place] = next(n for n in range(3) if n not in taken)
+            taken = {lists.get(one.node) for one in node.operands}
+            lists[place] = next(n for n in range(4) if n not in taken)
     return [[p for p, n in lists.items() if n == number] for number in sorted(set(lists.values()))]
 
 
 def wrong(twin, signals, places):
     """Copies in which the largest possible sum is inverted, or has two bits fewer."""
     reaches = twin.graph.reaches
-    largest = max(places, key=lambda place: reaches[place].most - reaches[place].least)
-    total = signals.there[largest, twin.clocks[largest]]
+    totals = {place: signals.there[place, twin.clocks[place]] for place in places}
+    whole = [place for place, total in totals.items() if not total.startswith("append")]
+    largest = max(whole, key=lambda place: reaches[place].most - reaches[place].least)
+    total = totals[largest]
     return (
         (rf"({total} =) (\$signed\(\{{?result)", r"\1 ~\2"),
         (rf"({total} = \$signed\(\{{?result\[\d+)-1", r"\1-3"),
@@ -107,10 +114,8 @@ def sums(twin, signals, places, number):
     for place in places:
         node, clock = graph.nodes[place], twin.clocks[place]
         given, exact = [], word(0)
-        for operand, shift, sign in (
-            (node.low, 0, node.low_sign),
-            (node.high, node.shift, node.high_sign),
-        ):
+        for one in node.operands:
+            operand, shift, sign = one.node, one.shift, one.sign
             if isinstance(graph.nodes[operand], Constant):
                 value = word(graph.nodes[operand].value)
             else:
@@ -126,8 +131,8 @@ def sums(twin, signals, places, number):
         own = right(place, signals.there[place, clock], f"exact_{place}")
         states.append(f"!({' && '.join(given)}) || ({own})")
     own = {signals.there[place, twin.clocks[place]] for place in places}
-    # The last bits of an add_above are those of its operand, so freeing it would free them too.
-    kept = ("in_data", "add_above")
+    # The last bits of these are those of their operands, so freeing one would free them too.
+    kept = ("in_data", "add_above", "append")
     return Property(
         name=f"sums {number}",
         sentence=f"Each of {len(places)} sums differs from the exact sum of products that it "
