@@ -27,7 +27,7 @@ def picture_file(name: str) -> Path:
     if path.suffix != ".png" or not path.parent.is_dir():
         raise InputError(f"PICTURE={name}: expected a file that ends in .png, in a folder")
     if not shutil.which(BROWSER):
-        raise InputError(f"PICTURE={name}: {BROWSER} is not installed; run: make browser")
+        raise InputError(f"PICTURE={name}: Debian's package {BROWSER} is not installed")
     return path
 
 
