@@ -15,9 +15,12 @@ from shared import Shared
 
 from golden.block import walk
 from golden.fingerprint import ROOT
+from golden.fixed import Fix
 from golden.input_error import InputError, MissingFileError
+from golden.layers.constant_matrix import ConstantMatrix
 from golden.scene import load_scene, scene_names
 from hdl.synth.absorb import absorb
+from hdl.synth.activations import cells
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
 from hdl.synth.cells import (
     DEPTH,
@@ -248,6 +251,15 @@ def test_a_latch_is_an_error(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match="keeps, xc2v: got a latch"):
         synthesise(tmp_path, "keeps", "xc2v")
+
+
+@pytest.mark.usefixtures("yosys")
+def test_a_sum_of_three_operands_takes_a_lut_for_each_bit() -> None:
+    sample = Fix(14, 13)
+    matrix = ConstantMatrix(sample, Fix(16, 13), ((1, 1, 1),), (0,), 0, 0, 1, adder_operands=3)
+    found = cells(matrix, "xc7")
+    # The sum has 16 bits. Two sums of two operands would have 15 and 16. The rest is for valid.
+    assert 16 <= found["LUT"] <= 20
 
 
 def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:

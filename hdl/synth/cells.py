@@ -33,8 +33,7 @@ MENDED = "; ".join(
         f"{XILINX} -run map_dsp:coarse",
         DRIVEN,
         f"{XILINX} -run coarse:map_memory",
-        "{three_operands}",
-        f"{XILINX} -run map_memory:",
+        f"{{three_operands}}{XILINX} -run map_memory:",
     ]
 )
 SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}

@@ -6,9 +6,12 @@ make one adder of it where LUTs have six inputs. The map does the same with the 
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 _FILE = "three_operands.map"
+# The names of the processes in which ``constant_matrix`` adds three operands.
+_SUM = re.compile(r"begin: (add_three|add_two_and_constant)\d")
 # ``$macc_v2`` is Yosys' sum of any number of products and operands. The LUT adds three bits, and
 # its second output is what they carry, which the LUT and the chain of the next bit take. The bits
 # of an operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain
@@ -91,6 +94,12 @@ endmodule
 
 
 def write_map(folder: Path) -> str:
-    """Write the map into a folder of Verilog; returns the command that applies it there."""
+    """Write the map into a folder of Verilog; returns the command of Yosys that applies it there.
+
+    Without a sum of three operands there is no command. Any command more changes the names that
+    Yosys makes up, and with them by some LUTs what it makes of the rest.
+    """
+    if not any(_SUM.search(file.read_text(encoding="utf-8")) for file in folder.glob("*.v")):
+        return ""
     (folder / _FILE).write_text(_MAP, encoding="utf-8")
-    return f"techmap -map {_FILE}"
+    return f"techmap -map {_FILE}; "
