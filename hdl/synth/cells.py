@@ -26,6 +26,8 @@ XILINX = "synth_xilinx -family {family} -noiopad -noclkbuf -top {top}"
 # checked on a copy of the netlist, without the bits of registers that nothing reads.
 NARROW = "wreduce t:$dff"
 DRIVEN = "design -push-copy; simplemap t:$dff; opt_clean; check -assert; design -pop"
+# Sums of three operands are mapped before this.
+MAPPED = f"{XILINX} -run map_memory:"
 MENDED = "; ".join(
     [
         f"{XILINX} -run :map_dsp",
@@ -33,7 +35,7 @@ MENDED = "; ".join(
         f"{XILINX} -run map_dsp:coarse",
         DRIVEN,
         f"{XILINX} -run coarse:map_memory",
-        f"{{three_operands}}{XILINX} -run map_memory:",
+        MAPPED,
     ]
 )
 SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}
@@ -108,7 +110,8 @@ def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:
 
 
 def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]]:
-    script = SYNTHESISE[family].format(family=family, top=top, three_operands=write_map(folder))
+    script = SYNTHESISE[family].replace(MAPPED, f"{write_map(folder)}{MAPPED}")
+    script = script.format(family=family, top=top)
     run_tool(
         "yosys",
         [
