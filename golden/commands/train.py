@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -53,12 +53,12 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     refused = 0
     member = task.scene.members[task.number]
     name = task.scene.classes or ", ".join(member.outputs)
-    if has_layers(task.scene):
-        total = len(layer_training.candidates(task))
-        results: Iterator[Result] = layer_training.search(task, workers)
-    else:
-        total, results = len(candidates(task)), search(task, record, workers)
-    with Progress(name, total, "candidates") as progress:
+    results: Iterator[Result] = (
+        layer_training.search(task, workers)
+        if has_layers(task.scene)
+        else search(task, record, workers)
+    )
+    with Progress(name, len(tried(task)), "candidates") as progress:
         for result in results:
             refused += bool(result.refused)
             if not result.refused and (best is None or result.rank < best.rank):
@@ -109,6 +109,11 @@ def has_layers(scene: Scene) -> bool:
     return bool(scene.labels or scene.members[0].layers or scene.training.layers)
 
 
+def tried(task: Task) -> Sequence[tuple[Any, int]]:
+    """The hidden nodes, or those of each layer, and the number of the start of every candidate."""
+    return layer_training.candidates(task) if has_layers(task.scene) else candidates(task)
+
+
 def check_layers(scene: Scene) -> None:
     """Refuse activations of layers whose nodes nobody names.
 
@@ -150,12 +155,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        if isinstance(best, LayersResult):
-            total = len(layer_training.candidates(task))
-            stages.add(best.layers, best.restart)
-        else:
-            total = len(candidates(task))
-            stages.add(best.hidden, best.restart)
+        hidden = best.layers if isinstance(best, LayersResult) else best.hidden
+        stages.add(hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
         errors: dict[str, Any] = {}
@@ -176,7 +177,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "network": ":".join(str(n) for n in stages.written[number].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",
-                "candidates": total,
+                "candidates": len(tried(task)),
                 "candidates_refused": refused,
                 "hidden": searched_text(task),
                 "restarts": settings.restarts,
@@ -212,8 +213,8 @@ def searched_text(task: Task) -> str:
         return f"{low} to {high} layers of {', '.join(map(str, nodes))} {scene.training.activation}"
     if has_layers(scene):
         return scene.members[task.number].text
-    tried = [hidden for hidden, _ in candidates(task)]
-    return f"{tried[0]} to {tried[-1]}"
+    nodes = [hidden for hidden, _ in candidates(task)]
+    return f"{nodes[0]} to {nodes[-1]}"
 
 
 def digits_story(stages: Stages, number: int) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from golden.scene.sections import (
     check_data,
     check_digits,
     check_hardware,
-    check_layers,
+    check_search,
     design_options,
     members,
     training,
@@ -180,7 +180,7 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     if "training" not in wrong:
         with collect_faults(found):
             check_digits(values, path)
-            check_layers(values, path)
+            check_search(values, path)
     with collect_faults(found):
         parts["activation"] = check_activation(hardware, path)
     if "data" not in wrong:

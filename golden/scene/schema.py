@@ -102,6 +102,20 @@ NETWORK = KeyTable(
     },
     name="a section",
 )
+
+
+def _ends(what: str, example: str, least: int, most: int) -> List:
+    """A list of the least and the largest number of something that a search tries."""
+    return List(
+        Whole(Span(least, most)),
+        f"the least and the largest number of {what}, such as {example}, {most} at most",
+        "a list of whole numbers",
+        least=2,
+        most=2,
+        rising=True,
+    )
+
+
 _DISTURBANCE = Number(Span(0, MOST), f"a number from 0 to {MOST:g}")
 _DRIFT = {
     "gain": Key(
@@ -122,29 +136,13 @@ TRAINING = KeyTable(
             "gradient of the thesis.",
         ),
         "hidden": Key(
-            List(
-                Whole(Span(1, MOST_HIDDEN)),
-                "the least and the largest number of hidden nodes, such as [4, 25], "
-                f"{MOST_HIDDEN} at most",
-                "a list of whole numbers",
-                least=2,
-                most=2,
-                rising=True,
-            ),
+            _ends("hidden nodes", "[4, 25]", 1, MOST_HIDDEN),
             [4, 25],
             "The least and the largest number of hidden nodes to search, if `network.hidden` is 0. "
             "With `layers`, these are the nodes of each hidden layer.",
         ),
         "layers": Key(
-            List(
-                Whole(Span(0, MOST_LAYERS)),
-                "the least and the largest number of hidden layers, such as [1, 3], "
-                f"{MOST_LAYERS} at most",
-                "a list of whole numbers",
-                least=2,
-                most=2,
-                rising=True,
-            ),
+            _ends("hidden layers", "[1, 3]", 0, MOST_LAYERS),
             None,
             "The least and the largest number of hidden layers to search. The arrangement must be "
             "`single` and `network.hidden` 0. See [a search for the layers]"

@@ -193,7 +193,7 @@ def training(values: dict[str, Any], path: Path) -> Training:
     return Training(**(kept | read))
 
 
-def check_layers(values: dict[str, dict[str, Any]], path: Path) -> None:
+def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
     """Refuse a search for the hidden layers of a network whose layers are fixed otherwise.
 
     Raises

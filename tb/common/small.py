@@ -199,6 +199,13 @@ ENGINES = {
 # These functions are computed without a library, so that every machine has the same tables. The
 # first is odd, and the second needs words for negative sums too.
 SOFT, BELL = Function("soft", "x / (1 + abs(x))"), Function("bell", "1 / (1 + x * x)")
+SMALL_TABLES = replace(
+    ENGINE,
+    shapes=[(2, 3, 2)],
+    activations=("table:bell,soft,bell",),
+    functions=(SOFT, BELL),
+    spread=1.0,
+)
 # Several functions in one memory. The first case has sums that leave the tables, and tanh among
 # them; the second has registers behind the memories, one function, and few segments; the third has
 # no multiplier, and functions for single nodes; the fourth is recorded; into the last an image is
@@ -227,21 +234,10 @@ TABLES = {
         spread=1.0,
     ),
     # A short program, and each weight is one step of it.
-    "small-tables-engine": replace(
-        ENGINE,
-        shapes=[(2, 3, 2)],
-        activations=("table:bell,soft,bell",),
-        functions=(SOFT, BELL),
-        spread=1.0,
-    ),
+    "small-tables-engine": SMALL_TABLES,
     # Each image that is loaded brings tables of its own, in up to three blocks.
     "tables-reload": replace(
-        ENGINE,
-        shapes=[(2, 3, 1)],
-        activations=("table:bell,soft,bell",),
-        functions=(SOFT, BELL),
-        hardware="reload = true\nprogram_words = 2048",
-        spread=1.0,
+        SMALL_TABLES, shapes=[(2, 3, 1)], hardware="reload = true\nprogram_words = 2048"
     ),
 }
 # Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one

@@ -119,6 +119,16 @@ async def images_one_after_the_other(dut):
     bench.finish(at_least=bench.frames)
 
 
+async def load_and_play(bench, hardware, image, count, what):
+    """Load an image, and check that random frames behind it are those of its network."""
+    bench.twin = hardware.running(image)
+    codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, image.inputs))
+    drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+    recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
+    counts = check_loading(bench, recording)
+    assert counts == [count], f"{what}: got {counts} frames"
+
+
 @test_of(loaded)
 async def other_numbers_of_samples(dut):
     """Load two images; each bit of the number of samples is 1 in one and 0 in the other."""
@@ -128,12 +138,7 @@ async def other_numbers_of_samples(dut):
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
     for less_two in (every_other, sizes.operand_words - 1 - every_other):
         image = image_for(hardware, (less_two + 2, 2, 1), seed=less_two)
-        bench.twin = hardware.running(image)
-        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (8, less_two + 2))
-        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
-        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
-        counts = check_loading(bench, recording)
-        assert counts == [len(codes)], f"{less_two + 2} samples: got {counts} frames"
+        await load_and_play(bench, hardware, image, 8, f"{image.inputs} samples")
     bench.finish(at_least=16)
 
 
@@ -145,12 +150,7 @@ async def networks_of_other_depth(dut):
     quantiser = layers_of(bench.scene.networks()[0])[0].quantiser
     for network in other_depths(quantiser):
         image = hardware.image_for([network])
-        bench.twin = hardware.running(image)
-        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (20, image.inputs))
-        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
-        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
-        counts = check_loading(bench, recording)
-        assert counts == [len(codes)], f"{network.shape}: got {counts} frames"
+        await load_and_play(bench, hardware, image, 20, network.shape)
     bench.finish(at_least=80)
 
 
@@ -162,12 +162,7 @@ async def networks_of_other_functions(dut):
     networks = other_functions()
     for number, network in enumerate(networks):
         image = hardware.image_for([network])
-        bench.twin = hardware.running(image)
-        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (20, image.inputs))
-        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
-        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
-        counts = check_loading(bench, recording)
-        assert counts == [len(codes)], f"network {number}: got {counts} frames"
+        await load_and_play(bench, hardware, image, 20, f"network {number}")
     bench.finish(at_least=20 * len(networks))
 
 
