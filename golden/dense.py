@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar, cast
 
 import numpy as np
@@ -315,3 +315,20 @@ def passed(network: Trained, frames: ArrayLike, activation: Activation = tanh) -
 def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:
     """A network of the same type with other layers that have the same activations."""
     return cast(Some, network_of(list(layers)))
+
+
+def packed(network: Trained) -> Real:
+    """All weights and biases in one vector, layer by layer."""
+    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
+    return np.concatenate(parts)
+
+
+def unpacked(vector: Real, like: Some) -> Some:
+    """The inverse of ``packed`` for a network with the layers of ``like``."""
+    layers, at = [], 0
+    for layer in layers_of(like):
+        end = at + layer.weights.size
+        weights = vector[at:end].reshape(layer.weights.shape)
+        at = end + layer.nodes
+        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
+    return rebuilt(like, layers)

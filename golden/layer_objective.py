@@ -2,32 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from golden.dense import Trained, layers_of, network_of
+from golden.dense import Trained, layers_of, unpacked
 from golden.mlp import Activation, tanh
 from golden.real import Real
 from golden.training.objective import Objective, Rows
-
-
-def packed(network: Trained) -> Real:
-    """All weights and biases in one vector, layer by layer."""
-    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
-    return np.concatenate(parts)
-
-
-def unpacked(vector: Real, like: Trained) -> Trained:
-    """The inverse of ``packed`` for a network with the layers of ``like``."""
-    layers, at = [], 0
-    for layer in layers_of(like):
-        end = at + layer.weights.size
-        weights = vector[at:end].reshape(layer.weights.shape)
-        at = end + layer.nodes
-        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
-    return network_of(layers)
 
 
 class LayeredObjective(Objective):
@@ -63,6 +46,46 @@ class LayeredObjective(Objective):
         back = residuals[: scale.size].reshape(scale.shape) / scale
         gradient = self._gradient(self.network(vector), back)
         return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
+
+    def around(self, vector: Real) -> tuple[Real, Real]:
+        """Half the gradient of the squares, without the decay, and half their Hessian.
+
+        The Hessian is that of Gauss and Newton, J' J for the derivatives J of the residuals. The
+        derivative by a weight is a product of what comes in front of the weight and of what follows
+        it. So the sums over the outputs and over the rows are two smaller products, and J itself,
+        which would be large, is not needed.
+        """
+        network, scale = self.network(vector), self.training.scale
+        values, slopes = self._forward(network)
+        back = np.eye(scale.shape[1]) / scale[:, :, np.newaxis]
+        parts: list[tuple[Real, Real]] = []
+        for n, layer in reversed(list(enumerate(layers_of(network)))):
+            back = back * slopes[n][:, np.newaxis, :]
+            before = np.concatenate([values[n], np.ones((len(scale), 1))], axis=1)
+            parts.insert(0, (back, before))
+            back = back @ layer.weights
+        rows = []
+        for back, before in parts:
+            blocks = []
+            for other, earlier in parts:
+                nodes = np.einsum("roa,rob->rab", back, other, optimize=True)
+                inputs = before[:, :, np.newaxis] * earlier[:, np.newaxis, :]
+                block = nodes.reshape(len(scale), -1).T @ inputs.reshape(len(scale), -1)
+                shape = back.shape[2], other.shape[2], before.shape[1], earlier.shape[1]
+                block = np.swapaxes(block.reshape(shape), 1, 2)
+                blocks.append(block.reshape(shape[0] * shape[2], -1))
+            rows.append(np.concatenate(blocks, axis=1))
+        # So far the bias of a node follows its weights; a packed vector has all biases behind them.
+        order, at = [], 0
+        for back, before in parts:
+            nodes, inputs = back.shape[2], before.shape[1]
+            places = at + np.arange(nodes * inputs).reshape(nodes, inputs)
+            order += [places[:, :-1].ravel(), places[:, -1]]
+            at += nodes * inputs
+        places = np.concatenate(order)
+        errors = (values[-1] - self.training.targets) / scale**2
+        hessian: Real = np.concatenate(rows)[np.ix_(places, places)]
+        return self._gradient(network, errors), hessian
 
     def _derivatives(self, network: Trained, back: Real) -> Real:
         """Derivatives of every residual of a row by the weights, shape (rows, residuals, weights).

@@ -18,14 +18,16 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from golden import class_descent
-from golden.dense import Dense, Trained, network_of
+from golden.dense import Dense, Trained, network_of, packed, unpacked
 from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
-from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective, packed, unpacked
+from golden.layer_digits import ClassDigits, LayerDigits
+from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective
 from golden.real import Real
 from golden.scene import Scene
 from golden.scene.labels import wrong_percent
 from golden.scene.scale import Scale, on_readings, on_signals, signals
+from golden.training.few_digits import with_few_digits
 from golden.training.objective import Rows
 from golden.training.search import OPTIMISERS, Result, shift_biases, signed_errors
 from golden.training.task import Frames, Task, task_for
@@ -213,6 +215,7 @@ class LayerStages:
     tested: list[Trained] = field(default_factory=list)
     written: list[Trained] = field(default_factory=list)
     files: list[Trained] = field(default_factory=list)
+    full: list[dict[str, Trained]] = field(default_factory=list)
 
     def task(self, earlier: list[Trained], number: int) -> Task:
         """The task of the only network."""
@@ -230,10 +233,21 @@ class LayerStages:
         chosen = as_read(task, train(task, hidden, restart))
         tested = written = chosen
         if self.scene.training.refit:
-            start = on_signals(chosen[0], *self.scene.scales_of(0))
+            start = self._on_signals(chosen)
             tested = as_read(task, descended(task, start, task.known, task.known))
             written = as_read(task, descended(task, start, task.every, task.every))
+        if self.scene.training.digits:
+            self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
+            kind = ClassDigits if self.scene.labels else LayerDigits
+            few = kind(task, self._on_signals(chosen))
+            others = (task, self._on_signals(tested)), (task, self._on_signals(written))
+            found = with_few_digits(few, *others)
+            chosen, tested, written = (as_read(task, network) for network in found)
         self.chosen.append(chosen[1])
         self.tested.append(tested[1])
         self.written.append(written[1])
         self.files.append(written[0])
+
+    def _on_signals(self, read: tuple[Trained, Trained]) -> Trained:
+        """The network of a file on signals, as training has it: logits have no scale."""
+        return on_signals(read[0], *self.scene.scales_of(0))

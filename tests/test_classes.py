@@ -14,9 +14,9 @@ from derivatives import differences
 
 from golden.commands import predict, recalibrate, scene, train
 from golden.decisions import decisions_of, held_out_or_all, lines_of
-from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of, packed, unpacked
 from golden.input_error import InputError
-from golden.layer_objective import ClassObjective, LabelledRows, packed, unpacked
+from golden.layer_objective import ClassObjective, LabelledRows
 from golden.layer_training import measured
 from golden.network_files.network_file import load_network, read_provenance, write_network
 from golden.networks.engine import Engine

@@ -95,7 +95,7 @@ def test_digits_that_a_network_has_are_left_to_it(small_scene: Scene) -> None:
 def test_the_rest_makes_up_for_what_is_taken_away(small_scene: Scene) -> None:
     """The error is compared with that of weights that are just rounded to two digits."""
     few = few_of(small_scene, 50)
-    aim = few._aim(few.task, few.chosen, few.task.training, few.task.split.training)
+    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     start, grid = pack(few.chosen), aim.grid
     plain = grid.rounded(start)
     codes = plain[grid.weights] / grid.lsb[grid.weights]
@@ -108,7 +108,7 @@ def test_the_rest_makes_up_for_what_is_taken_away(small_scene: Scene) -> None:
 
 def test_a_dearer_digit_leaves_fewer(small_scene: Scene) -> None:
     few = few_of(small_scene, 50)
-    aim = few._aim(few.task, few.chosen, few.task.training, few.task.split.training)
+    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     found = [
         aim.grid.digits(priced(aim, pack(few.chosen), price, np.random.default_rng(1)))
         for price in (1e-12, 1e-5, 1e12)
@@ -194,7 +194,7 @@ def test_what_no_price_leads_to_is_refused(
 
 def test_a_teacher_stands_between_rows(small_scene: Scene) -> None:
     few = few_of(small_scene, 30)
-    aim = few._aim(few.task, few.chosen, few.task.training, few.task.split.training)
+    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     rows = aim.objective.training
     count = len(few.task.training.inputs)
     taught = rows.inputs[count:]

@@ -12,10 +12,10 @@ import pytest
 from derivatives import check_derivatives
 
 from golden.commands.train import main
-from golden.dense import ACTIVATIONS, Trained, layers_of, network_of
+from golden.dense import ACTIVATIONS, Trained, layers_of, network_of, packed, unpacked
 from golden.function import Function
 from golden.input_error import InputError
-from golden.layer_objective import LayeredObjective, packed, unpacked
+from golden.layer_objective import LayeredObjective
 from golden.layer_training import random_layers, search, widths
 from golden.mlp import tanh
 from golden.network_files.network_file import read_provenance

@@ -64,7 +64,7 @@ def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     ------
     InputError
     """
-    data, network, training = values["data"], values["network"], values["training"]
+    data, network = values["data"], values["network"]
     classes = data["classes"]
     if classes in data["sensors"]:
         raise InputError(
@@ -81,11 +81,6 @@ def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
         raise InputError(
             f"{path}: network.arrangement: got {network['arrangement']!r} with data.classes, "
             "expected 'single': one network has an output for each class"
-        )
-    if training["digits"]:
-        raise InputError(
-            f"{path}: training.digits: got {training['digits']!r} with data.classes, expected 0: "
-            "few digits are for networks whose outputs are numbers"
         )
 
 

@@ -223,11 +223,6 @@ def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{place}: got {layers} with network.activations {network['activations']}, expected "
             "training.activation instead, which is that of every layer"
         )
-    if training["digits"]:
-        raise InputError(
-            f"{place}: got {layers} with digits {training['digits']!r}, expected digits 0: few "
-            "digits are for one hidden layer of tanh"
-        )
 
 
 def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
@@ -245,14 +240,6 @@ def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
     if digits == 0:
         return
-    network = values["network"]
-    if network["arrangement"] == "single" and (
-        network["activations"] not in ([], ["tanh"]) or len(_listed(network["hidden"])) > 1
-    ):
-        raise InputError(
-            f"{place}: got {digits!r} with hidden layers of {network['hidden']} nodes, expected 0: "
-            "few digits are for one hidden layer of tanh"
-        )
     precision = values["hardware"]["precision"]
     if PRECISIONS[precision].normalise:
         raise InputError(

@@ -17,7 +17,11 @@ constant is.
 The error is that of the rows that train and of further frames between and just beyond these rows,
 for which the trained network is the teacher. Without these frames the refit would leave the network
 undetermined where there is no row. Each output is weighted by the inverse of the trained network's
-error on validation rows.
+error on validation rows. Networks for classes have an error of their own
+(``golden.layer_digits``).
+
+A large network has several weights rounded at once, for which all others compensate together. So
+the inverse is updated less often, which is most of the work.
 """
 
 from __future__ import annotations
@@ -26,20 +30,22 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from golden.cli import naming
+from golden.dense import Trained, layers_of, packed, unpacked
 from golden.fixed import Fix
 from golden.input_error import InputError
-from golden.mlp import Mlp
+from golden.mlp import Activation
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene.schema import FEWEST
 from golden.signed_digits import digit_counts, nearest_with
-from golden.training.objective import Objective, Rows, pack, unpack
+from golden.training.objective import Objective, Rows
 from golden.training.search import shift_biases, signed_errors
 from golden.training.task import Frames, Task
 
@@ -67,15 +73,17 @@ PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
 NEAR = 1.5  # of the price of the first start those of the others are searched as near
 RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
 SLACK = 0.02  # so much fewer digits than asked for will do
+ONE_BY_ONE = 512  # weights and biases up to which each weight is rounded by itself
 
 
 @dataclass(frozen=True)
 class Grid:
-    """The numbers that the weights and biases of a network can have, in the order of ``pack``.
+    """The numbers that the weights and biases of a network can have, in the order of ``packed``.
 
     Attributes
     ----------
-    shape : tuple of int
+    like : Mlp or DenseNetwork
+        A network with the same layers.
     lsb : float array
     low, high : int
         The least and the largest code, which both formats share.
@@ -83,11 +91,15 @@ class Grid:
         Which of them are weights; the others are biases.
     """
 
-    shape: tuple[int, int, int]
+    like: Trained
     lsb: Real
     low: int
     high: int
     weights: NDArray[np.bool_]
+
+    def network(self, vector: Real) -> Trained:
+        """The network with these weights and biases."""
+        return unpacked(vector, self.like)
 
     def rounded(self, vector: Real) -> Real:
         """The values of the nearest codes within the format."""
@@ -106,26 +118,36 @@ class Grid:
         return np.clip(np.floor(vector / self.lsb + 0.5), self.low, self.high)
 
 
-def grid_of(mlp: Mlp, width: int) -> Grid:
+def grid_of(network: Trained, width: int) -> Grid:
     """The grid of a network whose weights have ``width`` bits."""
-    hidden, outputs = len(mlp.b1), len(mlp.b2)
-    layers = ((mlp.w1, mlp.b1, "layer 1 weights"), (mlp.w2, mlp.b2, "layer 2 weights"))
+    layers = layers_of(network)
     formats = [
-        Fix.largest_frac(width, np.concatenate([weights.ravel(), biases]), name)
-        for weights, biases, name in layers
+        Fix.largest_frac(
+            width, np.concatenate([layer.weights.ravel(), layer.biases]), f"layer {n} weights"
+        )
+        for n, layer in enumerate(layers, start=1)
     ]
-    sizes = [mlp.w1.size, hidden, mlp.w2.size, outputs]
+    sizes = [size for layer in layers for size in (layer.weights.size, layer.nodes)]
     lsb = np.repeat([2.0**-fmt.frac for fmt in formats for _ in range(2)], sizes)
     low, high = formats[0].low, formats[0].high
-    return Grid(mlp.shape, lsb, low, high, np.repeat([True, False, True, False], sizes))
+    return Grid(network, lsb, low, high, np.repeat([True, False] * len(layers), sizes))
 
 
 @dataclass(frozen=True)
 class Aim:
-    """The error that is minimised on a grid: that of the objective's training rows."""
+    """The error that is minimised on a grid: that of the objective's training rows.
+
+    Attributes
+    ----------
+    objective : Objective
+    grid : Grid
+    hold : float
+        How much the Hessian is damped from which compensations come, as a part of its diagonal.
+    """
 
     objective: Objective
     grid: Grid
+    hold: float
 
     def value(self, vector: Real) -> float:
         """The error at a point."""
@@ -139,17 +161,17 @@ class Aim:
         return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
 
     def _residuals(self, vector: Real) -> Real:
-        mlp = unpack(vector, self.grid.shape)
-        return self.objective.training.residuals(mlp, self.objective.activation)
+        network = self.grid.network(vector)
+        return self.objective.training.residuals(network, self.objective.activation)
 
 
-def aim_of(task: Task, mlp: Mlp, frames: Frames, recorded: Frames, misses: Real) -> Aim:
-    """The aim for giving ``mlp`` fewer digits.
+def rows_of(task: Task, network: Trained, frames: Frames, recorded: Frames, misses: Real) -> Rows:
+    """The rows whose error is minimised when ``network`` gets fewer digits.
 
     Parameters
     ----------
     task : Task
-    mlp : Mlp
+    network : Mlp or DenseNetwork
     frames : Frames
         The rows that train, with disturbance.
     recorded : Frames
@@ -160,13 +182,11 @@ def aim_of(task: Task, mlp: Mlp, frames: Frames, recorded: Frames, misses: Real)
     activation = task.scene.scheme.real
     taught = teacher_frames(recorded, task)
     count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
-    rows = Rows(
+    return Rows(
         np.concatenate([frames.inputs, taught.inputs]),
-        np.concatenate([frames.targets, mlp.process(taught.inputs, activation)]),
+        np.concatenate([frames.targets, network.process(taught.inputs, activation)]),
         np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * misses,
     )
-    width = task.scene.precision.coeff_width
-    return Aim(Objective(mlp.shape, activation, rows, rows, 0.0, sys.maxsize), grid_of(mlp, width))
 
 
 def teacher_frames(recorded: Frames, task: Task) -> Rows:
@@ -208,7 +228,7 @@ def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Rea
             break
         vector = moved
         value, gradient, whole = aim.around(vector)
-    return vector, _damped(whole, at, DAMPING[0])
+    return vector, _damped(whole, at, aim.hold)
 
 
 def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
@@ -233,32 +253,45 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
     """
     grid, vector = aim.grid, start.copy()
     free = np.ones(len(start), dtype=bool)
-    each = -(-int(grid.weights.sum()) // REFITS)
+    each, together = -(-int(grid.weights.sum()) // REFITS), max(1, len(start) // ONE_BY_ONE)
     while (free & grid.weights).any():
         vector, hessian = refitted(aim, vector, free)
         at = np.flatnonzero(free)
         inverse = np.linalg.inv(hessian)
         lsb, values, left = grid.lsb[at], vector[at], grid.weights[at].copy()
-        for _ in range(min(each, int(left.sum()))):
+        many = min(each, int(left.sum()))
+        while many:
             found = np.flatnonzero(left)
-            # A rounding error may leave a diagonal element that is 0 or negative.
-            stiff = np.maximum(inverse.diagonal()[found], sys.float_info.min)
+            stiff = _stiffness(inverse.diagonal()[found])
             targets = values[found]
             numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
             moves = numbers * lsb[found] - targets
             costs = moves**2 / stiff * np.exp(SHUFFLE * rng.normal(size=len(found)))
-            best = int(costs.argmin())
-            i = found[best]
-            along = inverse[:, i] / stiff[best]
-            values = values + along * moves[best]
-            values[i] = numbers[best] * lsb[i]
-            inverse = inverse - np.outer(along, inverse[i])
-            left[i] = False
-            free[at[i]] = False
+            best = found[np.argsort(costs, kind="stable")[: min(together, many)]]
+            # The inverse is updated for all of them at once; until then, ``along`` and ``rows``
+            # hold what each of them changes.
+            along, rows = np.zeros((len(at), len(best))), np.zeros((len(best), len(at)))
+            for n, i in enumerate(best):
+                rows[n] = inverse[i] - along[i] @ rows
+                column = inverse[:, i] - along @ rows[:, i]
+                one = _stiffness(column[[i]])
+                number = _cheapest(values[[i]] / lsb[i], lsb[i] ** 2 / one, price, grid)
+                along[:, n] = column / one
+                values = values + along[:, n] * (number * lsb[i] - values[i])
+                values[i] = number[0] * lsb[i]
+            inverse = inverse - along @ rows
+            left[best] = False
+            free[at[best]] = False
+            many -= len(best)
         vector[at] = values
         vector = grid.within(vector)
     vector, _ = refitted(aim, vector, free)
     return grid.rounded(vector)
+
+
+def _stiffness(diagonal: Real) -> Real:
+    """Elements of a diagonal, which a rounding error may have made 0 or negative."""
+    return np.maximum(diagonal, sys.float_info.min)
 
 
 def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
@@ -333,22 +366,23 @@ class FewDigits:
     ----------
     task : Task
         Task of the chosen network, whose validation rows decide.
-    chosen : Mlp
+    chosen : Mlp or DenseNetwork
         The network as it was trained.
     """
 
     task: Task
-    chosen: Mlp
+    chosen: Trained
+    hold: ClassVar[float] = DAMPING[0]
 
     @property
     def asked(self) -> int | str:
         """The value of ``training.digits``."""
         return self.task.scene.training.digits
 
-    def errors(self, mlp: Mlp) -> Real:
+    def errors(self, network: Trained) -> Real:
         """Mean bit-true error of each output on the validation rows."""
-        misses: Real = np.abs(signed_errors(self.task, mlp, self.task.validation)).mean(axis=0)
-        return misses
+        misses: Real = np.abs(signed_errors(self.task, network, self.task.validation))
+        return misses.mean(axis=0)
 
     def misses(self) -> Real:
         """The relative error of each output, where no error counts as a small one."""
@@ -356,50 +390,69 @@ class FewDigits:
         found = np.maximum(found, 1e-3 * found.max())
         return found / found.mean() if found.max() else np.ones(len(found))
 
-    def worst(self, mlp: Mlp) -> float:
+    def worst(self, network: Trained) -> float:
         """The largest growth of an output's error on the validation rows, as a ratio."""
-        return float((self.errors(mlp) / np.maximum(self.errors(self.chosen), 1e-12)).max())
+        return float((self.errors(network) / np.maximum(self.errors(self.chosen), 1e-12)).max())
 
-    def on_training_rows(self) -> Mlp:
+    def on_training_rows(self) -> Trained:
         """The chosen network with the requested digits, selected by the validation rows."""
         task = self.task
-        aim = self._aim(task, self.chosen, task.training, task.split.training)
+        aim = self.aim(task, self.chosen, task.training, task.split.training)
         if self.asked != FEWEST:
             return min(self._starts(aim, self.chosen, task, task.training), key=self.worst)
-        start = pack(self.chosen)
-        best = unpack(aim.grid.rounded(start), self.chosen.shape)
+        start = packed(self.chosen)
+        best = aim.grid.network(aim.grid.rounded(start))
         for price in _unit(aim, start) * np.geomspace(*PRICES, RUNGS):
             points = (priced(aim, start, price, rng) for rng in self._generators())
             found = [self._whole(aim, point, task, task.training) for point in points]
-            mlp = min(found, key=self.worst)
-            if self.worst(mlp) > 1 + task.scene.training.digits_tolerance:
+            network = min(found, key=self.worst)
+            if self.worst(network) > 1 + task.scene.training.digits_tolerance:
                 break
-            best = min(best, mlp, key=lambda one: aim.grid.digits(pack(one)))
+            best = min(best, network, key=lambda one: aim.grid.digits(packed(one)))
         return best
 
     def on_more_rows(
-        self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64], count: int
-    ) -> list[Mlp]:
+        self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64], count: int
+    ) -> list[Trained]:
         """Networks trained further on more rows, rounded to ``count`` digits from each start.
 
         No rows are left to rank them by, so they are sorted by how well they fit these rows.
         """
-        aim = self._aim(task, mlp, frames, rows)
-        found = self._starts(aim, mlp, task, frames, count)
-        return sorted(found, key=lambda one: aim.value(pack(one)))
+        aim = self.aim(task, network, frames, rows)
+        found = self._starts(aim, network, task, frames, count)
+        return sorted(found, key=lambda one: aim.value(packed(one)))
 
-    def _aim(self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64]) -> Aim:
-        return aim_of(task, mlp, frames, task.recorded.take(rows), self.misses())
+    def aim(self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]) -> Aim:
+        """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
+        aimed = self.rows(task, network, frames, rows)
+        grid = grid_of(network, task.scene.precision.coeff_width)
+        return self.aim_on(network, aimed, task.scene.scheme.real, grid)
+
+    def rows(
+        self, task: Task, network: Trained, frames: Frames, recorded: NDArray[np.int64]
+    ) -> Rows:
+        """The rows whose error is minimised; see ``rows_of``."""
+        return rows_of(task, network, frames, task.recorded.take(recorded), self.misses())
+
+    def aim_on(self, network: Trained, rows: Rows, activation: Activation, grid: Grid) -> Aim:
+        """The aim of some rows for networks like this one; nothing ends its objective early."""
+        inputs, hidden, outputs = network.shape
+        shape = inputs, hidden, outputs
+        return Aim(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid, self.hold)
+
+    def shifted(self, task: Task, network: Trained, frames: Frames) -> Trained:
+        """The network with output biases shifted by the mean bit-true error."""
+        return shift_biases(task, network, frames)
 
     def _starts(
-        self, aim: Aim, mlp: Mlp, task: Task, frames: Frames, count: int | None = None
-    ) -> Iterator[Mlp]:
+        self, aim: Aim, network: Trained, task: Task, frames: Frames, count: int | None = None
+    ) -> Iterator[Trained]:
         """A network from each start, or only the rounded one where it has few enough digits."""
         wanted = self.asked if count is None else count
         assert isinstance(wanted, int)
-        start = pack(mlp)
+        start = packed(network)
         if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
-            yield unpack(aim.grid.rounded(start), mlp.shape)
+            yield aim.grid.network(aim.grid.rounded(start))
             return
         prices = None
         for rng in self._generators():
@@ -423,16 +476,47 @@ class FewDigits:
         return at_most(aim, start, count, rng)
 
     def _generators(self) -> Iterator[np.random.Generator]:
-        seed = self.task.scene.training.seed
-        return (np.random.default_rng([seed, self.task.number, n]) for n in range(STARTS))
+        seed, starts = self.task.scene.training.seed, STARTS
+        if len(packed(self.chosen)) > ONE_BY_ONE:
+            starts = 1
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
 
-    def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Mlp:
-        """The network of a point, with output biases shifted by the mean bit-true error."""
-        mlp = shift_biases(task, unpack(point, aim.grid.shape), frames)
-        return unpack(aim.grid.rounded(pack(mlp)), mlp.shape)
+    def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Trained:
+        """The network of a point, whose biases are shifted and rounded."""
+        network = self.shifted(task, aim.grid.network(point), frames)
+        return aim.grid.network(aim.grid.rounded(packed(network)))
 
 
-def count_digits(mlp: Mlp, width: int) -> int:
+def count_digits(network: Trained, width: int) -> int:
     """The number of signed digits of all weights of a network in ``width`` bits."""
-    grid = grid_of(mlp, width)
-    return grid.digits(pack(mlp))
+    grid = grid_of(network, width)
+    return grid.digits(packed(network))
+
+
+def with_few_digits(
+    few: FewDigits, tested: tuple[Task, Trained], written: tuple[Task, Trained]
+) -> list[Trained]:
+    """The chosen network with few digits, then the tested and the written one.
+
+    Each is fitted on the rows that it has seen. Without ``training.refit`` there is one.
+
+    Parameters
+    ----------
+    few : FewDigits
+        For the chosen network.
+    tested, written : tuple of Task and network
+        The networks that were trained further, on training and validation rows and on all rows.
+    """
+    found = [few.on_training_rows()]
+    settings, count = few.task.scene.training, few.asked
+    if not settings.refit:
+        return found * 3
+    if not isinstance(count, int):
+        count = count_digits(found[0], few.task.scene.precision.coeff_width)
+    task, network = tested
+    rows = np.concatenate([task.split.training, task.split.validation])
+    found.append(few.on_more_rows(task, network, task.known, rows, count)[0])
+    task, network = written
+    rows = np.arange(len(task.recorded.codes))
+    found.append(few.on_more_rows(task, network, task.every, rows, count)[0])
+    return found

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from golden.mlp import Mlp
 from golden.scene import Scene
 from golden.scene.scale import on_readings, on_signals
-from golden.training.few_digits import FewDigits, count_digits
+from golden.training.few_digits import FewDigits, with_few_digits
 from golden.training.search import refitted, train
 from golden.training.task import Task, task_for
 
@@ -65,31 +63,20 @@ class Stages:
             written = self._as_read(refitted(task, chosen[1], task.every), number)
         if self.scene.training.digits:
             self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
-            chosen, tested, written = self._few_digits(number, **self.full[-1])
+            few = FewDigits(self.task(self.chosen, number), chosen[1])
+            others = (
+                (self.task(self.tested, number), tested[1]),
+                (
+                    self.task(self.written, number),
+                    written[1],
+                ),
+            )
+            found = with_few_digits(few, *others)
+            chosen, tested, written = (self._as_read(mlp, number) for mlp in found)
         self.chosen.append(chosen[1])
         self.tested.append(tested[1])
         self.written.append(written[1])
         self.files.append(written[0])
-
-    def _few_digits(
-        self, number: int, chosen: Mlp, tested: Mlp, written: Mlp
-    ) -> list[tuple[Mlp, Mlp]]:
-        """The three networks with fewer digits, each fitted on the rows that it has seen."""
-        task = self.task(self.chosen, number)
-        few = FewDigits(task, chosen)
-        found = [few.on_training_rows()]
-        if self.scene.training.refit:
-            count = few.asked
-            if not isinstance(count, int):
-                count = count_digits(found[0], self.scene.precision.coeff_width)
-            task = self.task(self.tested, number)
-            rows = np.concatenate([task.split.training, task.split.validation])
-            found.append(few.on_more_rows(task, tested, task.known, rows, count)[0])
-            task = self.task(self.written, number)
-            rows = np.arange(len(task.recorded.codes))
-            found.append(few.on_more_rows(task, written, task.every, rows, count)[0])
-        read = [self._as_read(mlp, number) for mlp in found]
-        return read if len(read) > 1 else read * 3
 
     def _as_read(self, mlp: Mlp, number: int) -> tuple[Mlp, Mlp]:
         """The network as a file holds it, and as it is read from the file."""
