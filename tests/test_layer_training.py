@@ -242,9 +242,3 @@ def test_what_is_right_stays_right_beside_a_fault(tmp_path: Path) -> None:
     found = design(load_scene(str(path)), trained=False)
     assert [(one.verdict, one.subject) for one in found][1:] == [("ok", "front_end")]
     assert found[0].verdict == "fault"
-
-
-def test_few_digits_are_for_one_hidden_layer(tmp_path: Path) -> None:
-    path = scene_of(tmp_path, "digits = 20\n")
-    with pytest.raises(InputError, match=r"training.digits: got 20 with hidden layers of \[4, 4\]"):
-        load_scene(str(path))
