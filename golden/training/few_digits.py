@@ -262,7 +262,7 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
         many = min(each, int(left.sum()))
         while many:
             found = np.flatnonzero(left)
-            stiff = _stiffness(inverse.diagonal()[found])
+            stiff = _stiffness(np.diag(inverse)[found])
             targets = values[found]
             numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
             moves = numbers * lsb[found] - targets
@@ -291,7 +291,8 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
 
 def _stiffness(diagonal: Real) -> Real:
     """Elements of a diagonal, which a rounding error may have made 0 or negative."""
-    return np.maximum(diagonal, sys.float_info.min)
+    found: Real = np.maximum(diagonal, sys.float_info.min)
+    return found
 
 
 def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
@@ -381,8 +382,9 @@ class FewDigits:
 
     def errors(self, network: Trained) -> Real:
         """Mean bit-true error of each output on the validation rows."""
-        misses: Real = np.abs(signed_errors(self.task, network, self.task.validation))
-        return misses.mean(axis=0)
+        errors = signed_errors(self.task, network, self.task.validation)
+        misses: Real = np.abs(errors).mean(axis=0)
+        return misses
 
     def misses(self) -> Real:
         """The relative error of each output, where no error counts as a small one."""

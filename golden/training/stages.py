@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import cast
 
 from golden.mlp import Mlp
 from golden.scene import Scene
@@ -64,14 +65,9 @@ class Stages:
         if self.scene.training.digits:
             self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
             few = FewDigits(self.task(self.chosen, number), chosen[1])
-            others = (
-                (self.task(self.tested, number), tested[1]),
-                (
-                    self.task(self.written, number),
-                    written[1],
-                ),
-            )
-            found = with_few_digits(few, *others)
+            seen_more = self.task(self.tested, number), tested[1]
+            seen_all = self.task(self.written, number), written[1]
+            found = cast(list[Mlp], with_few_digits(few, seen_more, seen_all))
             chosen, tested, written = (self._as_read(mlp, number) for mlp in found)
         self.chosen.append(chosen[1])
         self.tested.append(tested[1])
