@@ -68,6 +68,11 @@ def test_networks_side_by_side() -> None:
         assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
 
 
+def narrow(width: int) -> Settings:
+    """Settings with so many bits of a word from layer to layer."""
+    return Settings(EXACT, "bipartite", options={"word_width": width})
+
+
 KINDS = [
     ((4, 3), ()),
     ((3, 5, 2), ("relu",)),
@@ -88,6 +93,22 @@ def test_a_network_of_any_depth_is_within_its_bounds(
     assert (off(design, network, slice(None)) <= error_bounds(design, network, EXACT, 4)).all()
     frames = frames_of(design.inputs)
     assert (exact(design, frames) == design.process(frames)).all()
+
+
+@pytest.mark.parametrize("width", [3, 4, 9, 18])
+def test_words_of_any_width_are_within_their_bounds(width: int) -> None:
+    """Each bit less about doubles the error, and shortens the adders."""
+    network = random_network((3, 4, 3, 2), ("relu", "relu"), 1.0, 3)
+    design = AdderGraph.of([network], narrow(width))
+    usual = AdderGraph.of([network], Settings(EXACT, "bipartite"))
+    assert [matrix.out_fmt.width for matrix in design.layers[:-1]] == [width, width]
+    errors = off(design, network, slice(None))
+    assert (errors <= error_bounds(design, network, EXACT, 4)).all()
+    frames = frames_of(design.inputs)
+    assert (exact(design, frames) == design.process(frames)).all()
+    bits = [sum(m.graph.adder_bits for m in one.layers) for one in (design, usual)]
+    assert (bits[0] < bits[1]) == (width < 15)
+    assert (errors.max() > off(usual, network, slice(None)).max()) == (width < 15)
 
 
 @pytest.mark.parametrize("rounding", ["even", "away", "floor"])
@@ -164,6 +185,14 @@ def test_what_it_cannot_compute_is_refused_by_name() -> None:
     deep = [random_network((2, 3, 3, 1), ("relu", "relu"), 1.0, seed) for seed in (1, 2)]
     with pytest.raises(InputError, match="got 'adder_graph' for hidden layers of relu, relu, exp"):
         AdderGraph.of(deep, Settings(EXACT, "bipartite"), "multiple")
+    for width, said in ((2, "expected 3 to 18"), (19, "expected 3 to 18")):
+        with pytest.raises(InputError, match=rf"hardware.word_width: got {width}, {said}"):
+            AdderGraph.of(deep[:1], narrow(width))
+    for kinds, quantiser in ((("tanh",), None), (("tanh", "sigmoid"), None), (("relu",), CODES)):
+        shape = (2, *(3 for _ in kinds), 1)
+        network = random_network(shape, kinds, 1.0, 1, quantiser)
+        with pytest.raises(InputError, match=r"hardware.word_width: got 8, expected none: .*table"):
+            AdderGraph.of([network], narrow(8))
     design = AdderGraph.of(deep[:1], Settings(EXACT, "bipartite"))
     with pytest.raises(InputError, match="got 3 layers and activations of 1, expected those of"):
         replace(design, activations=((),))

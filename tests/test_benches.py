@@ -52,7 +52,7 @@ LEFT = (
     *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
     *("small-tables-engine", "tables-reload"),
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
-    *("least-graph", "polynomial-short", "relu-graph"),
+    *("least-graph", "polynomial-short", "relu-graph", "narrow-graph"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
 )
 # So are these of cases whose other blocks are simulated in every run. An engine with several layers

@@ -44,7 +44,8 @@ LIMITS = {
     "digits": (190, 2500),
     "loads": (190, 550),
     "wine": (190, 420),
-    "wine-fast": (800, 10),
+    "digits-fast": (9500, 10),
+    "wine-fast": (500, 10),
 }
 APPENDIX = FOLDER.parent / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")

@@ -37,9 +37,9 @@ from golden.networks.whole_layers import (
 from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
-# The options of a scene that does not set them: the most adders between two registers, and the most
-# operands of an adder.
-OPTIONS = {"adders_per_clock": 5, "adder_operands": 2}
+# The options of a scene that does not set them: the most adders between two registers, the most
+# operands of an adder, and the bits of a word, which are then those of ``whole_layers``.
+OPTIONS = {"adders_per_clock": 5, "adder_operands": 2, "word_width": 0}
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,14 @@ class AdderGraph(Design):
             options["adder_operands"],
             str(settings.activation_options.get("memory", MEMORY)),
             f"{variant}_" if variant else "",
+            options["word_width"],
         )
         if len(networks) > 1 or isinstance(networks[0], Mlp):
+            if chosen.word_width:
+                raise InputError(
+                    f"hardware.word_width: got {chosen.word_width}, expected none: a hidden layer "
+                    "of tanh has words as wide as its table"
+                )
             return cls._of_tanh(networks, settings, chosen, variant)
         (network,) = integer_networks("single", networks, settings.met)
         found = whole_layers(network, chosen)

@@ -25,9 +25,11 @@ from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.shift_add import Ends, sum_ends
 from golden.precision import EXACT, SIGNAL
 
-# Bits of a word from layer to layer, where no quantiser says how many there are: as many as tanh
-# has. An engine keeps more, which cost it nothing.
+# Bits of a word from layer to layer, where neither a quantiser nor the scene says how many there
+# are: as many as tanh has. An engine keeps more, which cost it nothing. The least leave one bit
+# beside those that round it.
 WORD_WIDTH = TANH_RESULT.width
+LEAST_WORD = 3
 # Bits below the last place of a hidden word and of an output that take part in the additions.
 GUARD = (1, 1)
 # By how many bits a word of tanh is longer than the code of a table, which stands for the middle of
@@ -49,12 +51,28 @@ class Chosen:
         Where the tables of tanh are stored; see ``Bipartite``.
     prefix : str
         What the names of the matrices begin with.
+    word_width : int
+        Bits of a word from layer to layer where no quantiser says how many there are, and no table;
+        0 for ``WORD_WIDTH``.
+
+    Raises
+    ------
+    InputError
+        For a word that is too short, or longer than that of the integer network.
     """
 
     adders_per_clock: int
     adder_operands: int
     memory: str
     prefix: str = ""
+    word_width: int = 0
+
+    def __post_init__(self) -> None:
+        if self.word_width and not LEAST_WORD <= self.word_width <= RESULT.width:
+            raise InputError(
+                f"hardware.word_width: got {self.word_width}, expected {LEAST_WORD} to "
+                f"{RESULT.width}"
+            )
 
 
 @dataclass(frozen=True)
@@ -133,18 +151,24 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
     Raises
     ------
     InputError
-        For functions other than tanh, and for numbers that a matrix does not take.
+        For functions other than tanh, for numbers that a matrix does not take, and for a width of
+        words that no layer has.
 
     Notes
     -----
     If a layer has a quantiser, no bit of any sum is cut, and words keep all their bits. Then every
     word is that of the integer network, unless it comes from a table, and so is every output: ties
-    are as exact as there. Other networks keep ``WORD_WIDTH`` bits of a word, and ``GUARD`` bits
+    are as exact as there. Other networks keep ``word_width`` bits of a word, and ``GUARD`` bits
     below the last place of a result.
 
     Hidden nodes that no output uses are not built, and neither are nodes that never change.
     """
     exact = any(layer.cut for layer in network.layers)
+    if chosen.word_width and (exact or all(layer.functions for layer in network.layers[:-1])):
+        raise InputError(
+            f"hardware.word_width: got {chosen.word_width}, expected none: every hidden layer has "
+            "a quantiser or a table, which has a width of its own"
+        )
     sample = LayerWord((SIGNAL.low, SIGNAL.high), 1 << SAMPLE_SHIFT)
     words = LayerWords(SIGNAL, dict.fromkeys(range(network.samples), sample), {})
     matrices: list[ConstantMatrix] = []
@@ -242,7 +266,7 @@ class _Step:
     def dropped(self) -> int:
         """How many bits of a word of the integer network its code lacks."""
         plain = not (self.exact or self.output or self.layer.functions)
-        return RESULT.width - WORD_WIDTH if plain else 0
+        return RESULT.width - (self.chosen.word_width or WORD_WIDTH) if plain else 0
 
     @property
     def shift(self) -> int:

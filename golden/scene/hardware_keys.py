@@ -147,6 +147,14 @@ HARDWARE = KeyTable(
             "where they have four.",
             "2",
         ),
+        "word_width": Key(
+            Whole(absent=True),
+            0,
+            "Only for `adder_graph`, behind layers of ReLU or other layers without a table. How "
+            "many bits a word from layer to layer has, 3 to 18. Each bit less makes every adder "
+            "behind it shorter. A network for classes often decides the same with 8.",
+            "15",
+        ),
     },
     name="a section",
 )

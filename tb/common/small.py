@@ -59,13 +59,20 @@ ADDER_GRAPHS = {
     ),
 }
 
-# Layers without a table: a ReLU, whose words have 15 bits; codes of 4 bits, halves to even, where
-# nothing is cut; none hidden. Layers with tables in front of others. All decide, and with these
-# weights each output is the largest of some frames.
+# Layers without a table: a ReLU, whose words have 15 bits, or 6; codes of 4 bits, halves to even,
+# where nothing is cut; none hidden. Layers with tables in front of others. All decide, and with
+# these weights each output is the largest of some frames.
 DECIDED = "argmax = true"
 DEEP_GRAPHS = {
     "relu-graph": replace(
         ADDER_GRAPH, shapes=[(3, 4, 4, 3)], activations=("relu", "relu"), hardware=DECIDED, seed=22
+    ),
+    "narrow-graph": replace(
+        ADDER_GRAPH,
+        shapes=[(3, 4, 4, 3)],
+        activations=("relu", "relu"),
+        hardware=f"{DECIDED}\nword_width = 6",
+        seed=22,
     ),
     "exact-graph": replace(
         ADDER_GRAPH,
