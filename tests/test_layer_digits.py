@@ -139,3 +139,15 @@ def test_a_scene_on_the_engine_takes_them(tmp_path: Path) -> None:
     stages = LayerStages(scene)
     stages.add((4,), 0)
     assert isinstance(scene.build(stages.written[0]), Engine)
+
+
+def test_a_search_for_layers_ends_with_few_digits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the network that is found has no hidden layer."""
+    path = write_hand(tmp_path, more="digits = 20\nlayers = [0, 0]\n")
+    text = path.read_text().replace("hidden = 4\n", "").replace('activations = ["relu"]\n', "")
+    path.write_text(text)
+    story = trained(path, monkeypatch)
+    assert story["network"] == "2:3"
+    assert story["digits"] <= 20 < story["digits_before"]

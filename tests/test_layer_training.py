@@ -198,7 +198,6 @@ def test_the_nodes_that_a_search_tries() -> None:
         ("", "layers = [2, 1]", "layers: got [2, 1], expected the least and the largest number"),
         ("", "layers = [1, 9]", "layers: got [1, 9], expected the least and the largest number"),
         ("", 'activation = "relu"', "activation: got 'relu' without layers, expected training.lay"),
-        ("", "layers = [1, 2]\ndigits = 9", "layers: got [1, 2] with digits 9, expected digits 0"),
         (
             'activations = ["relu"]',
             "layers = [1, 2]",
