@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from exporter import Exporter
 
 from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
 from golden.store import VARIABLE
 from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
+from tb.common.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
 from tb.common.tools import language
 from tb.sign_off.subject import first
 
@@ -37,6 +38,7 @@ class Shared:
         # A scene builds its twin once; hundreds of tests of a worker ask for the same few.
         self._scenes: dict[str, Scene] = {}
         self._jobs: dict[tuple[str, str], list[Job]] = {}
+        self._exporter = Exporter()
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
@@ -76,7 +78,7 @@ class Shared:
         scene = self.scene(name)
         # A case is simulated in both languages. Most tests of a shipped scene need only one.
         wanted = "both" if name in CASES else tongue
-        self.once(f"{name} {wanted}", lambda: export(scene, wanted, self.build))
+        self.once(f"{name} {wanted}", lambda: self._exporter.export(scene, wanted, self.build))
         return self.build / scene.name / tongue
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
