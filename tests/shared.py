@@ -82,19 +82,19 @@ class Shared:
         return self.build / scene.name / tongue
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
-        """The benches of a scene in a simulator, on the shared exports."""
+        """The benches of a scene in a simulator, on the shared exports, for ``run``."""
         if (name, simulator) not in self._jobs:
             self.export(name, language(simulator))
-            if simulator == "ghdl":
-                self.library(name)
             self._jobs[name, simulator] = jobs(self.scene(name), simulator, build=self.build)
         return self._jobs[name, simulator]
 
     def library(self, name: str) -> Path:
         """The folder into which GHDL compiled the VHDL of a scene. Tests must not change it."""
         self.export(name, "vhdl")
-        scene = self.scene(name)
-        self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+        return self._library(self.scene(name))
+
+    def _library(self, scene: Scene) -> Path:
+        self.once(f"{scene.name} library", lambda: compile_vhdl(scene, self.build))
         return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
@@ -133,6 +133,9 @@ class Shared:
 
     def run(self, planned: list[Job]) -> list[Outcome]:
         """Run jobs, side by side if no other worker uses the cores."""
+        for job in planned:
+            if job.simulator == "ghdl":
+                self._library(job.scene)
         return run_jobs(planned, lambda _: None, AT_ONCE)
 
 
