@@ -194,9 +194,12 @@ def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
     exact = np.asarray(codes, dtype=np.int64)
     if not shift:
         return exact
-    if rounding is Rounding.ROUND:
-        exact = exact + (1 << (shift - 1))
-    return np.asarray(exact >> shift, dtype=np.int64)
+    if rounding is Rounding.TRUNCATE:
+        return np.asarray(exact >> shift, dtype=np.int64)
+    # The sum is an array of its own, so the shift needs no third one.
+    total = exact + (1 << (shift - 1))
+    total >>= shift
+    return np.asarray(total, dtype=np.int64)
 
 
 def requantise(
