@@ -111,7 +111,7 @@ async def images_one_after_the_other(dut):
     """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
     hardware = bench.twin
-    for scene in (bench.scene, *map(load_scene, SCENES)):
+    for scene in map(load_scene, (bench.configuration["scene"], *SCENES)):
         bench.twin = hardware.running(scene_image(scene, hardware))
         codes = scene.vectors().codes[: bench.frames]
         image = bench.twin.image
@@ -152,8 +152,8 @@ async def networks_of_other_depth(dut):
     """Load networks with one to four hidden layers one after the other, also some without ReLU."""
     bench = Bench(dut)
     hardware = bench.twin
-    quantiser = layers_of(bench.scene.networks()[0])[0].quantiser
-    images = images_with_room(hardware, other_depths(quantiser))
+    network, *_ = load_scene(bench.configuration["scene"]).networks()
+    images = images_with_room(hardware, other_depths(layers_of(network)[0].quantiser))
     for number, image in enumerate(images):
         await load_and_play(bench, hardware, image, 20, f"network {number}")
     bench.finish(at_least=20 * len(images))
