@@ -14,7 +14,8 @@ from shared import Shared
 from golden.networks.engine import Engine
 from tb.certify.__main__ import certify
 from tb.certify.bits import KINDS, draw, try_bits, what_is_read
-from tb.certify.delivered import STEPS, Wanted, check
+from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check
+from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.page import bits_line
 from tb.certify.results import OUTPUT, StepResult, read_results
@@ -145,6 +146,20 @@ def test_a_wrong_sum_is_refuted(shared: Shared, adders: Path, pattern: str, wron
 
 def test_the_sums_of_a_graph_of_adders_are_proved(adders: Path) -> None:
     assert check(adders, "properties") == 0, read_results(adders)
+
+
+def test_a_table_of_hundreds_of_words_is_proved(
+    certificate: Path, shared: Shared, tmp_path: Path
+) -> None:
+    job = shared.subject("exp_memory")
+    for language in LANGUAGES:
+        exported = shared.export(job.scene.name, language)
+        shutil.copytree(exported, tmp_path / "design" / language)
+    write_equality(tmp_path, job.scene.twin().entity)
+    shutil.copy(certificate / "check.sh", tmp_path)
+    assert check(tmp_path, "equality", ENTITIES=job.entity) == 2
+    (result,) = read_results(tmp_path)
+    assert result.figure.startswith("proved of 1 of")
 
 
 def test_a_weight_that_is_too_large_can_overflow(copied: Path) -> None:
