@@ -4,8 +4,8 @@ from golden.fixed import signed_width
 from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property
 
-# ReLUs, and halves that go to the even code.
-ALSO = ("exact-graph",)
+# ReLUs, and halves that go to the even code; sums of three operands.
+ALSO = ("exact-graph", "operands-graph")
 BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
 
 
@@ -152,7 +152,7 @@ def sums(twin, signals, places, number):
         name=f"sums {number}",
         sentence=f"Each of {len(places)} sums differs from the exact sum of products that it "
         "stands for by no more than the twin allows for the bits that are cut, if the same holds "
-        "for both its operands, and if the exact sum lies between the ends that weights and "
+        "for all its operands, and if the exact sum lies between the ends that weights and "
         "samples give it. So no sum wraps.",
         states=tuple(states),
         watch="\n".join(watch),
@@ -195,6 +195,9 @@ def results(twin, signals):
         (r"\(top == 0\) \|\| ", ""),
         (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
     )
+    if all(graph.widths[row.node] - twin.drop(row) <= fmt.width for row in graph.rows):
+        # No result saturates, so there is no saturation to break.
+        broken = ((r"\(word << ", "(~word << "),)
     if rectified:
         finished = "0 instead of negative, and saturated"
         broken = ((r"if \(word\[(\d+)\]\)", r"if (!word[\1])"),)
