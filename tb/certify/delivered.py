@@ -20,7 +20,7 @@ from hdl.export.exporter import compile_order
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
-from tb.certify.mutants import FIRST, OTHER, Mutants, write_mutants
+from tb.certify.mutants import OF_FIRST, OF_OTHERS, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
@@ -119,7 +119,7 @@ def deliver(
     blocks: set[str] = set()
     for job in entities:
         tell(f"mutants of {job.entity}")
-        count = OTHER if job.block in blocks else FIRST
+        count = OF_OTHERS if job.block in blocks else OF_FIRST
         blocks.add(job.block)
         mutants.append(write_mutants(job, folder, count, wanted.seed))
     for family in wanted.families:
