@@ -11,6 +11,7 @@ import hashlib
 import sys
 import warnings
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 
@@ -81,7 +82,8 @@ def exported() -> Iterator[tuple[str, object]]:
 def constants(block: object) -> str:
     """A digest of all that a block states: its fields and its properties."""
     kind = type(block)
-    derived = [name for name in dir(kind) if isinstance(getattr(kind, name), property)]
+    kinds = (property, cached_property)
+    derived = [name for name in dir(kind) if isinstance(getattr(kind, name), kinds)]
     return repr((block, [(name, derived_value(block, name)) for name in derived]))
 
 

@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from exporter import Exporter
 
 from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
 from golden.store import VARIABLE
 from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
+from tb.common.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
 from tb.common.tools import language
 from tb.sign_off.subject import first
 
@@ -37,6 +38,7 @@ class Shared:
         # A scene builds its twin once; hundreds of tests of a worker ask for the same few.
         self._scenes: dict[str, Scene] = {}
         self._jobs: dict[tuple[str, str], list[Job]] = {}
+        self._exporter = Exporter()
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
@@ -76,23 +78,23 @@ class Shared:
         scene = self.scene(name)
         # A case is simulated in both languages. Most tests of a shipped scene need only one.
         wanted = "both" if name in CASES else tongue
-        self.once(f"{name} {wanted}", lambda: export(scene, wanted, self.build))
+        self.once(f"{name} {wanted}", lambda: self._exporter.export(scene, wanted, self.build))
         return self.build / scene.name / tongue
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
-        """The benches of a scene in a simulator, on the shared exports."""
+        """The benches of a scene in a simulator, on the shared exports, for ``run``."""
         if (name, simulator) not in self._jobs:
             self.export(name, language(simulator))
-            if simulator == "ghdl":
-                self.library(name)
             self._jobs[name, simulator] = jobs(self.scene(name), simulator, build=self.build)
         return self._jobs[name, simulator]
 
     def library(self, name: str) -> Path:
         """The folder into which GHDL compiled the VHDL of a scene. Tests must not change it."""
         self.export(name, "vhdl")
-        scene = self.scene(name)
-        self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+        return self._library(self.scene(name))
+
+    def _library(self, scene: Scene) -> Path:
+        self.once(f"{scene.name} library", lambda: compile_vhdl(scene, self.build))
         return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
@@ -131,6 +133,9 @@ class Shared:
 
     def run(self, planned: list[Job]) -> list[Outcome]:
         """Run jobs, side by side if no other worker uses the cores."""
+        for job in planned:
+            if job.simulator == "ghdl":
+                self._library(job.scene)
         return run_jobs(planned, lambda _: None, AT_ONCE)
 
 

@@ -27,6 +27,7 @@ from golden.sensing.converter_parts import PARTS
 from tb.common.bench import Bench
 from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, missing
+from tb.common.given import Given
 from tb.common.runner import plan as plan_jobs
 from tb.common.runner import run_jobs
 from tb.common.tools import SIMULATORS
@@ -59,10 +60,16 @@ class Subject:
 def prepared(bench: Bench, subject: Subject) -> None:
     """Prepare a bench of a subject outside of a simulator."""
     bench.dut = subject
-    bench.scene, bench.design, bench.twin = subject.scene, subject.design, subject.twin
+    scene, bench.twin = subject.scene, subject.twin
+    bench.given = Given(subject.design, scene.vectors().recordings, scene.window)
     bench.latency, bench.frames = bench.twin.latency, 20
     bench.rng = np.random.default_rng(subject.seed)
-    bench.configuration = {"entity": bench.twin.entity, "rerun": "", "trace": ""}
+    bench.configuration = {
+        "scene": str(scene.path),
+        "entity": bench.twin.entity,
+        "rerun": "",
+        "trace": "",
+    }
     bench.compared = 0
     bench.coverage = Coverage(bench.twin)
 

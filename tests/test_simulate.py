@@ -175,9 +175,13 @@ def test_a_bench_imports_nothing_heavy(
 ) -> None:
     monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
     outcome = run_job(copied_job(shared.subject("abs_unit"), tmp_path))
-    found = imported(outcome.log.read_text(encoding="utf-8"))
+    log = outcome.log.read_text(encoding="utf-8")
+    found = imported(log)
     assert {"golden", "numpy", "cocotb"} <= found
     assert not found & (HEAVY | {"myhdl", "_pytest"})
+    # Whoever reads a scene imports the twins of all designs.
+    assert re.search(r"\| +golden\.block$", log, re.M)
+    assert not re.search(r"\| +golden\.scene$", log, re.M)
 
 
 def test_pytest_begins_with_nothing_heavy() -> None:

@@ -106,26 +106,27 @@ class Program:
     @cached_property
     def instructions(self) -> list[Instruction]:
         """The steps, up to the end of the frame."""
-        at = self.pipeline
+        at, words = self.pipeline, self.words
         weight_at = weight_place(at, self.names_blocks)
+        operand, weight, start, mark = at.operand, at.weight, at.start, at.mark
         found = []
-        for n in range(len(self.words) - at.mark):
-            kind = get(self.words[n + at.operand], KIND)
-            take_intercept = get(self.words[n + at.weight], TAKE_INTERCEPT)
+        for n in range(len(words) - mark):
+            kind = get(words[n + operand], KIND)
+            take_intercept = get(words[n + weight], TAKE_INTERCEPT)
             found.append(
                 Instruction(
-                    weight=signed_code(get(self.words[n + weight_at], WEIGHT)),
-                    source=get(self.words[n], SOURCE),
+                    weight=signed_code(get(words[n + weight_at], WEIGHT)),
+                    source=get(words[n], SOURCE),
                     kind=kind,
                     take_intercept=(
                         int(kind == Kind.INTERCEPT) if self.rectifies else take_intercept
                     ),
-                    first=get(self.words[n + at.start], FIRST),
-                    first_of_output=get(self.words[n + at.start], FIRST_OF_OUTPUT),
-                    store=get(self.words[n + at.mark], STORE),
-                    output=get(self.words[n + at.mark], OUTPUT),
-                    end=get(self.words[n + at.mark], END),
-                    relu=get(self.words[n + at.mark], RELU) if self.rectifies else 0,
+                    first=get(words[n + start], FIRST),
+                    first_of_output=get(words[n + start], FIRST_OF_OUTPUT),
+                    store=get(words[n + mark], STORE),
+                    output=get(words[n + mark], OUTPUT),
+                    end=get(words[n + mark], END),
+                    relu=get(words[n + mark], RELU) if self.rectifies else 0,
                 )
             )
             if found[-1].end:
@@ -257,7 +258,9 @@ def assemble(
     check_words(table)
     rectifies = rectifies or graph.rectifies
     steps = schedule(graph, pipeline)
-    words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
+    operand, weight = pipeline.operand, pipeline.weight
+    start, mark = pipeline.start, pipeline.mark
+    words = [0] * (len(steps) + mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
     codes = codes_of(graph.functions)
     weight_at = weight_place(pipeline, table.blocks > 1)
@@ -269,17 +272,17 @@ def assemble(
         neuron = graph.neurons[step.neuron]
         output = step.neuron >= 0 and neuron.output
         put(words, n, SOURCE, addresses[term.source])
-        put(words, n + pipeline.operand, KIND, int(term.kind))
+        put(words, n + operand, KIND, int(term.kind))
         put(words, n + weight_at, WEIGHT, weight_of(term, neuron, codes))
         if rectifies:
-            put(words, n + pipeline.mark, RELU, step.last and neuron.relu)
+            put(words, n + mark, RELU, step.last and neuron.relu)
         else:
-            put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
-        put(words, n + pipeline.start, FIRST, step.first)
-        put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
-        put(words, n + pipeline.mark, STORE, step.last)
-        put(words, n + pipeline.mark, OUTPUT, step.last and output)
-        put(words, n + pipeline.mark, END, n == final)
+            put(words, n + weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
+        put(words, n + start, FIRST, step.first)
+        put(words, n + start, FIRST_OF_OUTPUT, step.first and output)
+        put(words, n + mark, STORE, step.last)
+        put(words, n + mark, OUTPUT, step.last and output)
+        put(words, n + mark, END, n == final)
     notes = (*table_notes(table), *_step_notes(graph, steps, len(words)))
     return Program(
         graph.inputs,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -169,11 +169,15 @@ class ConstantMatrix(Block):
         pairs = zip(self.weights, self.biases, strict=True)
         return [sum_ends(row, bias, self.sample_ends) for row, bias in pairs]
 
-    @property
+    @cached_property
     def graph(self) -> ShiftAdd:
         """The graph of adders."""
         matrix = Matrix(self.weights, self.biases, self.sample_ends, self.place)
         return shared(matrix, self.adders_per_clock, self.finish_levels, self.adder_operands)
+
+    def __getstate__(self) -> dict[str, object]:
+        """The fields and the graph, so that a bench that is given the twin need not search it."""
+        return {**vars(self), "graph": self.graph}
 
     @property
     def row_finishes(self) -> tuple[Finish, ...]:

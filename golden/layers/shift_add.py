@@ -218,11 +218,22 @@ class ShiftAdd:
             elif isinstance(node, Constant):
                 found.append(samples[0] * 0 + node.value)
             else:
-                total = samples[0] * 0
-                for one, step in zip(node.operands, self.steps(place), strict=True):
-                    total = total + one.sign * ((found[one.node] >> step.cut) << step.move)
+                terms = [
+                    aligned(found[one.node], step)
+                    for one, step in zip(node.operands, self.steps(place), strict=True)
+                ]
+                signs = [one.sign > 0 for one in node.operands]
+                total = terms[0] if signs[0] else -terms[0]
+                for term, added in zip(terms[1:], signs[1:], strict=True):
+                    total = total + term if added else total - term
                 found.append(total)
         return found
+
+
+def aligned(number: Codes, step: Alignment) -> Codes:
+    """An operand as the adder of a sum takes it."""
+    cut = number >> step.cut if step.cut else number
+    return cut << step.move if step.move else cut
 
 
 def steps_of(node: Sum, lows: Sequence[int], low: int) -> tuple[Alignment, ...]:

@@ -48,7 +48,7 @@ def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
     for mlp in scene.mlps():
         seen = np.hstack([samples, outputs]) if cascade else samples
         hidden, bends = scene.scheme.real(seen @ mlp.w1.T + mlp.b1)
-        found = np.einsum("oh,rh,hi->roi", mlp.w2, bends, mlp.w1, optimize=True)
+        found = (mlp.w2 * bends[:, np.newaxis]) @ mlp.w1
         inner = np.concatenate([by_sensor, slopes], axis=1) if cascade else by_sensor
         outputs = np.hstack([outputs, hidden @ mlp.w2.T + mlp.b2])
         slopes = np.concatenate([slopes, found @ inner], axis=1)

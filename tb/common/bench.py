@@ -25,9 +25,8 @@ from cocotb.triggers import Timer
 
 from golden.block import Block, around, walk
 from golden.border import State
-from golden.networks.network import Network
-from golden.scene import Scene, load_scene
 from tb.common.coverage import Coverage
+from tb.common.given import Given, read
 
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
@@ -104,9 +103,9 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
     """Make a function a cocotb test, but only for the twins for which ``applies`` is true."""
 
     def chosen(test: Test) -> Test:
-        given = os.environ.get(CONFIGURATION)
-        if given is not None:
-            *_, twin = _loaded(given)
+        configuration = os.environ.get(CONFIGURATION)
+        if configuration is not None:
+            _, twin = _loaded(configuration)
             return cocotb.test()(test) if applies(twin) else test
         # Outside a simulator a bench is read for its cases and faults, and planned.
         found = cocotb.test()(test)
@@ -117,12 +116,11 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
 
 
 @cache
-def _loaded(configuration: str) -> tuple[Scene, Network, Block]:
-    """The scene, its twin and the block under test, which all tests of a bench share."""
-    given = json.loads(configuration)
-    scene = load_scene(given["scene"])
-    design = scene.twin()
-    return scene, design, next(b for b in walk(design) if b.entity == given["entity"])
+def _loaded(configuration: str) -> tuple[Given, Block]:
+    """What is given of the scene, and the block under test, which all tests of a bench share."""
+    said = json.loads(configuration)
+    given = read(Path(said["given"]))
+    return given, next(b for b in walk(given.design) if b.entity == said["entity"])
 
 
 class Bench:
@@ -130,9 +128,9 @@ class Bench:
 
     def __init__(self, dut):
         self.dut = dut
-        given = os.environ[CONFIGURATION]
-        self.configuration = json.loads(given)
-        self.scene, self.design, self.twin = _loaded(given)
+        configuration = os.environ[CONFIGURATION]
+        self.configuration = json.loads(configuration)
+        self.given, self.twin = _loaded(configuration)
         self.latency = self.twin.latency
         # cocotb derives RANDOM_SEED from the run's seed and the test's name.
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
@@ -151,7 +149,7 @@ class Bench:
 
         The scene's top may be a network, several of them, or a whole instrument.
         """
-        return [block for block in around(self.design, self.twin) if isinstance(block, kind)]
+        return [block for block in around(self.given.design, self.twin) if isinstance(block, kind)]
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
         """Reset the block, drive every port of ``drive`` clock by clock, and record ``watch``.

@@ -10,15 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from golden.dense import Dense, Quantiser, Trained, network_of
 from golden.function import Function, by_name, functions_of
 from golden.mlp import Mlp
-from golden.network_files.network_file import save_network
-from golden.scene import Scene, load_scene
 from golden.window import Window
+
+if TYPE_CHECKING:
+    from golden.scene import Scene
 
 TEMPLATE = """
 [data]
@@ -133,6 +135,9 @@ def write_scene(
     every frame as it is. With one there are ``rows`` frames after those that lack a complete past.
     ``functions`` are expressions, which the networks name.
     """
+    # It is imported only here, because every bench imports this module.
+    from golden.network_files.network_file import save_network
+
     inputs = len(window.delays) if window else networks[0].shape[0]
     rows += window.past if window else 0
     outputs = sum(network.shape[-1] for network in networks)
@@ -193,7 +198,7 @@ class Case:
     layer. If a single network has several hidden
     nodes, the last of them has no weights. If there are ``activations``, there is one network with
     a hidden layer for each of them and with ``quantiser`` behind each hidden layer. ``functions``
-    are the functions that the activations name.
+    holds name and expression of each function that the activations name.
     """
 
     shapes: list[tuple[int, ...]]
@@ -210,12 +215,12 @@ class Case:
     window: Window | None = None
     activations: tuple[str, ...] = ()
     quantiser: Quantiser | None = None
-    functions: tuple[Function, ...] = ()
+    functions: tuple[tuple[str, str], ...] = ()
 
     def networks(self) -> list[Trained]:
         if self.activations or len(self.shapes[0]) == 2:
             (shape,) = self.shapes
-            more = self.quantiser, self.functions
+            more = self.quantiser, self._functions()
             return [random_network(shape, self.activations, self.spread, self.seed, *more)]
         mlps = [
             random_mlp((inputs, hidden, outputs), self.spread, self.seed + i)
@@ -226,7 +231,14 @@ class Case:
             mlps[0].b1[-1] = 0
         return [*mlps]
 
+    def _functions(self) -> tuple[Function, ...]:
+        """The functions. Each is computed for every sum, to check that it is finite."""
+        return tuple(Function(name, expression) for name, expression in self.functions)
+
     def scene(self, folder: Path, name: str) -> Scene:
+        # It is imported only here, because every bench imports this module.
+        from golden.scene import load_scene
+
         path = write_scene(
             folder,
             name,
@@ -240,6 +252,6 @@ class Case:
             interface=self.interface,
             hardware=self.hardware,
             window=self.window,
-            functions=self.functions,
+            functions=self._functions(),
         )
         return load_scene(str(path))

@@ -3,11 +3,10 @@
 The key holds the simulated files, the code of the bench and of everything that it imports, the
 twin, the seed, the number of frames, and the versions of the tools. Failures are not kept.
 
-A scene finds its designs by discovery, so a bench loads nearly all of ``golden``. It uses much
-less: its own twin. So the key holds the value of the twin and the code of every class in it. Some
-benches also ask for the scene or for the blocks around their own, for instance to play recorded
-frames. Only for these the key also holds the code that reads scenes, the files of the scene, and
-the twins of the whole design.
+A bench is given the whole design and the recorded frames of its scene. Most benches use less: their
+own twin. So the key holds the value of the twin and the code of every class in it. Some benches
+also ask for the recorded frames or for the blocks around their own. Only for these the key also
+holds the code that reads scenes, the files of the scene, and the twins of the whole design.
 """
 
 from __future__ import annotations
@@ -30,9 +29,9 @@ from tb.common.tools import version
 
 FACTS = ("compared", "seconds", "facts")
 PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
-# This module gives every bench its twin, and the scene to the benches that ask for it.
+# This module gives every bench its twin, and the rest of the design to the benches that ask for it.
 BENCH = "tb.common.bench"
-ASKS = re.compile(r"\.(scene|design|around)\b")
+ASKS = re.compile(r"\.(given|around)\b")
 # The effect of these modules is in the exported files.
 ELSEWHERE = ("tb.common.cases", "tb.common.small")
 NAMES = ("CASES", "FAULTS")

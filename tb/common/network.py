@@ -107,8 +107,8 @@ def recorded_frames(bench):
 
     For a network inside a frame window they are the frames that the window sends to it.
     """
-    vectors, past = bench.scene.vectors(), bench.twin.past
-    frames = np.concatenate(vectors.recordings) if past else vectors.codes
+    given, past = bench.given, bench.twin.past
+    frames = np.concatenate(given.recordings) if past else given.codes
     return frames[: past + max(bench.frames, MOST_RECORDED // bench.twin.interval)]
 
 

@@ -20,8 +20,8 @@ MOST_FRAMES = 20_000
 
 def recorded_frames(bench: Bench, most: int = MOST_FRAMES) -> Codes:
     """The recorded frames that yield outputs, at most so many, and the past of the first."""
-    vectors, past = bench.scene.vectors(), bench.design.past
-    frames = np.concatenate(vectors.recordings) if past else vectors.codes
+    given, past = bench.given, bench.given.design.past
+    frames = np.concatenate(given.recordings) if past else given.codes
     return frames[: past + most]
 
 
@@ -29,7 +29,7 @@ def recorded_inputs(
     bench: Bench, part: Block | None = None, most: int = MOST_SEEN
 ) -> tuple[Codes, ...]:
     """The inputs of the block under test, or of ``part``, as the twin takes them."""
-    found = seen(bench.design, part or bench.twin, recorded_frames(bench))
+    found = seen(bench.given.design, part or bench.twin, recorded_frames(bench))
     count = len(found[0])
     kept = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
     return tuple(column[kept] for column in found)

@@ -30,7 +30,8 @@ from hdl.export.exporter import MANIFEST, compile_order
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
-from tb.common.simulate import Run, analyse, simulate
+from tb.common.given import Given
+from tb.common.simulate import RESULTS, Run, analyse, simulate, simulated_time
 from tb.common.tools import SIMULATORS, check_simulator, language
 from tb.common.where import check_block
 
@@ -83,9 +84,19 @@ class Job:
         return self.folder / "compared.jsonl"
 
     @property
+    def given_file(self) -> Path:
+        """The file from which the bench gets the twin and the recorded frames."""
+        return self.folder / "given.pickle"
+
+    @property
     def trace_file(self) -> Path:
         """The file of the trace."""
         return self.folder / "trace.jsonl"
+
+    @property
+    def build_folder(self) -> Path:
+        """The folder in which the simulator is built and runs."""
+        return self.folder / "build"
 
     @property
     def library(self) -> Path:
@@ -262,14 +273,17 @@ def _needed(order: list[str], manifest: list[dict[str, Any]], part: Block) -> tu
 def run_job(job: Job) -> Outcome:
     """Build and simulate one entity."""
     shutil.rmtree(job.folder, ignore_errors=True)
+    recordings = job.scene.vectors().recordings
     with writing(job.folder):
         job.folder.mkdir(parents=True)
+        Given(job.scene.twin(), recordings, job.scene.window).write(job.given_file)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(scene_argument(job.scene))}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
+        "given": str(job.given_file.resolve()),
         "entity": job.entity,
         "frames": job.frames,
         "result": str(job.result_file.resolve()),
@@ -282,7 +296,7 @@ def run_job(job: Job) -> Outcome:
         f"tb.{job.area}.tb_{job.block}",
         tuple((job.hdl_folder / name).resolve() for name in job.files),
         job.library.resolve(),
-        job.folder.resolve() / "build",
+        job.build_folder.resolve(),
         job.waves,
     )
     # An inherited variable could change what the bench does.
@@ -299,10 +313,18 @@ def run_job(job: Job) -> Outcome:
     }
     started = time.perf_counter()
     sound = simulate(run, environment, job.folder / "log.txt")
+    # The recorded frames in it would fill the disk if there are many entities.
+    job.given_file.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome
+
+
+def shortest_test(job: Job) -> str:
+    """The shortest test of a job that has run, by the simulated time; empty if it has only one."""
+    times = simulated_time(job.build_folder / RESULTS)
+    return min(times, key=lambda test: times[test]) if len(times) > 1 else ""
 
 
 def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:

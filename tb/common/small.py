@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from golden.dense import Quantiser
-from golden.function import Function
 from golden.precision import PRECISIONS
 from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
@@ -205,7 +204,7 @@ ENGINES = {
 }
 # These functions are computed without a library, so that every machine has the same tables. The
 # first is odd, and the second needs words for negative sums too.
-SOFT, BELL = Function("soft", "x / (1 + abs(x))"), Function("bell", "1 / (1 + x * x)")
+SOFT, BELL = ("soft", "x / (1 + abs(x))"), ("bell", "1 / (1 + x * x)")
 SMALL_TABLES = replace(
     ENGINE,
     shapes=[(2, 3, 2)],

@@ -81,7 +81,7 @@ async def recorded(dut):
     bench = Bench(dut)
     inputs, count = bench.twin.inputs, len(recorded_frames(bench, most=RECORDED))
     place = np.tile(np.arange(inputs), count)
-    pause = (place == 0) * (bench.design.core.interval - inputs)
+    pause = (place == 0) * (bench.given.design.core.interval - inputs)
     last = (place == inputs - 1).astype(np.int64)
     drive = spread(bench.rng, {"in_last": last}, "in_valid", gap=0.0, tail=6, pause=pause)
     frames = await check_frames(bench, drive)

@@ -71,7 +71,7 @@ async def back_to_back(dut):
 async def recorded(dut):
     """Play the recorded frames as close as the design takes them."""
     bench = Bench(dut)
-    count, interval = len(recorded_frames(bench, most=RECORDED)), bench.design.core.interval
+    count, interval = len(recorded_frames(bench, most=RECORDED)), bench.given.design.core.interval
     valid = np.zeros(count * interval + LONG_IDLE, dtype=np.int64)
     valid[1 + interval * np.arange(count)] = 1
     await check_frames(bench, {"in_valid": valid})

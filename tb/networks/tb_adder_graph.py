@@ -78,7 +78,7 @@ def random_frames(bench, count):
 async def recorded(dut):
     """Play all recorded frames back to back, then with gaps, and count the clocks of a frame."""
     bench = Bench(dut)
-    codes = bench.scene.vectors().codes
+    codes = bench.given.codes
     recording, entered = await check(bench, codes, gap=0.0)
     bench.facts = {
         "frames": len(codes),

@@ -54,6 +54,8 @@ FAULTS = [
     (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
     (r"\.busy\(busy\)", ".busy(1'b0)"),
 ]
+# How many intervals of frames are left behind the last image at least.
+BEHIND = 20
 # These have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
@@ -109,7 +111,7 @@ async def images_one_after_the_other(dut):
     """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
     hardware = bench.twin
-    for scene in (bench.scene, *map(load_scene, SCENES)):
+    for scene in map(load_scene, (bench.configuration["scene"], *SCENES)):
         bench.twin = hardware.running(scene_image(scene, hardware))
         codes = scene.vectors().codes[: bench.frames]
         image = bench.twin.image
@@ -150,8 +152,8 @@ async def networks_of_other_depth(dut):
     """Load networks with one to four hidden layers one after the other, also some without ReLU."""
     bench = Bench(dut)
     hardware = bench.twin
-    quantiser = layers_of(bench.scene.networks()[0])[0].quantiser
-    images = images_with_room(hardware, other_depths(quantiser))
+    network, *_ = load_scene(bench.configuration["scene"]).networks()
+    images = images_with_room(hardware, other_depths(layers_of(network)[0].quantiser))
     for number, image in enumerate(images):
         await load_and_play(bench, hardware, image, 20, f"network {number}")
     bench.finish(at_least=20 * len(images))
@@ -182,7 +184,13 @@ async def wrong_images_among_good_ones(dut):
     # Broken off without a last byte: the next image is part of it, the one after is good.
     sent += [Sent(at, image[:50], closed=False), Sent(at, image), Sent(at, image)]
     samples = (at + 3 * len(image)) // 10
-    recording = await exchange(bench, traffic(bench, samples, most=80), sent)
+    drive = traffic(bench, samples, most=80)
+    # Long images leave few clocks between them, so frames must also come behind the last one.
+    clocks = sum(len(one.data) for one in sent) + BEHIND * bench.twin.interval
+    while len(drive["in_valid"]) < clocks:
+        samples += len(image) // 10
+        drive = traffic(bench, samples, most=80)
+    recording = await exchange(bench, drive, sent)
     counts = check_loading(bench, recording)
     assert len(counts) == sound + 1, f"got {len(counts)} good images, sent {sound + 1}"
     assert sum(counts), "no frame was computed"

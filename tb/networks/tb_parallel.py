@@ -66,7 +66,7 @@ def random_frames(bench, count):
 async def recorded(dut):
     """Play all recorded frames, closest first, then with gaps, and count the clocks of a frame."""
     bench = Bench(dut)
-    codes = bench.scene.vectors().codes
+    codes = bench.given.codes
     pause = bench.twin.interval - 1
     recording, entered, _ = await check(bench, codes, gap=0.0, pause=pause)
     assert len(entered) == len(codes), "a recorded frame was refused"

@@ -144,7 +144,7 @@ async def voltages(dut):
     """Play recorded voltages, and check that the samples are those that the networks know."""
     bench = Bench(dut)
     twin = bench.twin
-    recorded = np.concatenate(bench.scene.vectors().recordings)
+    recorded = np.concatenate(bench.given.recordings)
     scans = min(len(recorded), scans_that_fit(bench))
     frames = recorded[:scans]
     ideal = Converter(twin.part.name, twin.clock_mhz, bench.rng).sheet.ideal(frames)

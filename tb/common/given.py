@@ -1,0 +1,52 @@
+"""What a bench is given of its scene: the twin of the whole design, and the recorded frames.
+
+The runner reads the scene and writes this; the bench in the simulator reads it. So the bench does
+not read the scene again, for which it would import the twins of all designs and activations. That
+would take longer than many a bench.
+"""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.networks.network import Network
+from golden.window import Window
+
+
+@dataclass(frozen=True)
+class Given:
+    """The twin and the recorded frames of a scene.
+
+    Attributes
+    ----------
+    design : Network
+        The twin of the scene's whole design.
+    recordings : tuple of int64 array, shape (frames, sensors)
+        The codes of the frames of each recording, as they are sent to the hardware.
+    window : Window
+    """
+
+    design: Network
+    recordings: tuple[Codes, ...]
+    window: Window
+
+    @cached_property
+    def codes(self) -> Codes:
+        """The inputs of the networks for each recorded frame that has a complete past."""
+        return np.concatenate([self.window.frames(codes) for codes in self.recordings])
+
+    def write(self, path: Path) -> None:
+        """Write it for ``read``."""
+        path.write_bytes(pickle.dumps(self))
+
+
+def read(path: Path) -> Given:
+    """What the runner has written for this bench."""
+    given: Given = pickle.loads(path.read_bytes())
+    return given
