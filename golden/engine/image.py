@@ -231,11 +231,15 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
     more = 1 + sizes.pipeline.memory_registers
     words = (*program.table, *program.words, *(0 for _ in range(more)))
     needed = (
-        ("program words", len(words), sizes.program_words),
-        ("operand words", program.addresses, sizes.operand_words),
-        ("bits of a sum", graph.sum_bits(table), sizes.acc_width),
+        ("program words", len(words), sizes.program_words, " (hardware.program_words)"),
+        ("operand words", program.addresses, sizes.operand_words, " (hardware.operand_words)"),
+        ("bits of a sum", graph.sum_bits(table), sizes.acc_width, ""),
     )
-    faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]
+    faults = [
+        f"{count} {what}, there are {most}{key}"
+        for what, count, most, key in needed
+        if count > most
+    ]
     if len(program.table) > sizes.table_words:
         names = ", ".join(function.name for function in graph.functions)
         there = f"are {sizes.table_blocks}" if sizes.table_blocks else "is the table of tanh alone"

@@ -227,9 +227,15 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     for hidden, verdict in (((low,) * fewest, FAULT), ((high,) * most, WARNING)):
         with _stand_in(scene, hidden) as other:
             sizes = ", ".join(":".join(map(str, n.shape[1:-1])) for n in other.networks())
-            findings = _built(other, f"with {sizes or 0} hidden nodes: ")
+            before = f"with {sizes or 0} hidden nodes: "
+            findings = _built(other, before)
         if faults(findings):
-            return [replace(finding, verdict=verdict) for finding in findings]
+            return [
+                replace(one, verdict=verdict, text=f"{before}{one.text}")
+                if one.verdict == FAULT
+                else one
+                for one in findings
+            ]
     return findings
 
 

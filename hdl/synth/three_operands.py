@@ -15,7 +15,8 @@ _SUM = re.compile(r"begin: (add_three|add_two_and_constant)\d")
 # ``$macc_v2`` is Yosys' sum of any number of products and operands. The LUT adds three bits, and
 # its second output is what they carry, which the LUT and the chain of the next bit take. The bits
 # of an operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain
-# begins.
+# begins. Yosys reads the map for other sums too, before it leaves them as they are, and refuses a
+# width that is not defined.
 _MAP = r"""
 (* techmap_celltype = "$macc_v2" *)
 module three_operands (A, B, C, Y);
@@ -34,8 +35,8 @@ module three_operands (A, B, C, Y);
   wire _TECHMAP_FAIL_ = NPRODUCTS != 0 || NADDENDS != 3 || &ADDEND_NEGATED;
 
   localparam W0 = C_WIDTHS[15:0];
-  localparam W1 = C_WIDTHS[31:16];
-  localparam W2 = C_WIDTHS[47:32];
+  localparam W1 = NADDENDS == 3 ? C_WIDTHS[31:16] : 1;
+  localparam W2 = NADDENDS == 3 ? C_WIDTHS[47:32] : 1;
   localparam MINUS = 0 + ADDEND_NEGATED[0] + ADDEND_NEGATED[1] + ADDEND_NEGATED[2];
   localparam [63:0] IN0 = 64'hAAAAAAAAAAAAAAAA ^ {64{ADDEND_NEGATED[0]}};
   localparam [63:0] IN1 = 64'hCCCCCCCCCCCCCCCC ^ {64{ADDEND_NEGATED[1]}};

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sysconfig
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from hdl.export.exporter import compile_order
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
-from tb.certify.mutants import FIRST, OTHER, Mutants, write_mutants
+from tb.certify.mutants import OF_FIRST, OF_OTHERS, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
@@ -115,18 +116,29 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_sums(design, folder)
-    mutants: list[Mutants] = []
-    blocks: set[str] = set()
-    for job in entities:
-        tell(f"mutants of {job.entity}")
-        count = OTHER if job.block in blocks else FIRST
-        blocks.add(job.block)
-        mutants.append(write_mutants(job, folder, count, wanted.seed))
+    mutants = _write_mutants(entities, folder, wanted.seed, tell)
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
     return Delivered(scene, design, entities, frames, properties, mutants)
+
+
+def _write_mutants(
+    entities: list[Job], folder: Path, seed: int, tell: Callable[[str], None]
+) -> list[Mutants]:
+    """Write mutants of each entity, fewer of those that differ from another in constants alone."""
+    blocks = [job.block for job in entities]
+
+    def write(place: int) -> Mutants:
+        job = entities[place]
+        tell(f"mutants of {job.entity}")
+        count = OF_OTHERS if job.block in blocks[:place] else OF_FIRST
+        return write_mutants(job, folder, count, seed)
+
+    # Of one entity, tools wait for each other, and then only one processor works.
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(write, range(len(entities))))
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:

@@ -1,7 +1,8 @@
 """Mutants of an export's entities that its test bench or the proof of equality must find.
 
-The test bench plays a few frames on each. Those on which it passes are compared with the VHDL: they
-are the same function, or the script finds them in the step ``equality``.
+The test bench plays a few frames on each. Those on which it passes are compared with the sound
+netlist, from every state. That is the function of the VHDL, as the step ``equality`` shows: so a
+mutant is the same function too, or that step finds it.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from hdl.export.handover.verilog_bench import BRIEF, PASSED
 from hdl.synth.tools import ENDED
 from tb.certify.recordings import SHORT
 from tb.common.runner import Job
-from tb.sign_off.equal_proof import DIFFERENT, compare
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.population import population
+from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved_in_every_state
 from tb.sign_off.mutate.words import describe
 
 # The mutants of the first entity of a block, and of others, which differ from it in constants; and
 # how many of each entity are delivered.
-FIRST, OTHER = 8, 3
+OF_FIRST, OF_OTHERS = 8, 3
 DELIVERED = 1
 # The processor time of one run; sound hardware takes a few seconds for thousands of frames.
 SECONDS = 300
@@ -45,7 +46,7 @@ class Mutants:
     played : int
         How many the test bench finds.
     equivalent : int
-        How many of the others are proved to be the same function as the VHDL.
+        How many of the others are proved to be the same function.
     differ : tuple of str
         Place and change of those others that are not, which the proof of equality finds.
     left : tuple of str
@@ -87,43 +88,28 @@ def write_mutants(job: Job, folder: Path, count: int, seed: int) -> Mutants:
             seen = list(
                 pool.map(lambda path: not _passes(path, job.entity, folder, work), netlists[1:])
             )
-            quick = [n for n, found in enumerate(seen) if found]
-            hidden = [n for n, found in enumerate(seen) if not found]
-            # What differs means nothing where the proof does not hold of the sound netlist either.
-            asked = [0, *(n + 1 for n in hidden)] if hidden else []
-            differs = dict(
-                zip(
-                    asked,
-                    pool.map(lambda n: _differs(netlists[n], job, folder), asked),
-                    strict=True,
-                )
-            )
+        quick = [n for n, found in enumerate(seen) if found]
+        hidden = [n for n, found in enumerate(seen) if not found]
+        verdicts = proved_in_every_state([commands[n] for n in hidden], job.entity, work)
         place = folder / "mutants"
         place.mkdir(exist_ok=True)
         for n in sorted(random.Random(seed).sample(quick, min(DELIVERED, len(quick)))):
             where, what = describe(commands[n], work)
             text = netlists[n + 1].read_text(encoding="utf-8")
             (place / f"{job.entity}.{n}.v").write_text(f"// {where}: {what}\n{text}")
-        found = [n for n in hidden if differs[n + 1]]
-        named = tuple(": ".join(describe(commands[n], work)) for n in found)
-        proves = not (found and differs[0])
+
+        def places(verdict: str) -> tuple[str, ...]:
+            those = [n for n, said in zip(hidden, verdicts, strict=True) if said == verdict]
+            return tuple(": ".join(describe(commands[n], work)) for n in those)
+
         return Mutants(
             job.entity,
             population(job.entity, seed, work),
             len(quick),
-            len(hidden) - len(found),
-            named if proves else (),
-            () if proves else named,
+            verdicts.count(SAME),
+            places(OTHER),
+            places(OPEN),
         )
-
-
-def _differs(netlist: Path, job: Job, folder: Path) -> bool:
-    """Whether a mutant is another function than the delivered VHDL."""
-    name = f"{job.entity}.v"
-    vhdl = (folder / "equal" / name).read_text(encoding="utf-8")
-    parts = [job.hdl_folder / file for file in job.files if file != name]
-    text = netlist.read_text(encoding="utf-8")
-    return bool(compare(job.entity, text, vhdl, parts)["result"] == DIFFERENT)
 
 
 def _passes(netlist: Path, entity: str, folder: Path, work: Path) -> bool:

@@ -247,6 +247,7 @@ def _mutants(made: Delivered) -> Table:
         "possible ones, with most of the first entity of each block: with a probability of 95 %, "
         f"frames and proof find {100 * interval.low:.1f} to {100 * interval.high:.0f} % of mutants "
         "that are drawn so. The frames are good frames, so they do not find every fault of "
-        "control; the proof compares each mutant of the Verilog with the VHDL. The benches of the "
-        "library drive all of control; their score counts where the entity is the same bytes.",
+        "control; the proof compares each mutant with the sound Verilog, which computes what the "
+        "VHDL does. The benches of the library drive all of control; their score counts where "
+        "the entity is the same bytes.",
     )

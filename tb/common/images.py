@@ -1,10 +1,13 @@
 """Images of random networks, for the benches of engines that load their program."""
 
 from binascii import crc_hqx
+from collections.abc import Iterable
+from contextlib import suppress
 
 from golden.dense import Quantiser, Trained
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
 from golden.function import Function
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from tb.common.cases import random_mlp, random_network
 
@@ -12,6 +15,33 @@ from tb.common.cases import random_mlp, random_network
 def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image:
     """The image of a random network for an engine."""
     return hardware.image_for([random_mlp(shape, 1.0, seed)])
+
+
+def longest_image(hardware: Engine, inputs: int, most: int, outputs: int, seed: int) -> Image:
+    """The image of a random network with ``most`` hidden nodes, or with as many as there is room.
+
+    Raises
+    ------
+    InputError
+        When there is no room for one hidden node.
+    """
+    for hidden in range(most, 1, -1):
+        with suppress(InputError):
+            return image_for(hardware, (inputs, hidden, outputs), seed)
+    return image_for(hardware, (inputs, 1, outputs), seed)
+
+
+def images_with_room(hardware: Engine, networks: Iterable[Trained]) -> list[Image]:
+    """The images of those networks for which an engine has room.
+
+    A user's engine may have room for its own network alone. That image is the only one then.
+    """
+    found: list[Image] = []
+    for network in networks:
+        with suppress(InputError):
+            found.append(hardware.image_for([network]))
+    assert hardware.loaded is not None
+    return found or [hardware.loaded]
 
 
 def networks_of_other_depth(quantiser: Quantiser | None) -> list[Trained]:

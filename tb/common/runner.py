@@ -31,7 +31,7 @@ from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
 from tb.common.given import Given
-from tb.common.simulate import Run, analyse, simulate
+from tb.common.simulate import RESULTS, Run, analyse, simulate, simulated_time
 from tb.common.tools import SIMULATORS, check_simulator, language
 from tb.common.where import check_block
 
@@ -92,6 +92,11 @@ class Job:
     def trace_file(self) -> Path:
         """The file of the trace."""
         return self.folder / "trace.jsonl"
+
+    @property
+    def build_folder(self) -> Path:
+        """The folder in which the simulator is built and runs."""
+        return self.folder / "build"
 
     @property
     def library(self) -> Path:
@@ -291,7 +296,7 @@ def run_job(job: Job) -> Outcome:
         f"tb.{job.area}.tb_{job.block}",
         tuple((job.hdl_folder / name).resolve() for name in job.files),
         job.library.resolve(),
-        job.folder.resolve() / "build",
+        job.build_folder.resolve(),
         job.waves,
     )
     # An inherited variable could change what the bench does.
@@ -314,6 +319,12 @@ def run_job(job: Job) -> Outcome:
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome
+
+
+def shortest_test(job: Job) -> str:
+    """The shortest test of a job that has run, by the simulated time; empty if it has only one."""
+    times = simulated_time(job.build_folder / RESULTS)
+    return min(times, key=lambda test: times[test]) if len(times) > 1 else ""
 
 
 def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:

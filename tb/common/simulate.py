@@ -33,6 +33,8 @@ QUICK = "-O0"
 # Signals are undefined before the reset, and numeric_std would warn of each of them at time 0.
 QUIET_AT_0 = "--ieee-asserts=disable-at-0"
 TIMESCALE = "1ns/1ps"
+# Where cocotb writes what became of each test, in the folder of a run.
+RESULTS = "results.xml"
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,7 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
     @property
     def results(self) -> Path:
         """The file in which cocotb writes the result of each test."""
-        return Path(self.work_dir) / "results.xml"
+        return Path(self.work_dir) / RESULTS
 
     def set_env(self) -> None:
         """Add the variables that cocotb needs to the given environment."""
@@ -246,6 +248,16 @@ def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
     except SystemExit:
         return False
     return True
+
+
+def simulated_time(results: Path) -> dict[str, float]:
+    """How long each executed test of a bench was, in nanoseconds of the simulation."""
+    return {
+        test.attrib["name"]: float(given.attrib["value"])
+        for test in ElementTree.parse(results).iter("testcase")
+        for given in test.iter("property")
+        if given.attrib["name"] == "sim_time_duration"
+    }
 
 
 def passed(results: Path) -> bool:

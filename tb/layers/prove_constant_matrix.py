@@ -1,10 +1,11 @@
 """Proved properties of constant_matrix, for all samples: no sum of its graph overflows."""
 
+from golden.fixed import signed_width
 from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property
 
-# ReLUs, and halves that go to the even code.
-ALSO = ("exact-graph",)
+# ReLUs, and halves that go to the even code; sums of three operands.
+ALSO = ("exact-graph", "operands-graph")
 BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
 
 
@@ -94,41 +95,55 @@ def wrong(twin, signals, places):
     )
 
 
+def literal(value):
+    """A number in Verilog, with its sign, in as many bits as it needs."""
+    return f"({'-' if value < 0 else ''}{abs(value).bit_length() + 1}'sd{abs(value)})"
+
+
+def within(value, least, most):
+    return f"{value} >= {literal(least)} && {value} <= {literal(most)}"
+
+
 def sums(twin, signals, places, number):
-    """The property that each of some sums is right if its operands, which may be anything, are."""
+    """The property that each of some sums is right if its operands, which may be anything, are.
+
+    Operand k is a signal less an error, and a sum takes ``signal >> cut << move`` of it. So the
+    exact sum is what the sum must be, ``sum_p``, less ``lost_p``: all errors, and all bits that are
+    cut. Said so, nothing is left for the solver but equal sums, and bounds of words of few bits.
+    """
     graph = twin.graph
-    ends = [end for reach in graph.reaches for end in (reach.least, reach.most)]
-    width = max(abs(end) for end in ends).bit_length() + 4
-    watch, states, exacts = [], [], set()
-
-    def word(value):
-        return f"({'-' if value < 0 else ''}{width}'sd{abs(value)})"
-
-    def within(value, least, most):
-        return f"{value} >= {word(least)} && {value} <= {word(most)}"
-
-    def right(place, signal, exact):
-        reach = graph.reaches[place]
-        return within(f"(({signal} <<< {graph.lows[place]}) - {exact})", reach.below, reach.above)
-
+    watch, states, errors = [], [], set()
     for place in places:
-        node, clock = graph.nodes[place], twin.clocks[place]
-        given, exact = [], word(0)
-        for one in node.operands:
-            operand, shift, sign = one.node, one.shift, one.sign
-            if isinstance(graph.nodes[operand], Constant):
-                value = word(graph.nodes[operand].value)
-            else:
-                value, signal = f"exact_{operand}", signals.at(operand, clock)
-                if operand not in exacts:
-                    watch.append(f"(* anyseq *) reg signed [{width - 1}:0] {value};")
-                exacts.add(operand)
-                given.append(right(operand, signal, value))
-            exact += f" {'-' if sign < 0 else '+'} ({value} <<< {shift})"
-        reach = graph.reaches[place]
-        watch.append(f"wire signed [{width - 1}:0] exact_{place} = {exact};")
+        node, clock, reach = graph.nodes[place], twin.clocks[place], graph.reaches[place]
+        total, lost, most, given = literal(0), literal(0), 0, []
+        for one, step in zip(node.operands, graph.steps(place), strict=True):
+            known, sign = graph.nodes[one.node], "-" if one.sign < 0 else "+"
+            constant = isinstance(known, Constant)
+            value = literal(known.value) if constant else signals.at(one.node, clock)
+            total += f" {sign} ((({value}) >>> {step.cut}) <<< {step.move})"
+            error, cut = literal(0), (1 << step.cut) - 1
+            ends = graph.reaches[one.node].below, graph.reaches[one.node].above
+            if any(ends):
+                error = f"error_{one.node}"
+                given.append(within(error, *ends))
+                if error not in errors:
+                    watch.append(f"(* anyseq *) reg signed [{signed_width(ends) - 1}:0] {error};")
+                errors.add(error)
+            rest = f"({value} & {literal(cut)}) <<< {graph.lows[one.node]}"
+            lost += f" {sign} (({error} - ({rest})) <<< {one.shift})"
+            most += (max(map(abs, ends)) + (cut << graph.lows[one.node])) << one.shift
+        # What is lost never wraps. The other two may, but not while the exact sum is where it is
+        # asked for: then each of them has room for more than its bounds.
+        bits, low = graph.widths[place] + 2, graph.lows[place]
+        watch += [
+            f"wire signed [{bits - 1}:0] sum_{place} = {total};",
+            f"wire signed [{most.bit_length()}:0] lost_{place} = {lost};",
+            f"wire signed [{bits + low - 1}:0] exact_{place} = "
+            f"(sum_{place} <<< {low}) - lost_{place};",
+        ]
         given.append(within(f"exact_{place}", reach.least, reach.most))
-        own = right(place, signals.there[place, clock], f"exact_{place}")
+        own = f"{signals.there[place, clock]} == sum_{place}"
+        own += f" && {within(f'lost_{place}', reach.below, reach.above)}"
         states.append(f"!({' && '.join(given)}) || ({own})")
     own = {signals.there[place, twin.clocks[place]] for place in places}
     # The last bits of these are those of their operands, so freeing one would free them too.
@@ -137,7 +152,7 @@ def sums(twin, signals, places, number):
         name=f"sums {number}",
         sentence=f"Each of {len(places)} sums differs from the exact sum of products that it "
         "stands for by no more than the twin allows for the bits that are cut, if the same holds "
-        "for both its operands, and if the exact sum lies between the ends that weights and "
+        "for all its operands, and if the exact sum lies between the ends that weights and "
         "samples give it. So no sum wraps.",
         states=tuple(states),
         watch="\n".join(watch),
@@ -180,6 +195,9 @@ def results(twin, signals):
         (r"\(top == 0\) \|\| ", ""),
         (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
     )
+    if all(graph.widths[row.node] - twin.drop(row) <= fmt.width for row in graph.rows):
+        # No result saturates, so there is no saturation to break.
+        broken = ((r"\(word << ", "(~word << "),)
     if rectified:
         finished = "0 instead of negative, and saturated"
         broken = ((r"if \(word\[(\d+)\]\)", r"if (!word[\1])"),)

@@ -23,8 +23,8 @@ FAULTS = [
     (r"turned = \((\(?-?\d+\)?) \+ one\)", r"turned = (\1 + one + 64)"),
     (r"top == 0\)", "top == 1)"),
 ]
-# ReLUs, and halves that go to the even code.
-ALSO = ("exact-graph",)
+# ReLUs, and halves that go to the even code; sums of three operands.
+ALSO = ("exact-graph", "operands-graph")
 RANDOM = 1000
 
 

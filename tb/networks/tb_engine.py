@@ -25,8 +25,9 @@ from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.scene.image import scene_image
 from tb.common.bench import Bench, test_of
+from tb.common.cases import random_mlp
 from tb.common.framing import random_lengths
-from tb.common.images import fitting_checks, image_for
+from tb.common.images import fitting_checks, images_with_room
 from tb.common.images import networks_of_other_depth as other_depths
 from tb.common.images import networks_of_other_functions as other_functions
 from tb.common.loading import Sent, check_loading, exchange, loaded
@@ -53,6 +54,8 @@ FAULTS = [
     (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
     (r"\.busy\(busy\)", ".busy(1'b0)"),
 ]
+# How many intervals of frames are left behind the last image at least.
+BEHIND = 20
 # These have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
@@ -136,10 +139,12 @@ async def other_numbers_of_samples(dut):
     hardware = bench.twin
     sizes = hardware.loaded.sizes
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
-    for less_two in (every_other, sizes.operand_words - 1 - every_other):
-        image = image_for(hardware, (less_two + 2, 2, 1), seed=less_two)
+    twos = every_other, sizes.operand_words - 1 - every_other
+    networks = [random_mlp((less_two + 2, 2, 1), 1.0, seed=less_two) for less_two in twos]
+    images = images_with_room(hardware, networks)
+    for image in images:
         await load_and_play(bench, hardware, image, 8, f"{image.inputs} samples")
-    bench.finish(at_least=16)
+    bench.finish(at_least=8 * len(images))
 
 
 @test_of(lambda twin: loaded(twin) and twin.rectifies)
@@ -148,11 +153,10 @@ async def networks_of_other_depth(dut):
     bench = Bench(dut)
     hardware = bench.twin
     network, *_ = load_scene(bench.configuration["scene"]).networks()
-    quantiser = layers_of(network)[0].quantiser
-    for network in other_depths(quantiser):
-        image = hardware.image_for([network])
-        await load_and_play(bench, hardware, image, 20, network.shape)
-    bench.finish(at_least=80)
+    images = images_with_room(hardware, other_depths(layers_of(network)[0].quantiser))
+    for number, image in enumerate(images):
+        await load_and_play(bench, hardware, image, 20, f"network {number}")
+    bench.finish(at_least=20 * len(images))
 
 
 @test_of(lambda twin: loaded(twin) and twin.loaded.sizes.table_blocks)
@@ -160,11 +164,10 @@ async def networks_of_other_functions(dut):
     """Load networks one after the other, each with tables of its own."""
     bench = Bench(dut)
     hardware = bench.twin
-    networks = other_functions()
-    for number, network in enumerate(networks):
-        image = hardware.image_for([network])
+    images = images_with_room(hardware, other_functions())
+    for number, image in enumerate(images):
         await load_and_play(bench, hardware, image, 20, f"network {number}")
-    bench.finish(at_least=20 * len(networks))
+    bench.finish(at_least=20 * len(images))
 
 
 @test_of(loaded)
@@ -181,7 +184,13 @@ async def wrong_images_among_good_ones(dut):
     # Broken off without a last byte: the next image is part of it, the one after is good.
     sent += [Sent(at, image[:50], closed=False), Sent(at, image), Sent(at, image)]
     samples = (at + 3 * len(image)) // 10
-    recording = await exchange(bench, traffic(bench, samples, most=80), sent)
+    drive = traffic(bench, samples, most=80)
+    # Long images leave few clocks between them, so frames must also come behind the last one.
+    clocks = sum(len(one.data) for one in sent) + BEHIND * bench.twin.interval
+    while len(drive["in_valid"]) < clocks:
+        samples += len(image) // 10
+        drive = traffic(bench, samples, most=80)
+    recording = await exchange(bench, drive, sent)
     counts = check_loading(bench, recording)
     assert len(counts) == sound + 1, f"got {len(counts)} good images, sent {sound + 1}"
     assert sum(counts), "no frame was computed"

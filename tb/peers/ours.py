@@ -15,11 +15,13 @@ from golden.scene import load_scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import WINE, Row, Task
+from tb.peers.comparison import FEW, WINE, Row, Task
 
 VERSION = "tactus"
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
+# The scene with the weights of ``FEW``, whose adders take three operands.
+THREE = "comparison/digit-fast-ternary"
 # The scene of a network for classes whose data others have trained networks for too.
 CLASSES = "classes/wine-fast"
 
@@ -29,10 +31,16 @@ def brought(folder: Path) -> Path:
     return folder
 
 
-def designs(task: Task) -> Iterator[Design]:
-    """The design of the task's scene, and then the engine with the same weights."""
-    yield task.scene.build(task.mlp)
-    yield DESIGNS[FOLDED].of([task.mlp], Settings(task.scene.precision))
+def designs(task: Task) -> Iterator[tuple[Design, str]]:
+    """The designs of a task, each with what its name says behind the block.
+
+    They are the design of the task's scene, the one with sums of three if there is a scene for it,
+    and the engine with the same weights.
+    """
+    yield task.scene.build(task.mlp), ""
+    if task.name == FEW:
+        yield load_scene(THREE).build(task.mlp), ", sums of three"
+    yield DESIGNS[FOLDED].of([task.mlp], Settings(task.scene.precision)), ""
 
 
 def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
@@ -44,9 +52,9 @@ def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
         When Yosys fails.
     """
     for task in tasks.values():
-        for design in designs(task):
+        for design, sums in designs(task):
             errors = task.errors(design.process(task.frames))
-            yield row(task.name, design, errors=errors)
+            yield row(task.name, design, sums, errors=errors)
     scene = load_scene(CLASSES)
     (network,) = scene.networks()
     held_out, _rows = held_out_or_all(scene, decisions_of(scene))

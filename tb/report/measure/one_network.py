@@ -69,12 +69,12 @@ def one_network(seed: int) -> Table:
             "random, 2^-13",
         ],
         rows,
-        f"The network 4:16:4 of {OF}, with weights of 18 bits, in every design. digit-fast and "
-        "digit-fast-clock have a network with few digits in its weights. The cells are for "
-        "Virtex-II, with the hierarchy as exported, as make synth recorded them. The errors are "
-        "the mean magnitude of the difference from the same network in floating point, saturated "
-        "as the outputs are, in units of 2^-13, over all outputs of the recorded frames and of "
-        f"{RANDOM_FRAMES} random ones.",
+        f"The network 4:16:4 of {OF}, with weights of 18 bits, in every design. digit-fast, "
+        "digit-fast-clock and digit-fast-ternary have a network with few digits in its weights. "
+        "The cells are for Virtex-II, with the hierarchy as exported, as make synth recorded them. "
+        "The errors are the mean magnitude of the difference from the same network in floating "
+        "point, saturated as the outputs are, in units of 2^-13, over all outputs of the recorded "
+        f"frames and of {RANDOM_FRAMES} random ones.",
     )
 
 

@@ -25,7 +25,7 @@ COMMAND = "python -m tb.report.page.datasheets"
 # These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.
 COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
-    *("digit-fast-clock", "digit-fast-full"),
+    *("digit-fast-clock", "digit-fast-full", "digit-fast-ternary"),
     *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
 ]
 COLUMNS = [*KINDS, DEPTH]

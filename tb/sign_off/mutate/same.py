@@ -52,8 +52,9 @@ def proved(
         return []
     flat = flatten(commands, entity, folder)
     answers = dict.fromkeys(range(1, len(commands) + 1), (SAME, "nothing reads it"))
-    asked = _within_a_clock(flat, sorted(flat.chosen), folder)
     answers |= dict.fromkeys(flat.chosen, (SAME, "in every state"))
+    verdicts = _within_a_clock(flat, folder)
+    asked = [n for n, verdict in verdicts.items() if verdict != SAME]
 
     def work(n: int) -> str:
         if n in explained:
@@ -63,20 +64,32 @@ def proved(
         return _over_clocks(states, outputs)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        verdicts = pool.map(work, asked)
-    answers |= {n: (verdict, "over clocks") for n, verdict in zip(asked, verdicts, strict=True)}
+        later = pool.map(work, asked)
+    answers |= {n: (verdict, "over clocks") for n, verdict in zip(asked, later, strict=True)}
     return [answers[n] for n in sorted(answers)]
 
 
-def _within_a_clock(flat: Flat, numbers: list[int], folder: Path) -> list[int]:
-    """Those of which it cannot be shown."""
+def proved_in_every_state(commands: list[str], entity: str, folder: Path) -> list[str]:
+    """Of each mutant whether outputs and next state are the same from every state, or are not.
+
+    A mutant that is another function in a state that is never reached is another one here.
+    """
+    if not commands:
+        return []
+    verdicts = _within_a_clock(flatten(commands, entity, folder), folder)
+    return [verdicts.get(n, SAME) for n in range(1, len(commands) + 1)]
+
+
+def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:
+    """What is shown of each mutant that something reads, by number from 1."""
+    numbers = sorted(flat.chosen)
     prepared = [
         _write(flat.within_a_clock(n), folder, f"within{n}", ["opt", "techmap", "opt"])
         for n in numbers
     ]
     work = f"strash;fraig,-C,1000;write_aiger,{{0}}.left.aig;dsat,-C,{CONFLICTS}"
     verdicts = _ask(prepared, [f"within{n}" for n in numbers], work, folder)
-    return [n for n, verdict in zip(numbers, verdicts, strict=True) if verdict != SAME]
+    return dict(zip(numbers, verdicts, strict=True))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@
 2. This trace is replayed on each mutant, in plain Verilog, up to the first difference where the
    bench looked.
 3. A bench may look at a value without comparing it. So the bench itself runs on a few of the
-   mutants that differ, at least one for each port that did. If it passes on one of these, it runs
-   on all that differ.
+   mutants that differ, at least one for each port that did. Its shortest test runs first, and the
+   whole bench only if that passes. If the bench passes on one of these, it runs on all that differ.
 4. Mutants that do not differ are proved equivalent, or the bench itself runs on them, too. For an
    explained mutant only the proof within one clock is tried.
 """
@@ -28,7 +28,7 @@ from golden import store
 from golden.closure import code
 from hdl.synth.tools import digest, version_of
 from tb.common.kept import bench_key
-from tb.common.runner import Job, run_job
+from tb.common.runner import Job, run_job, shortest_test
 from tb.common.tools import version
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
@@ -100,18 +100,32 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
     return trace, outcome.facts["played"]
 
 
-def run_bench(subject: Subject, number: int) -> bool:
-    """Whether the bench itself detects a mutant; one that stops the simulator is detected."""
+def first_test(subject: Subject) -> str:
+    """The test that runs first on mutants: the shortest one, after ``record_trace``.
+
+    It is empty where the bench has only one test. It is also empty where the shortest one fails
+    alone on the sound hardware, because it would detect every mutant then.
+    """
+    test = shortest_test(subject.job)
+    return test if test and run_job(replace(subject.job, test=test)).passed else ""
+
+
+def run_bench(subject: Subject, number: int, first: str = "") -> bool:
+    """Whether the bench itself detects a mutant; one that stops the simulator is detected.
+
+    The test ``first`` runs alone, if there is one. Only if it passes, all tests run.
+    """
 
     def work() -> bool:
         with tempfile.TemporaryDirectory() as name:
             job = replace(subject.job, build=Path(name))
             shutil.copytree(subject.job.hdl_folder, job.hdl_folder)
             shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
-            return not run_job(job).passed
+            tests = dict.fromkeys((first, ""))
+            return any(not run_job(replace(job, test=test)).passed for test in tests)
 
     bench = bench_key(subject.job).parts
-    asked = store.key("mutant", **bench, netlist=subject.netlists[number])
+    asked = store.key("mutant", **bench, first=first, netlist=subject.netlists[number])
     found: bool = store.once(asked, work)
     return found
 
@@ -185,19 +199,20 @@ def _found(
         found: list[str] = store.once(asked, lambda: replay(trace, subject.sources(number)))
         return found
 
-    def found_by_bench(asked: list[int]) -> list[int]:
-        answers = pool.map(lambda number: run_bench(subject, number), asked)
+    def found_by_bench(asked: list[int], first: str = "") -> list[int]:
+        answers = pool.map(lambda number: run_bench(subject, number, first), asked)
         return [number for number, red in zip(asked, answers, strict=True) if red]
 
     seen = pool.map(play, numbers)
     differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
     tell(f"{len(differ)} differ")
     asked = sample(differ, seed)
-    confirmed = found_by_bench(asked)
+    first = first_test(subject)
+    confirmed = found_by_bench(asked, first)
     if len(confirmed) < len(asked):
         tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
         asked = sorted(differ)
-        differ = {n: differ[n] for n in found_by_bench(asked)}
+        differ = {n: differ[n] for n in found_by_bench(asked, first)}
     left = [n for n in numbers if n not in differ]
     places = {n: describe(mutants[n - 1], subject.folder) for n in left}
     block, case = subject.job.block, subject.job.scene.name
@@ -206,6 +221,7 @@ def _found(
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
     tell(f"{len(same)} are proved equivalent, {len(left)} are left")
+    # The bench passes on most of these, so all of its tests run anyway.
     late = found_by_bench(left)
     survivors = []
     for number in (n for n in left if n not in late):
