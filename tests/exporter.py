@@ -38,6 +38,8 @@ class Exporter:
                 env=environ | HASH_SEED | {"PYTHONPATH": str(ROOT)},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
+                # Its facts and warnings are no output of the test that happens to run.
+                stderr=subprocess.DEVNULL,
                 text=True,
             )
         orders, answers = self._process.stdin, self._process.stdout
