@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from golden.cli import would
+from golden.dense import Trained
 from golden.files import replace_file
-from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path, save_network
 from golden.real import Real
 from golden.scene import Scene, load_scene
@@ -67,7 +67,8 @@ def columns(scene: Scene) -> list[str]:
 def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
     """The row for ``count`` digits, or for the network as it was trained if it is 0."""
     chosen, tested, written = (m[0] for m in (stages.chosen, stages.tested, stages.written))
-    mean, deviation, kept = np.ones(len(scene.outputs)), 0.0, written
+    mean, deviation = np.ones(len(scene.outputs)), 0.0
+    kept: Trained = written
     if count:
         task = stages.task([], 0)
         few = FewDigits(task, chosen)
@@ -75,8 +76,8 @@ def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
         known = np.concatenate([split.training, split.validation])
         ratios = np.array(
             [
-                _errors(stages, mlp) / _errors(stages, tested)
-                for mlp in few.on_more_rows(task, tested, task.known, known, count)
+                _errors(stages, network) / _errors(stages, tested)
+                for network in few.on_more_rows(task, tested, task.known, known, count)
             ]
         )
         mean, deviation = ratios.mean(axis=0), float(ratios.std(axis=0).mean())
@@ -97,20 +98,19 @@ def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
     ]
 
 
-def _errors(stages: Stages, mlp: Mlp) -> Real:
+def _errors(stages: Stages, network: Trained) -> Real:
     """The mean error of each output on the test rows, as recorded."""
     task = stages.task([], 0)
-    errors: Real = np.abs(signed_errors(task, mlp, task.recorded.take(task.split.test))).mean(
-        axis=0
-    )
+    rows = task.recorded.take(task.split.test)
+    errors: Real = np.abs(signed_errors(task, network, rows)).mean(axis=0)
     return errors
 
 
-def cells_of(scene: Scene, design: str, mlp: Mlp) -> dict[str, int]:
+def cells_of(scene: Scene, design: str, network: Trained) -> dict[str, int]:
     """The cells of a network in one design."""
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "few.npz"
-        save_network(path, mlp, {})
+        save_network(path, network, {})
         (member,) = scene.members
         built = replace(
             scene,
