@@ -6,6 +6,7 @@ import csv
 import math
 import textwrap
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -111,15 +112,19 @@ class Table:
 
 
 def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
-    """The columns and rows of a CSV of numbers alone; see ``Table.write_csv``."""
+    """The columns and rows of a CSV that ``Table.write_csv`` wrote."""
     found = read_csv_file(path)
-    return list(found.names), [[_number(cell) for cell in row] for row in found.rows]
+    return list(found.names), [[_cell(cell) for cell in row] for row in found.rows]
 
 
-def _number(cell: str) -> Cell:
+def _cell(cell: str) -> Cell:
+    """A number, a text, or nothing."""
     if not cell:
         return None
-    return float(cell) if "." in cell else int(cell)
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(cell)
+    return cell
 
 
 def cell_text(cell: Cell) -> str:

@@ -40,6 +40,7 @@ from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
+from tb.report.measure.word_widths import word_widths
 from tb.report.page import left_out as leaving
 from tb.report.page import outside, run_time, stability
 from tb.report.page.markers import put, write
@@ -228,10 +229,21 @@ def adder_chain_rows() -> str:
     return _table(adder_chains(SEED))
 
 
+def word_width_rows() -> str:
+    """What few digits and short words save and cost."""
+    return _table(word_widths(SEED))
+
+
+def _shown(cell: Cell) -> str:
+    if cell is None:
+        return ""
+    return f"`{cell}`" if isinstance(cell, str) else f"{cell:,}"
+
+
 def _table(table: Table) -> str:
     lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
     for row in table.rows:
-        lines.append(f"| {' | '.join('' if cell is None else f'{cell:,}' for cell in row)} |")
+        lines.append(f"| {' | '.join(map(_shown, row))} |")
     return "\n".join(lines)
 
 
@@ -290,6 +302,7 @@ def pages() -> dict[Path, str]:
         (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
         (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
+        (docs / "blocks" / "adder_graph.md", "word_widths", word_width_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
     ]

@@ -1,0 +1,26 @@
+"""Tests table word_widths: the content of the record."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import tiered
+
+from golden.scene import load_scene
+from tb.report.measure.word_widths import COLUMNS, KEY, SCENES, pairs, row, word_widths
+
+
+def test_there_is_a_row_for_every_width_and_every_scene_that_has_one() -> None:
+    table = word_widths(1)
+    assert list(table.columns) == COLUMNS
+    assert [(found[0], found[3]) for found in table.rows] == pairs()
+    for name in SCENES:
+        shipped = load_scene(name).design_options[KEY]
+        (own,) = (found for found in table.rows if found[0] == name and found[5] is not None)
+        assert own[3] == shipped
+
+
+# A whole matrix of the digits takes long to find.
+@pytest.mark.parametrize("number", tiered([4], [n for n in range(12) if n != 4]))
+def test_a_row_is_what_is_measured(number: int) -> None:
+    name, width = pairs()[number]
+    assert row(name, width) == list(word_widths(1).rows[number])
