@@ -9,18 +9,20 @@ flat that large changes of weights seem to cost nothing.
 A node of ReLU computes the same with weights twice as large in front of it and half as large behind
 it. So the Hessian says that one layer can make up for any change of the other, which is true only
 near the trained weights. It is damped, so that large compensations cost something too.
+
+Networks of several layers may be large, and the time grows with the cube of their size. Then fewer
+orders of the weights are tried, and several weights are rounded at once.
 """
 
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.dense import Trained
+from golden.dense import Trained, packed
 from golden.layer_objective import LabelledRows, LayeredObjective
 from golden.mlp import Activation
 from golden.real import Real
@@ -30,6 +32,8 @@ from golden.training.task import Frames, Task
 
 # How much the Hessian is damped, as a part of its diagonal.
 HOLD = 0.01
+# The weights and biases up to which each weight is rounded by itself, and all orders are tried.
+ONE_BY_ONE = 512
 
 
 @dataclass(frozen=True)
@@ -45,13 +49,15 @@ class LayerAim(Aim):
 class LayerDigits(FewDigits):
     """Reduces the digits of a network of any layers, whose outputs are numbers."""
 
-    hold: ClassVar[float] = HOLD
-
     def aim_on(self, network: Trained, rows: Rows, activation: Activation, grid: Grid) -> Aim:
         objective = LayeredObjective(
             network, training=rows, validation=rows, weight_decay=0.0, patience=sys.maxsize
         )
-        return LayerAim(objective, grid, self.hold)
+        return LayerAim(objective, grid, HOLD, max(1, len(packed(network)) // ONE_BY_ONE))
+
+    @property
+    def starts(self) -> int:
+        return super().starts if len(packed(self.chosen)) <= ONE_BY_ONE else 1
 
 
 class ClassDigits(LayerDigits):

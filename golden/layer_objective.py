@@ -56,14 +56,11 @@ class LayeredObjective(Objective):
         which would be large, is not needed.
         """
         network, scale = self.network(vector), self.training.scale
-        values, slopes = self._forward(network)
-        back = np.eye(scale.shape[1]) / scale[:, :, np.newaxis]
-        parts: list[tuple[Real, Real]] = []
-        for n, layer in reversed(list(enumerate(layers_of(network)))):
-            back = back * slopes[n][:, np.newaxis, :]
-            before = np.concatenate([values[n], np.ones((len(scale), 1))], axis=1)
-            parts.insert(0, (back, before))
-            back = back @ layer.weights
+        ones = np.ones((len(scale), 1))
+        parts = [
+            (back, np.concatenate([inputs, ones], axis=1))
+            for inputs, back in self._backward(network, np.eye(scale.shape[1]) / scale[..., None])
+        ]
         rows = []
         for back, before in parts:
             blocks = []
@@ -83,7 +80,9 @@ class LayeredObjective(Objective):
             order += [places[:, :-1].ravel(), places[:, -1]]
             at += nodes * inputs
         places = np.concatenate(order)
-        errors = (values[-1] - self.training.targets) / scale**2
+        errors = (
+            network.process(self.training.inputs, self.activation) - self.training.targets
+        ) / (scale**2)
         hessian: Real = np.concatenate(rows)[np.ix_(places, places)]
         return self._gradient(network, errors), hessian
 
@@ -92,13 +91,10 @@ class LayeredObjective(Objective):
 
         ``back`` has those by the outputs, shape (rows, residuals, outputs).
         """
-        values, slopes = self._forward(network)
         found: list[Real] = []
-        for n, layer in reversed(list(enumerate(layers_of(network)))):
-            back = back * slopes[n][:, np.newaxis, :]
-            weights = back[..., np.newaxis] * values[n][:, np.newaxis, np.newaxis, :]
-            found = [weights.reshape(*back.shape[:2], -1), back, *found]
-            back = back @ layer.weights
+        for inputs, own in self._backward(network, back):
+            weights = own[..., np.newaxis] * inputs[:, np.newaxis, np.newaxis, :]
+            found += [weights.reshape(*own.shape[:2], -1), own]
         return np.concatenate(found, axis=2)
 
     def _gradient(self, network: Trained, back: Real) -> Real:
@@ -106,23 +102,27 @@ class LayeredObjective(Objective):
 
         ``back`` has those by the outputs, shape (rows, outputs).
         """
-        values, slopes = self._forward(network)
         found: list[Real] = []
-        for n, layer in reversed(list(enumerate(layers_of(network)))):
-            back = back * slopes[n]
-            found = [(back.T @ values[n]).ravel(), back.sum(axis=0), *found]
-            back = back @ layer.weights
+        for inputs, own in self._backward(network, back):
+            found += [(own.T @ inputs).ravel(), own.sum(axis=0)]
         return np.concatenate(found)
 
-    def _forward(self, network: Trained) -> tuple[list[Real], list[Real]]:
-        """The inputs of each layer, and the slopes of its activation."""
-        values, slopes = [self.training.inputs], []
+    def _backward(self, network: Trained, back: Real) -> list[tuple[Real, Real]]:
+        """For each layer its inputs, and the derivatives by its sums.
+
+        ``back`` has those by the outputs, shape (rows, outputs) or (rows, residuals, outputs).
+        """
+        value, forward = self.training.inputs, []
         for layer in layers_of(network):
-            sums = values[-1] @ layer.weights.T + layer.biases
-            value, slope = layer.activate(sums, self.activation)
-            values.append(value)
-            slopes.append(slope)
-        return values, slopes
+            inputs = value
+            value, slope = layer.activate(inputs @ layer.weights.T + layer.biases, self.activation)
+            forward.append((layer, inputs, slope))
+        found: list[tuple[Real, Real]] = []
+        for layer, inputs, slope in reversed(forward):
+            back = back * (slope if back.ndim == slope.ndim else slope[:, np.newaxis, :])
+            found.insert(0, (inputs, back))
+            back = back @ layer.weights
+        return found
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,18 @@ def test_words_of_any_width_are_within_their_bounds(width: int) -> None:
     assert (errors.max() > off(usual, network, slice(None)).max()) == (width < 15)
 
 
+@pytest.mark.parametrize(
+    ("width", "said"), [(15, "Fix(15,4) hold"), (5, "Fix(5,0) in units of 64 hold")]
+)
+def test_what_a_word_holds_is_the_same_for_any_width(width: int, said: str) -> None:
+    """A short word of a wide range stands for multiples of a number above 1."""
+    network = random_network((3, 4, 2), ("relu",), 300.0, 3)
+    design = AdderGraph.of([network], narrow(width))
+    (found,) = design.ranges
+    assert said in found.text, found.text
+    assert float(found.text.split("hold ")[1].split(",")[0]) == pytest.approx(1024, rel=0.1)
+
+
 @pytest.mark.parametrize("rounding", ["even", "away", "floor"])
 @pytest.mark.parametrize("kinds", [("relu", "relu"), ("linear", "linear")])
 def test_a_quantised_network_is_that_of_the_engine(rounding: str, kinds: tuple[str, ...]) -> None:

@@ -13,7 +13,7 @@ from documented import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.dense import Dense, DenseNetwork, Trained, network_of
+from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
 from golden.engine.graph import Kind
@@ -34,7 +34,13 @@ from golden.scene import load_scene
 from golden.scene.saturation import saturating
 from hdl.synth.cells import synthesise
 from tb.common.cases import random_network, write_scene
-from tb.common.images import images_with_room, longest_image, networks_of_other_functions
+from tb.common.images import (
+    images_with_room,
+    longest_image,
+    networks_of_other_depth,
+    networks_of_other_functions,
+)
+from tb.networks import tb_engine
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 SOFTSIGN = Function("softsign", "x / (1 + abs(x))")
@@ -277,6 +283,20 @@ def test_a_bench_loads_what_there_is_room_for() -> None:
     assert images_with_room(tight, [network((2, 40, 1), ("tanh",))]) == [tight.loaded]
     with pytest.raises(InputError, match=r"program words, there are 256 "):
         longest_image(tight, 60, 40, 60, seed=0)
+
+
+@pytest.mark.parametrize("name", [n for n, c in tb_engine.CASES.items() if "reload" in c.hardware])
+def test_the_benches_of_the_cases_load_all_images(name: str, tmp_path: Path) -> None:
+    hardware = tb_engine.CASES[name].scene(tmp_path, name).twin().core
+    assert isinstance(hardware, Engine)
+    assert hardware.loaded is not None
+    networks = tb_engine.samples_of_every_bit(hardware)
+    if hardware.rectifies:
+        quantiser = layers_of(tb_engine.CASES[name].networks()[0])[0].quantiser
+        networks += networks_of_other_depth(quantiser)
+    if hardware.loaded.sizes.table_blocks:
+        networks += networks_of_other_functions()
+    assert len(images_with_room(hardware, networks)) == len(networks)
 
 
 @pytest.mark.parametrize("kind", HARDWARE)

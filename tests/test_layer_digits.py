@@ -10,6 +10,7 @@ import pytest
 from test_classes import write_hand
 from test_layer_training import scene_of
 
+from golden import layer_digits
 from golden.commands import train
 from golden.dense import packed
 from golden.engine.quantise import integer_networks
@@ -121,10 +122,10 @@ def test_weights_that_are_rounded_together_make_up_for_each_other(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     few = few_of(write_hand(tmp_path, more="digits = 24\n"))
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     start, found = packed(few.chosen), []
     for together in (512, 9):
-        monkeypatch.setattr(few_digits, "ONE_BY_ONE", together)
+        monkeypatch.setattr(layer_digits, "ONE_BY_ONE", together)
+        aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
         points = [priced(aim, start, price, np.random.default_rng(1)) for price in (1e-4, 1e-3)]
         found.append([(aim.grid.digits(point), aim.value(point)) for point in points])
     assert found[0] != found[1]

@@ -48,6 +48,8 @@ class Range:
         Which layer it is, in words.
     places : tuple of int
         The neurons of the graph that are the sums of the layer.
+    unit : int
+        What the last place of a word stands for, where that is more than ``fmt`` can say.
     """
 
     fmt: Fix
@@ -56,11 +58,13 @@ class Range:
     from_data: bool
     layer: str = ""
     places: tuple[int, ...] = ()
+    unit: int = 1
 
     @property
     def text(self) -> str:
         """The range in words."""
-        held = f"words of {self.fmt} hold {self.fmt.to_real(self.fmt.high):.4g}"
+        units = f" in units of {self.unit}" if self.unit > 1 else ""
+        held = f"words of {self.fmt}{units} hold {self.unit * self.fmt.to_real(self.fmt.high):.4g}"
         if not self.from_data:
             return f"{self.layer}: {held}, from bounds: no sum exceeds {self.bound:.4g}"
         return (

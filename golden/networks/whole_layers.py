@@ -187,7 +187,9 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
             name = "outputs" if output else f"hidden{place}"
             matrix = step.matrix(live, f"{chosen.prefix}{name}")
         if layer.range:
-            ranges.append(replace(layer.range, fmt=matrix.out_fmt, layer=layer_name(number)))
+            unit = 1 << max(0, step.dropped - layer.result.frac)
+            found = replace(layer.range, fmt=matrix.out_fmt, layer=layer_name(number), unit=unit)
+            ranges.append(found)
         matrices.append(matrix)
         if not output:
             useless += layer.nodes - len(step.nodes(columns))

@@ -214,9 +214,9 @@ TRAINING = KeyTable(
             Alternatives((Whole(), Text((FEWEST,), said=f"a whole number or {FEWEST!r}"))),
             0,
             "How many signed digits all weights of a network may have together; biases do not "
-            f'count. It must exceed the number of outputs of the network; `"{FEWEST}"` finds the '
-            "least. 0 leaves the weights as they are. The precision must be `exact`. See [weights "
-            "of few digits](#weights-of-few-digits).",
+            "count. It must exceed the number of outputs of a network for numbers; "
+            f'`"{FEWEST}"` finds the least. 0 leaves the weights as they are. The precision must '
+            "be `exact`. See [weights of few digits](#weights-of-few-digits).",
         ),
         "digits_tolerance": Key(
             Number(Span(0)),

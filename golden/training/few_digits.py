@@ -20,8 +20,8 @@ undetermined where there is no row. Each output is weighted by the inverse of th
 error on validation rows. Networks for classes have an error of their own
 (``golden.layer_digits``).
 
-A large network has several weights rounded at once, for which all others compensate together. So
-the inverse is updated less often, which is most of the work.
+Several weights can be rounded at once, for which all others compensate together. So the inverse is
+updated less often, which is most of the work.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +72,6 @@ PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
 NEAR = 1.5  # of the price of the first start those of the others are searched as near
 RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
 SLACK = 0.02  # so much fewer digits than asked for will do
-ONE_BY_ONE = 512  # weights and biases up to which each weight is rounded by itself
 
 
 @dataclass(frozen=True)
@@ -143,11 +141,14 @@ class Aim:
     grid : Grid
     hold : float
         How much the Hessian is damped from which compensations come, as a part of its diagonal.
+    together : int
+        How many weights are rounded at once.
     """
 
     objective: Objective
     grid: Grid
-    hold: float
+    hold: float = DAMPING[0]
+    together: int = 1
 
     def value(self, vector: Real) -> float:
         """The error at a point."""
@@ -253,7 +254,7 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
     """
     grid, vector = aim.grid, start.copy()
     free = np.ones(len(start), dtype=bool)
-    each, together = -(-int(grid.weights.sum()) // REFITS), max(1, len(start) // ONE_BY_ONE)
+    each = -(-int(grid.weights.sum()) // REFITS)
     while (free & grid.weights).any():
         vector, hessian = refitted(aim, vector, free)
         at = np.flatnonzero(free)
@@ -267,7 +268,7 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
             numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
             moves = numbers * lsb[found] - targets
             costs = moves**2 / stiff * np.exp(SHUFFLE * rng.normal(size=len(found)))
-            best = found[np.argsort(costs, kind="stable")[: min(together, many)]]
+            best = found[np.argsort(costs, kind="stable")[: min(aim.together, many)]]
             # The inverse is updated for all of them at once; until then, ``along`` and ``rows``
             # hold what each of them changes.
             along, rows = np.zeros((len(at), len(best))), np.zeros((len(best), len(at)))
@@ -373,7 +374,6 @@ class FewDigits:
 
     task: Task
     chosen: Trained
-    hold: ClassVar[float] = DAMPING[0]
 
     @property
     def asked(self) -> int | str:
@@ -440,7 +440,12 @@ class FewDigits:
         """The aim of some rows for networks like this one; nothing ends its objective early."""
         inputs, hidden, outputs = network.shape
         shape = inputs, hidden, outputs
-        return Aim(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid, self.hold)
+        return Aim(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid)
+
+    @property
+    def starts(self) -> int:
+        """How many orders of the weights are tried."""
+        return STARTS
 
     def shifted(self, task: Task, network: Trained, frames: Frames) -> Trained:
         """The network with output biases shifted by the mean bit-true error."""
@@ -478,10 +483,8 @@ class FewDigits:
         return at_most(aim, start, count, rng)
 
     def _generators(self) -> Iterator[np.random.Generator]:
-        seed, starts = self.task.scene.training.seed, STARTS
-        if len(packed(self.chosen)) > ONE_BY_ONE:
-            starts = 1
-        return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
+        seed = self.task.scene.training.seed
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(self.starts))
 
     def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Trained:
         """The network of a point, whose biases are shifted and rounded."""

@@ -109,9 +109,16 @@ def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:
     return {**count(Counter(cells)), DEPTH: depth(flat)}
 
 
+def script_of(family: str, folder: Path) -> str:
+    """The script of a family, with the map for sums of three operands where there are such sums.
+
+    ``family`` and ``top`` are still to be filled in. Yosys runs it in the folder of the Verilog.
+    """
+    return SYNTHESISE[family].replace(MAPPED, f"{write_map(folder)}{MAPPED}")
+
+
 def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]]:
-    script = SYNTHESISE[family].replace(MAPPED, f"{write_map(folder)}{MAPPED}")
-    script = script.format(family=family, top=top)
+    script = script_of(family, folder).format(family=family, top=top)
     run_tool(
         "yosys",
         [

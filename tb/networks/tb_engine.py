@@ -132,16 +132,20 @@ async def load_and_play(bench, hardware, image, count, what):
     assert counts == [count], f"{what}: got {counts} frames"
 
 
+def samples_of_every_bit(hardware):
+    """Two networks; each bit of the number of samples is 1 in one and 0 in the other."""
+    sizes = hardware.loaded.sizes
+    every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
+    twos = every_other, sizes.operand_words - 1 - every_other
+    return [random_mlp((less_two + 2, 2, 1), 1.0, seed=less_two) for less_two in twos]
+
+
 @test_of(loaded)
 async def other_numbers_of_samples(dut):
     """Load two images; each bit of the number of samples is 1 in one and 0 in the other."""
     bench = Bench(dut)
     hardware = bench.twin
-    sizes = hardware.loaded.sizes
-    every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
-    twos = every_other, sizes.operand_words - 1 - every_other
-    networks = [random_mlp((less_two + 2, 2, 1), 1.0, seed=less_two) for less_two in twos]
-    images = images_with_room(hardware, networks)
+    images = images_with_room(hardware, samples_of_every_bit(hardware))
     for image in images:
         await load_and_play(bench, hardware, image, 8, f"{image.inputs} samples")
     bench.finish(at_least=8 * len(images))

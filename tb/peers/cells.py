@@ -8,9 +8,8 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from hdl.synth.cells import MAPPED, SYNTHESISE
+from hdl.synth.cells import SYNTHESISE, script_of
 from hdl.synth.netlist import count
-from hdl.synth.three_operands import write_map
 from hdl.synth.tools import run_tool, stored
 
 # The parameters of a module are known only where it is used, so reading it is deferred until then.
@@ -36,8 +35,7 @@ def _counted(verilog: Path, top: str, family: str) -> dict[str, int]:
     def work(folder: Path) -> dict[str, Any]:
         for table in tables:
             shutil.copy(table, folder)
-        mapped = SYNTHESISE[family].replace(MAPPED, f"{write_map(folder)}{MAPPED}")
-        flat = mapped.replace("synth_xilinx", "synth_xilinx -flatten")
+        flat = script_of(family, folder).replace("synth_xilinx", "synth_xilinx -flatten")
         script = SCRIPT.format(flat.format(family=family, top=top))
         run_tool("yosys", ["-q", "-p", script], folder)
         stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]

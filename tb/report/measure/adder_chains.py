@@ -10,21 +10,19 @@ recorded. Table ``adder_chains`` of ``make figures`` shows the record.
 
 from __future__ import annotations
 
-import argparse
 import json
 import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from golden.files import replace_file
 from golden.networks.adder_graph import AdderGraph
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import export
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.timing import DEVICE, PLACER, ROUTER, SEED, TOOLS, mapped, place
 from hdl.synth.tools import stored
-from tb.report.measure.table import Cell, Table, read_csv
+from tb.report.measure.table import Cell, Table, print_or_record, read_csv
 
 SCENE = "digit-fast"
 RECORD = Path(__file__).with_suffix(".csv")
@@ -187,17 +185,12 @@ def adder_chains(_seed: int) -> Table:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m tb.report.measure.adder_chains", description=__doc__
+    print_or_record(
+        "python -m tb.report.measure.adder_chains",
+        __doc__,
+        RECORD,
+        lambda: Table("adder_chains", COLUMNS, measured(), NOTE),
     )
-    parser.add_argument("--record", action="store_true")
-    arguments = parser.parse_args()
-    table = Table("adder_chains", COLUMNS, measured(), NOTE)
-    print("\n".join(table.lines()))
-    if arguments.record:
-        with replace_file(RECORD) as temporary:
-            table.write_csv(temporary)
-        print(f"wrote {RECORD}")
 
 
 if __name__ == "__main__":

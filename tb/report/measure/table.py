@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from golden.files import replace_file
 from golden.table import read_csv_file
 
 Cell = str | int | float | None
@@ -115,6 +117,21 @@ def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
     """The columns and rows of a CSV that ``Table.write_csv`` wrote."""
     found = read_csv_file(path)
     return list(found.names), [[_cell(cell) for cell in row] for row in found.rows]
+
+
+def print_or_record(
+    prog: str, about: str | None, record: Path, measured: Callable[[], Table]
+) -> None:
+    """The command of a table that takes long: it prints the table, and records it with --record."""
+    parser = argparse.ArgumentParser(prog=prog, description=about)
+    parser.add_argument("--record", action="store_true")
+    arguments = parser.parse_args()
+    table = measured()
+    print("\n".join(table.lines()))
+    if arguments.record:
+        with replace_file(record) as temporary:
+            table.write_csv(temporary)
+        print(f"wrote {record}")
 
 
 def _cell(cell: str) -> Cell:

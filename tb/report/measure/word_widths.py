@@ -10,20 +10,17 @@ find, so the figures are recorded. Table ``word_widths`` of ``make figures`` sho
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from golden.decisions import decisions_of, held_out_or_all
-from golden.files import replace_file
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.whole_layers import WORD_WIDTH
 from golden.scene import Scene, load_scene
 from golden.training.few_digits import count_digits
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import budget_path, read_budget
-from tb.report.measure.table import Cell, Table, read_csv
+from tb.report.measure.table import Cell, Table, print_or_record, read_csv
 
 # Each scene without a multiplier, after the one with the same shape and all digits.
 SCENES = {"classes/wine-fast": "classes/wine", "classes/digits-fast": "classes/digits"}
@@ -101,18 +98,13 @@ def word_widths(_seed: int) -> Table:
     return Table("word_widths", *read_csv(RECORD), NOTE)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(
-        prog="python -m tb.report.measure.word_widths", description=__doc__
+def main() -> None:
+    print_or_record(
+        "python -m tb.report.measure.word_widths",
+        __doc__,
+        RECORD,
+        lambda: Table("word_widths", COLUMNS, measured(), NOTE),
     )
-    parser.add_argument("--record", action="store_true")
-    asked = parser.parse_args(arguments)
-    table = Table("word_widths", COLUMNS, measured(), NOTE)
-    print("\n".join(table.lines()))
-    if asked.record:
-        with replace_file(RECORD) as temporary:
-            table.write_csv(temporary)
-        print(f"wrote {RECORD}")
 
 
 if __name__ == "__main__":
