@@ -18,12 +18,20 @@ from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.page import bits_line
+from tb.certify.recordings import frames_of
 from tb.certify.results import OUTPUT, StepResult, read_results
 
 SCENE = "rails-engine"
 SEED = 3
-# An engine, a design without a multiplier, and a deep network: the scenes that are certified whole.
-CERTIFIED = ("digit", "digit-fast", "classes/wine-fast")
+# An engine, a design without a multiplier, and a deep network are certified whole. A frame of
+# thesis takes 4096 clocks, so of it few frames are played, and few entities have mutants.
+WHOLE = Wanted(frames=10, seed=SEED)
+CERTIFIED = {
+    "digit": WHOLE,
+    "digit-fast": WHOLE,
+    "classes/wine-fast": WHOLE,
+    "thesis": Wanted(frames=1, seed=SEED, recorded=3, mutated=4),
+}
 # Changed bits in every run, and with ALL=1.
 CHANGES, MORE = 6, 50
 
@@ -78,14 +86,16 @@ def test_every_step_is_green_but_the_one_that_was_not_asked_for(certificate: Pat
 
 
 @pytest.mark.all_only
-@pytest.mark.parametrize("scene", CERTIFIED)
+@pytest.mark.parametrize(("scene", "wanted"), CERTIFIED.items(), ids=list(CERTIFIED))
 def test_the_certificate_of_a_shipped_scene_has_no_red_step(
-    shared: Shared, scene: str, tmp_path: Path
+    shared: Shared, scene: str, wanted: Wanted, tmp_path: Path
 ) -> None:
     # No family was asked for, and only the sums of an engine are delivered.
     engine = isinstance(shared.scene(scene).twin().core, Engine)
     left = {"cells"} if engine else {"cells", "sums"}
-    results, _ = certify(shared.scene(scene), Wanted(frames=10, seed=SEED), tmp_path)
+    if wanted.recorded:
+        left |= {"vhdl", "verilog"}
+    results, _ = certify(shared.scene(scene), wanted, tmp_path)
     assert [result.step for result in results] == list(STEPS)
     assert {result.colour for result in results if result.step not in left} == {"green"}, results
     assert {result.colour for result in results if result.step in left} == {"amber"}
@@ -93,6 +103,7 @@ def test_the_certificate_of_a_shipped_scene_has_no_red_step(
         encoding="utf-8"
     )
     assert "mutants nothing is shown" not in page
+    assert ("entities were made, drawn by the seed" in page) == bool(wanted.mutated)
 
 
 def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
@@ -105,6 +116,17 @@ def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
     digests = (certificate / "SHA256SUMS").read_text(encoding="utf-8")
     assert "certificate.html" in digests
     assert "design/vhdl/engine.vhd" in digests
+
+
+def test_fewer_recorded_frames_come_from_the_whole_recording_and_are_said(shared: Shared) -> None:
+    scene = shared.scene("digit")
+    design = scene.twin()
+    every, few = frames_of(scene, design, 5, SEED), frames_of(scene, design, 5, SEED, recorded=3)
+    assert every.left == 0
+    assert len(few.recorded) + few.left == len(every.recorded)
+    middle = (len(every.recorded) - 1) // 2
+    assert few.recorded.tolist() == every.recorded[[0, middle, -1]].tolist()
+    assert few.random.tolist() == every.random.tolist()
 
 
 def test_a_changed_file_has_another_digest(copied: Path) -> None:

@@ -68,6 +68,8 @@ def main() -> int:
     parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
     parser.add_argument("--netlist")
     parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
+    parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
+    parser.add_argument("--mutants", type=whole("MUTANTS", 0, MOST))
     parser.add_argument("--picture", type=picture_file)
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
@@ -79,6 +81,8 @@ def main() -> int:
         arguments.seed,
         tuple(name for name in families if name != UNKNOWN),
         arguments.bits,
+        arguments.recorded,
+        arguments.mutants,
     )
     results, fates = certify(scene, wanted)
     if arguments.picture:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import random
 import shutil
 import subprocess
 import sysconfig
@@ -58,12 +59,18 @@ class Wanted:
         The families on whose cells the frames are played.
     bits : int
         The number of single bits of the design that are changed, to see that the script finds it.
+    recorded : int or None
+        The number of recorded frames; None for all.
+    mutated : int or None
+        The number of entities of which mutants are made, drawn by ``seed``; None for all.
     """
 
     frames: int | None
     seed: int
     families: tuple[str, ...] = ()
     bits: int = 0
+    recorded: int | None = None
+    mutated: int | None = None
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ class Delivered:
         The entities.
     frames : PlayedFrames
     properties : list of (Job, Property)
-    mutants : list of Mutants
+    mutants : list of (Job, Mutants)
     """
 
     scene: Scene
@@ -86,7 +93,7 @@ class Delivered:
     jobs: list[Job]
     frames: PlayedFrames
     properties: list[tuple[Job, Property]]
-    mutants: list[Mutants]
+    mutants: list[tuple[Job, Mutants]]
 
 
 def deliver(
@@ -107,7 +114,7 @@ def deliver(
     for language in LANGUAGES:
         shutil.copytree(build / scene.name / language, folder / "design" / language)
     _write_inputs(scene, design, folder)
-    frames = frames_of(scene, design, wanted.frames, wanted.seed)
+    frames = frames_of(scene, design, wanted.frames, wanted.seed, wanted.recorded)
     tell("frames")
     write_recordings(scene, design, frames, folder)
     tell("netlists of both languages")
@@ -116,7 +123,7 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_sums(design, folder)
-    mutants = _write_mutants(entities, folder, wanted.seed, tell)
+    mutants = _write_mutants(entities, folder, wanted, tell)
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
@@ -125,20 +132,23 @@ def deliver(
 
 
 def _write_mutants(
-    entities: list[Job], folder: Path, seed: int, tell: Callable[[str], None]
-) -> list[Mutants]:
+    entities: list[Job], folder: Path, wanted: Wanted, tell: Callable[[str], None]
+) -> list[tuple[Job, Mutants]]:
     """Write mutants of each entity, fewer of those that differ from another in constants alone."""
     blocks = [job.block for job in entities]
 
-    def write(place: int) -> Mutants:
+    count = len(entities) if wanted.mutated is None else min(wanted.mutated, len(entities))
+    chosen = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
+
+    def write(place: int) -> tuple[Job, Mutants]:
         job = entities[place]
         tell(f"mutants of {job.entity}")
         count = OF_OTHERS if job.block in blocks[:place] else OF_FIRST
-        return write_mutants(job, folder, count, seed)
+        return job, write_mutants(job, folder, count, wanted.seed)
 
     # Of one entity, tools wait for each other, and then only one processor works.
     with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(write, range(len(entities))))
+        return list(pool.map(write, chosen))
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
@@ -164,6 +174,7 @@ def _write_script(
         top=design.entity,
         steps=STEPS,
         recorded=len(frames.recorded),
+        left=frames.left,
         random=len(frames.random),
         entities=len(proved),
         **orders,

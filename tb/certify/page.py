@@ -120,8 +120,14 @@ def content(
     missing += [f"red: {step}: did not run" for step in STEPS if step not in told]
     if not near.bounded:
         missing.append("amber: no bound on the error is known for this network")
-    every = _judged(made.mutants)
-    left = sum(len(found.left) for found in made.mutants)
+    mutants = [found for _, found in made.mutants]
+    every = _judged(mutants)
+    left = sum(len(found.left) for found in mutants)
+    if len(mutants) < len(made.jobs):
+        missing.append(
+            f"amber: mutants of {len(mutants)} of {len(made.jobs)} entities were made, drawn "
+            "by the seed"
+        )
     if left:
         missing.append(f"{_colour(every, left)}: of {left} of {every} mutants nothing is shown")
     missing += [f"red: no step but digests finds {fate.where}" for fate in fates if fate.survives]
@@ -210,9 +216,10 @@ def _judged(mutants: Sequence[Mutants]) -> int:
 
 
 def _mutants(made: Delivered) -> Table:
-    every = _judged(made.mutants)
-    played = sum(found.played for found in made.mutants)
-    total = sum(found.found for found in made.mutants)
+    mutants = [found for _, found in made.mutants]
+    every = _judged(mutants)
+    played = sum(found.played for found in mutants)
+    total = sum(found.found for found in mutants)
     interval = binomtest(total, max(1, every)).proportion_ci(0.95, "exact")
     rows: list[list[Cell]] = [
         [
@@ -226,7 +233,7 @@ def _mutants(made: Delivered) -> Table:
             "; ".join([*found.left, *found.differ]) or "none",
             sentence(job),
         ]
-        for job, found in zip(made.jobs, made.mutants, strict=True)
+        for job, found in made.mutants
     ]
     return Table(
         "mutants",
@@ -243,7 +250,7 @@ def _mutants(made: Delivered) -> Table:
         ],
         rows,
         f"A few frames find {played} of {every} mutants that are not equivalent, and frames and "
-        f"proof together {total}. They are a sample of {sum(f.population for f in made.mutants)} "
+        f"proof together {total}. They are a sample of {sum(f.population for f in mutants)} "
         "possible ones, with most of the first entity of each block: with a probability of 95 %, "
         f"frames and proof find {100 * interval.low:.1f} to {100 * interval.high:.0f} % of mutants "
         "that are drawn so. The frames are good frames, so they do not find every fault of "

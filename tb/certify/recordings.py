@@ -33,15 +33,17 @@ class PlayedFrames:
     Attributes
     ----------
     recorded, random : Codes, shape (frames, inputs)
-        Codes of samples: all recorded frames, and frames drawn from all codes with equal
-        probability.
+        Codes of samples: recorded frames, and frames drawn from all codes with equal probability.
     seed : int
         The seed of the random frames.
+    left : int
+        The number of recorded frames that are not played.
     """
 
     recorded: Codes
     random: Codes
     seed: int
+    left: int = 0
 
     def parts(self, past: int) -> Iterator[Codes]:
         """The frames in lengths that every simulator elaborates.
@@ -63,14 +65,23 @@ class PlayedFrames:
         return np.concatenate(found)
 
 
-def frames_of(scene: Scene, design: Network, random: int | None, seed: int) -> PlayedFrames:
-    """The frames for a scene; without a number of ``random`` frames there are as usual."""
+def frames_of(
+    scene: Scene, design: Network, random: int | None, seed: int, recorded: int | None = None
+) -> PlayedFrames:
+    """The frames for a scene.
+
+    Without a number of ``random`` frames there are as many as usual, and without one of
+    ``recorded`` frames there are all; fewer are taken in equal distances from the whole recording.
+    """
     if random is None:
         random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))
     drawn = np.random.default_rng(seed).integers(
         SIGNAL.low, SIGNAL.high + 1, (random, design.inputs)
     )
-    return PlayedFrames(np.concatenate(scene.vectors().recordings), drawn, seed)
+    every = np.concatenate(scene.vectors().recordings)
+    count = len(every) if recorded is None else min(recorded, len(every))
+    places = np.linspace(0, len(every) - 1, count).astype(np.int64)
+    return PlayedFrames(every[places], drawn, seed, len(every) - count)
 
 
 def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder: Path) -> None:
