@@ -133,7 +133,7 @@ def compared(rows: Sequence[Row], note: str) -> Table:
         [
             row.network,
             row.name,
-            *(row.cells and row.cells[family][kind] for family, kind in COLUMNS.values()),
+            *(row.cells[family][kind] if row.cells else None for family, kind in COLUMNS.values()),
             row.clocks,
             row.interval,
             *row.errors,
