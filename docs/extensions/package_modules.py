@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.config import Config
@@ -83,8 +84,19 @@ def shorten(
     return signature and (signature.replace(f"PosixPath('{ROOT}/", "Path('"), returned)
 
 
+def skip_defaults(
+    app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any
+) -> bool | None:
+    """Defaults that are numbers of numpy bring a docstring, and would stand on a page twice.
+
+    The other place is the section Attributes of their class.
+    """
+    return True if isinstance(obj, np.generic) else None
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("package-modules", PackageModules)
     app.connect("config-inited", write_pages)
     app.connect("autodoc-process-signature", shorten)
+    app.connect("autodoc-skip-member", skip_defaults)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

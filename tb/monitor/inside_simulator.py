@@ -27,7 +27,7 @@ PAUSE_BITS = 20
 PAUSE_SECONDS = 1.0
 
 
-class Rows:
+class PlayedRows:
     """Chooses the row of the recording that the sensors read."""
 
     def __init__(self, samples: list[list[int]], hold: int, orders: int) -> None:
@@ -52,7 +52,7 @@ class Rows:
             self.row = int(whole[-1]) if whole else self.row
 
 
-async def convert(dut: Any, sheet: Sheet, clocks: int, rows: Rows) -> None:
+async def convert(dut: Any, sheet: Sheet, clocks: int, rows: PlayedRows) -> None:
     """Answer each transfer as the data sheet of the part draws it; a scan begins with channel 0."""
     # The answers to all channels differ only in the code.
     _, sent = sheet.diagram([1] * clocks)
@@ -78,7 +78,7 @@ async def convert(dut: Any, sheet: Sheet, clocks: int, rows: Rows) -> None:
         await RisingEdge(dut.cs_n)
 
 
-async def give(dut: Any, line: int, bit: int, rows: Rows) -> None:
+async def give(dut: Any, line: int, bit: int, rows: PlayedRows) -> None:
     """Send the bytes of ``tx`` to the computer; the simulation waits while it does not read."""
     while True:
         await FallingEdge(dut.tx)
@@ -111,6 +111,6 @@ async def board(dut: Any) -> None:
     bit = given["bit_ps"]
     if given["reload"]:
         cocotb.start_soon(take(dut, given["line"], bit))
-    rows = Rows(given["samples"], given["hold"], given["orders"])
+    rows = PlayedRows(given["samples"], given["hold"], given["orders"])
     cocotb.start_soon(convert(dut, SHEETS[given["part"]], given["part_clocks"], rows))
     await give(dut, given["line"], bit, rows)
