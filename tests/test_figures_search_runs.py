@@ -1,0 +1,34 @@
+"""Tests table search_runs: the content of the record."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import pytest
+from conftest import tiered
+
+from tb.report.measure.search_runs import COLUMNS, SCENES, TIMED, matrices, row, search_runs
+
+ROWS = search_runs(1).rows
+
+
+def test_there_is_a_row_for_every_matrix_and_number_of_runs() -> None:
+    assert list(search_runs(1).columns) == COLUMNS
+    assert list(search_runs(1).timed) == TIMED
+    for (name, _), rows in groupby(ROWS, lambda found: found[:2]):
+        assert tuple(found[2] for found in rows) == SCENES[name]
+    assert {found[0] for found in ROWS} == set(SCENES)
+
+
+def test_more_runs_never_need_more_bits() -> None:
+    for _, rows in groupby(ROWS, lambda found: found[:2]):
+        bits = [found[3] for found in rows]
+        assert bits == sorted(bits, reverse=True)
+
+
+# A thousand runs take long.
+@pytest.mark.parametrize("number", tiered([0, 1], range(2, len(ROWS))))
+def test_a_row_is_what_is_measured(number: int) -> None:
+    name, variant, runs, *_ = ROWS[number]
+    (matrix,) = (found for found in matrices(name) if found.variant == variant)
+    assert row(name, matrix, runs)[: -len(TIMED)] == list(ROWS[number][: -len(TIMED)])
