@@ -13,9 +13,12 @@ from golden.function import read_function
 from golden.input_error import InputError
 from golden.mlp import tanh
 from golden.networks.adder_graph import AdderGraph
+from golden.networks.design import Design
 from golden.networks.engine import Engine
+from golden.networks.hybrid import Hybrid
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact
+from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
@@ -34,7 +37,7 @@ def frames_of(inputs: int) -> np.ndarray:
     return np.concatenate([corner_frames(SIGNAL, inputs), random])
 
 
-def off(design: AdderGraph, mlp: Trained, outputs: slice) -> np.ndarray:
+def off(design: Design, mlp: Trained, outputs: slice) -> np.ndarray:
     """The distance of the outputs from real arithmetic that saturates, in real units."""
     frames = frames_of(design.inputs)
     real = mlp.process(SIGNAL.to_real(frames), tanh)
@@ -54,6 +57,20 @@ def test_outputs_are_within_their_bounds(
     assert (off(design, mlp, slice(None)) <= bounds).all()
     frames = frames_of(design.inputs)
     assert (exact(design, frames) == design.process(frames)).all()
+
+
+@pytest.mark.parametrize(
+    ("design", "activation"),
+    [(AdderGraph, "bipartite"), (Hybrid, "precise"), (Parallel, "precise")],
+)
+def test_a_bound_holds_where_a_node_is_not_built(design: type[Design], activation: str) -> None:
+    mlp = random_mlp((3, 5, 2), 1.0, 4)
+    w2 = mlp.w2.copy()
+    w2[:, [0, 3]] = 1e-7
+    mlp = replace(mlp, w2=w2)
+    built = design.of([mlp], Settings(EXACT, activation))
+    assert built.useless_nodes == 2
+    assert (off(built, mlp, slice(None)) <= error_bounds(built, mlp, EXACT, 3)).all()
 
 
 def test_networks_side_by_side() -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import re
 import shutil
 from contextlib import chdir
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import pytest
 from shared import Shared
 
 from golden.networks.engine import Engine
+from hdl.export.exporter import compile_order
 from tb.certify.__main__ import certify
+from tb.certify.benches import STEP as BENCHES
+from tb.certify.benches import Benched, bench_result, bench_table
 from tb.certify.bits import KINDS, draw, try_bits, what_is_read
 from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check
 from tb.certify.equality import write_equality
@@ -24,13 +27,13 @@ from tb.certify.results import OUTPUT, StepResult, read_results
 SCENE = "rails-engine"
 SEED = 3
 # An engine, a design without a multiplier, and a deep network are certified whole. A frame of
-# thesis takes 4096 clocks, so of it few frames are played, and few entities have mutants.
+# thesis takes 4096 clocks, so of it few frames are played, and one entity is tried.
 WHOLE = Wanted(frames=10, seed=SEED)
 CERTIFIED = {
     "digit": WHOLE,
     "digit-fast": WHOLE,
     "classes/wine-fast": WHOLE,
-    "thesis": Wanted(frames=1, seed=SEED, recorded=3, mutated=4),
+    "thesis": Wanted(frames=1, seed=SEED, recorded=2, parts=1),
 }
 # Changed bits in every run, and with ALL=1.
 CHANGES, MORE = 6, 50
@@ -79,10 +82,14 @@ def colours(folder: Path) -> dict[str, str]:
 
 
 def test_every_step_is_green_but_the_one_that_was_not_asked_for(certificate: Path) -> None:
-    results = read_results(certificate)
-    assert [result.step for result in results] == list(STEPS)
-    assert results[-1] == StepResult("amber", "cells", "no family was asked for")
-    assert {result.colour for result in results[:-1]} == {"green"}, results
+    *results, cells, benches = read_results(certificate)
+    assert [result.step for result in results] == list(STEPS[:-1])
+    assert cells == StepResult("amber", "cells", "no family was asked for")
+    assert {result.colour for result in (*results, benches)} == {"green"}, results
+    ran = re.match(r"(\d+) ran, of (\d+) the library has a record", benches.figure)
+    assert benches.step == BENCHES
+    assert ran
+    assert int(ran[1]) + int(ran[2]) == len(compile_order(certificate / "design" / "verilog"))
 
 
 @pytest.mark.all_only
@@ -94,16 +101,16 @@ def test_the_certificate_of_a_shipped_scene_has_no_red_step(
     engine = isinstance(shared.scene(scene).twin().core, Engine)
     left = {"cells"} if engine else {"cells", "sums"}
     if wanted.recorded:
-        left |= {"vhdl", "verilog"}
+        left |= {"vhdl", "verilog", BENCHES}
     results, _ = certify(shared.scene(scene), wanted, tmp_path)
-    assert [result.step for result in results] == list(STEPS)
+    assert [result.step for result in results] == [*STEPS, BENCHES]
     assert {result.colour for result in results if result.step not in left} == {"green"}, results
     assert {result.colour for result in results if result.step in left} == {"amber"}
     page = (tmp_path / shared.scene(scene).name / "certificate" / "certificate.md").read_text(
         encoding="utf-8"
     )
     assert "mutants nothing is shown" not in page
-    assert ("entities were made, drawn by the seed" in page) == bool(wanted.mutated)
+    assert ("entities were made, drawn by the seed" in page) == bool(wanted.parts)
 
 
 def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
@@ -116,6 +123,20 @@ def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
     digests = (certificate / "SHA256SUMS").read_text(encoding="utf-8")
     assert "certificate.html" in digests
     assert "design/vhdl/engine.vhd" in digests
+
+
+def test_benches_that_did_not_reach_every_border_are_not_green(shared: Shared) -> None:
+    job = shared.subject("round_saturate")
+    whole, recorded = Benched(job, False, 100), Benched(job, True)
+    assert bench_result([whole, recorded], 2).colour == "green"
+    assert bench_result([whole], 2).colour == "amber"
+    short = Benched(replace(job, test="recorded"), False, 9)
+    assert bench_result([whole, short], 2).colour == "amber"
+    failed = bench_result([whole, Benched(job, False, 0, "Error: 1 is not 2")], 2)
+    assert failed == StepResult("red", BENCHES, f"fail: {job.entity}: Error: 1 is not 2")
+    reached = [row[3] for row in bench_table([whole, short]).rows]
+    assert reached[0]
+    assert reached[1] is None
 
 
 def test_fewer_recorded_frames_come_from_the_whole_recording_and_are_said(shared: Shared) -> None:

@@ -19,12 +19,13 @@ from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
 from tb.peers import (
     alkaid_rows,
+    avr_rows,
     da4ml_rows,
     installed,
     kanele_rows,
     nngen_rows,
     ours,
-    serv_rows,
+    program,
     zoo_rows,
 )
 from tb.peers.__main__ import PEERS, brought, chosen
@@ -70,7 +71,7 @@ def test_frames_are_those_of_the_seed(task: Task) -> None:
 
 
 def test_the_table_names_what_is_counted() -> None:
-    """LUTs are counted in both families, all else in Virtex-II; a foreign network has no errors."""
+    """LUTs are of both families, all else of Virtex-II; a processor has no cells."""
     cells = {
         family: {kind: n + start for n, kind in enumerate(KINDS)}
         for family, start in (("xc2v", 0), ("xc7", 10))
@@ -78,11 +79,13 @@ def test_the_table_names_what_is_counted() -> None:
     rows = [
         Row("digit", "one", cells, 8, 1, (2.25, 1.0)),
         Row("jets", "two", cells, 7, 1, right=76.0),
+        Row("digit", "three", None, 900, 910, (1.5, 0.5)),
     ]
     table = compared(rows, "as measured")
     assert table.columns[2:7] == ["LUT4", "LUT6", "flip-flop", "MULT18", "RAMB16"]
     assert table.rows[0] == ["digit", "one", 0, 10, 3, 4, 5, 8, 1, 2.25, 1.0, None]
     assert table.rows[1][-3:] == [None, None, 76.0]
+    assert table.rows[2][2:] == [None] * 5 + [900, 910, 1.5, 0.5, None]
     assert table.lines()[-1] == "as measured"
 
 
@@ -255,13 +258,87 @@ def test_functions_are_read_from_files() -> None:
 
 def test_the_program_in_c_computes_the_network(task: Task) -> None:
     """Its model is near the network in floating point, and its header has the words of tables."""
-    recorded, random = task.errors(serv_rows.model(task))
+    recorded, random = task.errors(program.model(task))
     assert recorded < 2.5
     assert random < 1
-    header = serv_rows.header(task)
+    header = program.header(task)
     assert "#define HIDDEN 16" in header
     weights = ", ".join(map(str, task.constants.second.weights[3]))
     assert f"{{{weights}}}" in header
+
+
+@pytest.mark.parametrize("platform", ["serv_platform.h", "avr_platform.h"])
+def test_processors_run_one_program(platform: str, task: Task, tmp_path: Path) -> None:
+    """What differs from one to the other is in the header that the program includes."""
+    program.written(task, platform, tmp_path)
+    text = (tmp_path / program.SOURCE).read_text()
+    assert (tmp_path / "platform.h").read_bytes() == (program.HERE / platform).read_bytes()
+    for name in ("platform.h", "network.h"):
+        assert f'#include "{name}"' in text
+        assert (tmp_path / name).is_file()
+
+
+PRINTED = """Loaded 10 .text at address 0x0
+taken 10
+taken 16
+given 40 -3
+given 50 7
+taken 61
+taken 67
+given 95 8191
+given 103 -8192
+stack 72
+"""
+
+
+def test_clocks_are_read_from_a_simulator() -> None:
+    """The first frame takes 34 clocks, the second 36, and 53 lie between their ends."""
+    codes, clocks, interval = program.timed(PRINTED, 2, 2)
+    assert codes.tolist() == [[-3, 7], [8191, -8192]]
+    assert (clocks, interval) == (36, 53)
+
+
+def test_a_microcontroller_is_asked_for_its_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def run(command: list[str]) -> str:
+        asked.append(command)
+        return PRINTED
+
+    monkeypatch.setattr(avr_rows, "run", run)
+    frames = np.array([[1, -2], [3, 4]])
+    (codes, clocks, interval), stack = avr_rows.played(Path("simulate"), frames, 2, tmp_path)
+    assert (codes.shape, clocks, interval, stack) == ((2, 2), 36, 53, 72)
+    assert asked == [
+        ["simulate", "atmega328p", str(tmp_path / "program"), "4", "1", "-2", "3", "4"]
+    ]
+
+
+def test_a_microcontroller_that_computes_wrongly_is_told(
+    task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = program.model(task)
+    found = expected.copy()
+    found[7, 1] += 1
+    monkeypatch.setattr(avr_rows, "compiled", lambda *_: (10252, 4))
+    monkeypatch.setattr(avr_rows, "played", lambda *_: ((expected, 900, 910), 72))
+    (row,) = avr_rows.rows(Path("simulate"), {MAIN: task}, tmp_path)
+    assert row.name == "ATmega328P, program in C, 10252 bytes of flash and 76 of RAM"
+    assert (row.cells, row.clocks, row.interval) == (None, 900, 910)
+    monkeypatch.setattr(avr_rows, "played", lambda *_: ((found, 900, 910), 72))
+    with pytest.raises(InputError, match="ATmega328P: 1 of 2143 frames differ"):
+        list(avr_rows.rows(Path("simulate"), {MAIN: task}, tmp_path))
+
+
+def test_what_a_microcontroller_lacks_is_told_with_its_packages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    places, (told,) = brought(["avr"], tmp_path)
+    assert not places
+    assert told == f"avr is left out: not installed: avr-gcc; apt-get install {avr_rows.PACKAGES}"
 
 
 def test_files_of_a_commit_are_brought_once(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from golden.engine.formats import ONE, coeff_frac
 from golden.engine.quantise import first_values, planned
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
-from golden.networks.constants import Layer, quantised
+from golden.networks.constants import Layer, quantised, used_nodes
 from golden.precision import SIGNAL, Precision
 from golden.real import Real
 
@@ -25,22 +25,31 @@ def two_layer_bounds(
 
     Saturation increases no difference between two values, and tanh has no slope above 1. So the
     bound of y is the error of rounding in layer 2, plus ``|w2|`` times the error of r, which comes
-    from the activation and from the rounding of q.
+    from the activation and from the rounding of q. The weights of a node that is not built are
+    rounded to 0, so it is part of the error of rounding alone.
     """
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    built = built_nodes(second, len(activations))
     q_off = _rounded(mlp.w1, mlp.b1, first, precision, precision.hidden_fmt.frac)
-    r_off = q_off + [
-        activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
+    r_off = q_off[built] + [
+        activation_error(a, first.factors[j]) for a, j in zip(activations, built, strict=True)
     ]
     result: Real = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
-    return result + np.abs(mlp.w2) @ r_off
+    return result + np.abs(mlp.w2[:, built]) @ r_off
+
+
+def built_nodes(second: Layer, count: int) -> list[int]:
+    """The hidden nodes of a design that has ``count`` of them; all, or those that are used."""
+    every = list(range(len(second.weights[0])))
+    return every if len(every) == count else used_nodes(second)
 
 
 def layered_bounds(
     network: DenseNetwork,
     layers: Sequence[ConstantMatrix],
     activations: Sequence[Sequence[ActivationBlock]],
+    met: Sequence[float] = (),
 ) -> Real:
     """The bounds of the error of each output of a network in matrices and tables.
 
@@ -49,12 +58,13 @@ def layered_bounds(
     table its error is added. No activation has a slope above 1. A quantiser is exact where its
     operands are; where they are not, it can be a whole step off.
 
-    The bounds hold for frames in which no sum saturates in front of a ReLU or a linear layer.
+    The bounds hold for frames in which no sum saturates in front of a ReLU or a linear layer. With
+    ``met``, the ranges of these layers are from the data; see ``planned``.
     """
     values = first_values(network.shape[0], 0)
     errors = np.zeros(len(values))
     tables = [*activations, ()]
-    for one, matrix, table in zip(planned(network, values), layers, tables, strict=True):
+    for one, matrix, table in zip(planned(network, values, met), layers, tables, strict=True):
         exact, layer = one.exact, one.layer
         weights = np.array(
             [[abs(float(row[v.node] * v.factor)) for v in values] for row in exact.weights]

@@ -117,8 +117,7 @@ def constants_of(mlp: Mlp, settings: Settings) -> Constants:
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     hidden = range(len(first.biases))
-    used = [j for j in hidden if any(row[j] for row in second.weights)] if lean else list(hidden)
-    used = used or [0]
+    used = used_nodes(second) if lean else list(hidden)
     first, second = first.of_neurons(used), second.of_inputs(used)
     nodes = _sums(first, precision.hidden_fmt, precision)
     outputs = _sums(second, SIGNAL, precision)
@@ -133,6 +132,12 @@ def constants_of(mlp: Mlp, settings: Settings) -> Constants:
         for q, node in zip(first.factors, nodes, strict=True)
     )
     return Constants(precision, first, second, activations, len(hidden) - len(used))
+
+
+def used_nodes(second: Layer) -> list[int]:
+    """The hidden nodes that some output uses; the first alone if none does."""
+    found = [j for j in range(len(second.weights[0])) if any(row[j] for row in second.weights)]
+    return found or [0]
 
 
 def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:

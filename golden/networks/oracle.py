@@ -17,7 +17,7 @@ from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.mlp import Mlp
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.bounds import activation_error, layered_bounds, two_layer_bounds
+from golden.networks.bounds import activation_error, built_nodes, layered_bounds, two_layer_bounds
 from golden.networks.constants import Layer, quantised
 from golden.networks.design import Design
 from golden.networks.engine import Engine
@@ -108,7 +108,7 @@ def error_bounds(design: Design, mlp: Trained, precision: Precision, sensors: in
     ----------
     design : Design
     mlp : Mlp or DenseNetwork
-        The network of the design, of which all hidden nodes are built.
+        The network of the design.
     precision : Precision
     sensors : int
         How many inputs are samples; the others are outputs of earlier networks.
@@ -130,10 +130,12 @@ def _(design: AdderGraph, mlp: Trained, precision: Precision, _sensors: int) -> 
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     (hidden, outputs), (activations,) = design.layers, design.activations
-    q_off = _off(mlp.w1, mlp.b1, first, hidden)
+    built = built_nodes(second, len(activations))
+    q_off = _off(mlp.w1[built], mlp.b1[built], first.of_neurons(built), hidden)
     r_off = q_off + [activation_error(a, 1) for a in activations]
-    y_off = _off(mlp.w2, mlp.b2, second, outputs)
-    result: Real = y_off + np.abs(mlp.w2) @ r_off
+    unbuilt = np.delete(np.abs(mlp.w2), built, axis=1).sum(axis=1)
+    y_off = _off(mlp.w2[:, built], mlp.b2, second.of_inputs(built), outputs)
+    result: Real = y_off + unbuilt + np.abs(mlp.w2[:, built]) @ r_off
     return result
 
 

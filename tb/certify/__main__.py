@@ -18,6 +18,7 @@ from golden.files import replace_folder
 from golden.folders import BUILD
 from golden.progress import stage
 from golden.scene import Scene
+from tb.certify.benches import bench_result
 from tb.certify.bits import Fate, try_bits
 from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, check, deliver, write_digests
 from tb.certify.page import bits_line, write_page
@@ -34,7 +35,8 @@ MOST = 100_000
 def certify(
     scene: Scene, wanted: Wanted, build: Path = BUILD
 ) -> tuple[list[StepResult], list[Fate]]:
-    """Write the certificate of a scene; return what its script found, and of the changed bits."""
+    """Write the certificate of a scene; return what its script and the benches found, and of
+    the changed bits."""
     with stage(f"{scene.name}: exporting"), ThreadPoolExecutor() as pool:
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     # Tools run in folders of their own, so the path is absolute.
@@ -44,7 +46,7 @@ def certify(
         digests = write_digests(folder)
         print(f"{scene.name}: running {SCRIPT}", flush=True)
         check(folder)
-        results = read_results(folder)
+        results = [*read_results(folder), bench_result(made.benches, len(made.jobs))]
         fates = []
         if wanted.bits:
             with stage(f"{scene.name}: changing {wanted.bits} bits"):
@@ -69,7 +71,7 @@ def main() -> int:
     parser.add_argument("--netlist")
     parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
     parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
-    parser.add_argument("--mutants", type=whole("MUTANTS", 0, MOST))
+    parser.add_argument("--parts", type=whole("PARTS", 0, MOST))
     parser.add_argument("--picture", type=picture_file)
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
@@ -82,7 +84,7 @@ def main() -> int:
         tuple(name for name in families if name != UNKNOWN),
         arguments.bits,
         arguments.recorded,
-        arguments.mutants,
+        arguments.parts,
     )
     results, fates = certify(scene, wanted)
     if arguments.picture:

@@ -19,6 +19,7 @@ from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
 from hdl.export.exporter import compile_order
+from tb.certify.benches import Benched, run_benches
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
@@ -61,8 +62,9 @@ class Wanted:
         The number of single bits of the design that are changed, to see that the script finds it.
     recorded : int or None
         The number of recorded frames; None for all.
-    mutated : int or None
-        The number of entities of which mutants are made, drawn by ``seed``; None for all.
+    parts : int or None
+        The number of entities whose benches run and of which mutants are made, drawn by ``seed``;
+        None for all.
     """
 
     frames: int | None
@@ -70,7 +72,7 @@ class Wanted:
     families: tuple[str, ...] = ()
     bits: int = 0
     recorded: int | None = None
-    mutated: int | None = None
+    parts: int | None = None
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ class Delivered:
         The entities.
     frames : PlayedFrames
     properties : list of (Job, Property)
+    benches : list of Benched
     mutants : list of (Job, Mutants)
     """
 
@@ -93,6 +96,7 @@ class Delivered:
     jobs: list[Job]
     frames: PlayedFrames
     properties: list[tuple[Job, Property]]
+    benches: list[Benched]
     mutants: list[tuple[Job, Mutants]]
 
 
@@ -123,32 +127,35 @@ def deliver(
     tell("properties")
     properties = write_formulas(entities, folder)
     write_sums(design, folder)
-    mutants = _write_mutants(entities, folder, wanted, tell)
+    count = len(entities) if wanted.parts is None else min(wanted.parts, len(entities))
+    drawn = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
+    benches = run_benches(entities, [entities[place] for place in drawn], tell)
+    mutants = _write_mutants(entities, drawn, folder, wanted.seed, tell)
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Delivered(scene, design, entities, frames, properties, mutants)
+    return Delivered(scene, design, entities, frames, properties, benches, mutants)
 
 
 def _write_mutants(
-    entities: list[Job], folder: Path, wanted: Wanted, tell: Callable[[str], None]
+    entities: list[Job], drawn: list[int], folder: Path, seed: int, tell: Callable[[str], None]
 ) -> list[tuple[Job, Mutants]]:
-    """Write mutants of each entity, fewer of those that differ from another in constants alone."""
-    blocks = [job.block for job in entities]
+    """Write mutants of the entities at ``drawn`` places.
 
-    count = len(entities) if wanted.mutated is None else min(wanted.mutated, len(entities))
-    chosen = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
+    Of those that differ from another in constants alone there are fewer.
+    """
+    blocks = [job.block for job in entities]
 
     def write(place: int) -> tuple[Job, Mutants]:
         job = entities[place]
         tell(f"mutants of {job.entity}")
         count = OF_OTHERS if job.block in blocks[:place] else OF_FIRST
-        return job, write_mutants(job, folder, count, wanted.seed)
+        return job, write_mutants(job, folder, count, seed)
 
     # Of one entity, tools wait for each other, and then only one processor works.
     with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(write, chosen))
+        return list(pool.map(write, drawn))
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:

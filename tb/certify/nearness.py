@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.decisions import decisions_of
+from golden.dense import DenseNetwork
 from golden.engine import bounds as of_engine
 from golden.fixed import Codes
 from golden.mlp import Mlp
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.bounds import layered_bounds
 from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.network import Network
@@ -94,6 +97,9 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
             width, met = design.program.segment_width, scene.settings().met
             own = met[len(parts)] if met else ()
             parts.append(of_engine.error_bounds(network, width, sensors, own))
+        elif isinstance(network, DenseNetwork) and isinstance(design, AdderGraph):
+            (own,) = scene.settings().met or ((),)
+            parts.append(layered_bounds(network, design.layers, design.activations, own))
         elif isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1:
             parts.append(error_bounds(design, network, scene.precision, sensors))
         else:

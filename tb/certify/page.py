@@ -12,6 +12,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy.stats import binomtest
 
 from golden.machine import facts, versions
+from tb.certify.benches import STEP as BENCHES
+from tb.certify.benches import bench_table
 from tb.certify.bits import Fate
 from tb.certify.delivered import STEPS, Delivered
 from tb.certify.mutants import Mutants
@@ -32,6 +34,7 @@ SHOWS = {
     "sums": "no sum of this network overflows, for every frame",
     "mutants": "the test bench fails on hardware that is wrong",
     "cells": "the mapped cells give the same outputs",
+    BENCHES: "the library's bench of each entity passes, and reaches all that can be reached",
 }
 # The least part of mutants that must be found.
 LEAST_SCORE = 0.99
@@ -144,6 +147,7 @@ def content(
         results,
         [
             ("It is near the network that was trained", near.errors),
+            ("Its benches reach every border", bench_table(made.benches)),
             ("Its checks can fail", _mutants(made)),
             *([("One changed bit is found", _bits(fates))] if fates else []),
         ],

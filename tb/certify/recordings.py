@@ -23,7 +23,7 @@ RANDOM = 200
 LEAST_RANDOM = 5
 # What a mutant plays: so many frames, and fewer where a frame takes thousands of clocks.
 SHORT = "short"
-SHORT_FRAMES, SHORT_CLOCKS = 12, 20_000
+SHORT_FRAMES, SHORT_CLOCKS = 12, 8_000
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,16 @@ from golden.table import suggest
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.tools import version_of
 from tb.common.tools import check_simulator
-from tb.peers import alkaid_rows, da4ml_rows, kanele_rows, nngen_rows, ours, serv_rows, zoo_rows
+from tb.peers import (
+    alkaid_rows,
+    avr_rows,
+    da4ml_rows,
+    kanele_rows,
+    nngen_rows,
+    ours,
+    serv_rows,
+    zoo_rows,
+)
 from tb.peers.comparison import FEW, MAIN, Row, Task, compared, task_of
 
 
@@ -49,6 +58,7 @@ PEERS: dict[str, Peer] = {
     "nngen": nngen_rows,
     "kanele": kanele_rows,
     "serv": serv_rows,
+    "avr": avr_rows,
 }
 
 

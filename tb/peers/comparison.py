@@ -104,8 +104,9 @@ class Row:
     network : str
         The network that it computes.
     name : str
-    cells : mapping
-        The count of each kind of ``hdl.synth.netlist.KINDS``, in each family.
+    cells : mapping or None
+        The count of each kind of ``hdl.synth.netlist.KINDS``, in each family; None for a design
+        that is not in an FPGA.
     clocks : int
         The clocks from the last sample of a frame to its last output.
     interval : int
@@ -119,7 +120,7 @@ class Row:
 
     network: str
     name: str
-    cells: Cells
+    cells: Cells | None
     clocks: int
     interval: int
     errors: tuple[float | None, float | None] = (None, None)
@@ -132,7 +133,7 @@ def compared(rows: Sequence[Row], note: str) -> Table:
         [
             row.network,
             row.name,
-            *(row.cells[family][kind] for family, kind in COLUMNS.values()),
+            *(row.cells[family][kind] if row.cells else None for family, kind in COLUMNS.values()),
             row.clocks,
             row.interval,
             *row.errors,

@@ -25,7 +25,7 @@ def real_error(
     mlp : Mlp
     precision : Precision
     network : Design
-        The bit-true network, with every hidden node of ``mlp``.
+        The bit-true network.
     frames, found : int64 arrays
         The samples and the results.
     sensors : int

@@ -1,32 +1,17 @@
-/* A network of two layers for a RISC-V without a multiplier. Samples are read from PORT, and outputs
-   written to it. network.h holds the sizes and the constants as whole numbers: codes of the weights,
-   biases with the fraction bits of a product, and the words of the tables of our bipartite. */
+/* A network of two layers. Samples are read from PORT, and outputs written to it. network.h holds
+   the sizes and the constants as whole numbers: codes of the weights, biases with the fraction bits
+   of a product, and the words of the tables of our bipartite. platform.h says what differs from
+   processor to processor: PORT, times, TABLE and the type of a code, and how work is begun. */
+#include <stdint.h>
+
+#include "platform.h"
+
 #include "network.h"
 
-#define PORT (*(volatile int *)0x80000000)
-
-void __attribute__((naked, section(".start"))) start(void)
-{
-    __asm__("li sp, %0\n j work" ::"i"(MEMORY));
-}
-
-static int times(int weight, int code)
-{
-    int product = 0;
-    if (code < 0) {
-        code = -code;
-        weight = -weight;
-    }
-    for (; code; code >>= 1, weight <<= 1)
-        if (code & 1)
-            product += weight;
-    return product;
-}
-
 /* r with 14 fraction bits, for q with 14; both stand for the middle of their step. */
-static int tanh_of(int q)
+static int32_t tanh_of(int32_t q)
 {
-    int sign = q >> 31, mag = q ^ sign, upper, base, slope;
+    int32_t sign = q >> 31, mag = q ^ sign, upper, base, slope;
     if (mag >> 17)
         mag = 0x1ffff;
     upper = mag >> 15;
@@ -42,8 +27,10 @@ static int tanh_of(int q)
 
 void __attribute__((noreturn)) work(void)
 {
-    int samples[INPUTS], r[HIDDEN], i, j;
-    long long sum;
+    code_t samples[INPUTS], r[HIDDEN];
+    int i, j;
+    int32_t output;
+    int64_t sum;
     for (;;) {
         for (i = 0; i < INPUTS; i++)
             samples[i] = PORT;
@@ -57,8 +44,8 @@ void __attribute__((noreturn)) work(void)
             sum = second_biases[j];
             for (i = 0; i < HIDDEN; i++)
                 sum += times(second_weights[j][i], r[i]);
-            i = sum >> SECOND_SHIFT;
-            PORT = i > 8191 ? 8191 : i < -8192 ? -8192 : i;
+            output = sum >> SECOND_SHIFT;
+            PORT = output > 8191 ? 8191 : output < -8192 ? -8192 : output;
         }
     }
 }
