@@ -7,6 +7,7 @@ from itertools import groupby
 import pytest
 from conftest import tiered
 
+from tb.report.draw.findings import search_plot
 from tb.report.measure.search_runs import COLUMNS, SCENES, TIMED, matrices, row, search_runs
 
 ROWS = search_runs(1).rows
@@ -32,3 +33,13 @@ def test_a_row_is_what_is_measured(number: int) -> None:
     name, variant, runs, *_ = ROWS[number]
     (matrix,) = (found for found in matrices(name) if found.variant == variant)
     assert row(name, matrix, runs)[: -len(TIMED)] == list(ROWS[number][: -len(TIMED)])
+
+
+def test_the_plot_shows_what_is_saved() -> None:
+    plot = search_plot(search_runs(1))
+    assert len(plot.groups) == len(ROWS) // len(SCENES["digit-fast"])
+    for (name, variant), rows in groupby(ROWS, lambda found: found[:2]):
+        found = list(rows)
+        saved = [100 * (1 - row[3] / found[0][3]) for row in found]
+        times = [row[4] for row in found]
+        assert plot.groups[f"{name}, {variant}"] == list(zip(times, saved, strict=True))
