@@ -4,26 +4,36 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from golden.fixed import Fix
 from golden.input_error import InputError
+from golden.layers import kept_graph, sharing
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
 from golden.layers.shift_add import Operand, Sum
 from golden.layers.three_operands import fused, saving_of
 from golden.signed_digits import signed_digits
+from golden.store import VARIABLE
 
 pytestmark = pytest.mark.usefixtures("few_runs")
 
 SAMPLES = Fix(6, 5)
 WIDE = Fix(40, 5)
 WEIGHT = st.integers(-(1 << 11), 1 << 11)
+
+
+@pytest.fixture
+def own_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty store."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    return tmp_path
 
 
 @st.composite
@@ -193,6 +203,61 @@ def test_a_graph_is_the_same_every_time() -> None:
     assert matrix.graph == first
 
 
+def searched(matrix: ConstantMatrix, runs: int) -> ConstantMatrix:
+    """The matrix with a graph of so many runs, which is found anew."""
+    shared.cache_clear()
+    return replace(matrix, search_runs=runs)
+
+
+@pytest.mark.usefixtures("own_store")
+@settings(
+    max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(matrices())
+def test_more_runs_never_need_more_bits(matrix: ConstantMatrix) -> None:
+    assert searched(matrix, sharing.RUNS).graph == matrix.graph
+    found = [matrix, searched(matrix, 4), searched(matrix, 12)]
+    for fewer, more in pairwise(found):
+        assert more.latency < fewer.latency or more.graph.adder_bits <= fewer.graph.adder_bits
+    whole = replace(found[-1], guard=matrix.out_shift)
+    frames = some_frames(whole)
+    assert (whole.process(frames) == products(whole, frames) >> whole.out_shift).all()
+
+
+MANY = ConstantMatrix(
+    SAMPLES,
+    WIDE,
+    tuple(tuple(row) for row in np.random.default_rng(1).integers(-4000, 4000, (5, 3)).tolist()),
+    (0, 1, -2, 3, -400),
+    6,
+    1,
+    4,
+)
+
+
+@pytest.mark.usefixtures("own_store")
+def test_more_runs_find_a_smaller_graph() -> None:
+    bits = [searched(MANY, runs).graph.adder_bits for runs in (2, 30)]
+    assert bits[1] < bits[0]
+
+
+def test_a_graph_of_more_runs_is_kept_for_its_matrix_and_settings(
+    own_store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = searched(MANY, 6).graph
+    kept = list(own_store.rglob("*.json"))
+    assert len(kept) == 1
+    with monkeypatch.context() as patch:
+        patch.setattr(kept_graph, "shared", pytest.fail)
+        assert replace(MANY, search_runs=6).graph == first
+    for changed in ({"search_runs": 7}, {"guard": 2}, {"adder_operands": 3}):
+        assert searched(replace(MANY, **changed), changed.get("search_runs", 6)).graph
+    assert len(list(own_store.rglob("*.json"))) == 4
+    # Without the store the same graph is found.
+    kept[0].unlink()
+    assert searched(MANY, 6).graph == first
+
+
 @settings(max_examples=30, deadline=None)
 @given(matrices())
 def test_three_operands_give_the_same_results_with_fewer_bits(matrix: ConstantMatrix) -> None:
@@ -275,6 +340,7 @@ def test_results_saturate() -> None:
         ({"weights": ((1, 2), (3,))}, r"rows of \[2, 1\] weights"),
         ({"biases": (1,)}, "got 1 biases"),
         ({"guard": -1}, "got guard=-1, expected 0 or more"),
+        ({"search_runs": -1}, "got search_runs=-1, expected 0 or more"),
         ({"adders_per_clock": 0}, "got adders_per_clock=0, expected 1 or more"),
         ({"adder_operands": 4}, "got adder_operands=4, expected 2 or 3"),
         ({"finishes": (Finish(),)}, "got 1 finishes, expected 2 or none"),

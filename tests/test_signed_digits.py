@@ -1,12 +1,12 @@
 """Tests canonical signed digits: they give the right number, and no form has fewer."""
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.signed_digits import digit_counts, nearest_with, signed_digits
+from golden.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
 
 
 @given(st.integers())
@@ -32,6 +32,19 @@ def test_no_other_form_has_fewer():
     assert len(checked) == 401
     for number in checked:
         assert len(signed_digits(number)) == fewest[number]
+
+
+def test_short_forms_are_all_forms_of_so_few_digits():
+    every = {}
+    for signs in product((-1, 0, 1), repeat=9):
+        form = tuple((place, sign) for place, sign in enumerate(signs) if sign)
+        every.setdefault(sum(sign << place for place, sign in form), set()).add(form)
+    for number in range(-40, 41):
+        for most in range(len(signed_digits(number)) + 2):
+            fitting = {form for form in every[number] if len(form) <= most}
+            found = short_forms(number, most)
+            assert set(found) == fitting
+            assert len(found) == len(fitting)
 
 
 @given(st.integers(-(1 << 50), 1 << 50))

@@ -15,7 +15,8 @@ from golden.border import Border
 from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
 from golden.layers.closest import closest
-from golden.layers.sharing import Matrix, shared
+from golden.layers.kept_graph import graph_of
+from golden.layers.sharing import Matrix
 from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
 from golden.port import CLOCK, Port, group, input_port, output_port
 from golden.precision import FACTOR_LIMIT
@@ -74,6 +75,9 @@ class ConstantMatrix(Block):
         The most operands of an adder, 2 or 3. An adder of three needs a LUT for each bit where LUTs
         have six inputs, and about two where they have four. It counts as one adder in
         ``adders_per_clock``.
+    search_runs : int
+        How many runs the search for the graph has; 0 for up to 40, fewer for a large matrix. The
+        graph of more runs is never larger. It takes longer to find and is kept in the store.
 
     Notes
     -----
@@ -103,6 +107,7 @@ class ConstantMatrix(Block):
     finishes: tuple[Finish, ...] = ()
     in_ends: Ends = ()
     adder_operands: int = 2
+    search_runs: int = 0
 
     def __post_init__(self) -> None:
         if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
@@ -115,6 +120,7 @@ class ConstantMatrix(Block):
             ("out_shift", self.out_shift, 0),
             ("guard", self.guard, 0),
             ("adders_per_clock", self.adders_per_clock, 1),
+            ("search_runs", self.search_runs, 0),
         ):
             if value < least:
                 raise InputError(f"{self.entity}: got {name}={value}, expected {least} or more")
@@ -169,11 +175,21 @@ class ConstantMatrix(Block):
         pairs = zip(self.weights, self.biases, strict=True)
         return [sum_ends(row, bias, self.sample_ends) for row, bias in pairs]
 
+    @property
+    def wanted(self) -> Matrix:
+        """What the search for the graph is given."""
+        return Matrix(self.weights, self.biases, self.sample_ends, self.place)
+
     @cached_property
     def graph(self) -> ShiftAdd:
         """The graph of adders."""
-        matrix = Matrix(self.weights, self.biases, self.sample_ends, self.place)
-        return shared(matrix, self.adders_per_clock, self.finish_levels, self.adder_operands)
+        return graph_of(
+            self.wanted,
+            self.adders_per_clock,
+            self.finish_levels,
+            self.adder_operands,
+            self.search_runs,
+        )
 
     def __getstate__(self) -> dict[str, object]:
         """The fields and the graph, so that a bench that is given the twin need not search it."""

@@ -2,7 +2,9 @@
 
 It looks for common subexpressions of two terms in canonical signed digits, as in R. I. Hartley,
 Subexpression sharing in filters using canonic signed digit multipliers, IEEE Transactions on
-Circuits and Systems II, 1996. The rule by which it chooses among them is ours.
+Circuits and Systems II, 1996. The rule by which it chooses among them is ours. A scene may ask for
+more runs. Each of these changes the best graph so far: some of its shares are undone, and some
+weights get other signed digits.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ from golden.layers.shift_add import (
     weights_of,
 )
 from golden.layers.three_operands import fused
-from golden.signed_digits import signed_digits
+from golden.signed_digits import short_forms, signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.
 Term = tuple[int, int]
@@ -46,6 +48,11 @@ RUNS = 40
 # number plus one.
 PAYS = 19
 PAIRS = 400_000
+# Runs beyond these leave out so many per cent of the shares of the best run, and so many per cent
+# of the weights get another form, which has at most so many digits more than the shortest.
+UNDONE = 30
+CHANGED = 3
+LONGER = 1
 
 
 class Growing:
@@ -96,10 +103,12 @@ class Growing:
 class Sharing:
     """Rows of signed terms, in which patterns that occur often become terms of their own.
 
-    All runs of a search begin with the same rows, so these are examined once: each run works on a
-    copy, which ``begun`` makes.
+    All first runs of a search begin with the same rows, so these are examined once: each run works
+    on a copy, which ``begun`` makes.
     """
 
+    # The patterns that became terms, in their order. Each one is the next node behind the inputs.
+    shares: list[Pattern]
     spread: int
     random: Random
     luck: dict[Pattern, int]
@@ -107,6 +116,8 @@ class Sharing:
 
     def __init__(self, graph: Growing, rows: list[dict[Term, int]], place: int):
         self.graph, self.rows, self.place = graph, rows, place
+        # Runs change copies of the rows, so these stay.
+        self.digits = rows
         # For each pattern the rows in which it occurs, each with the pattern's low term there.
         self.places: dict[Pattern, set[tuple[int, Term]]] = defaultdict(set)
         for number, row in enumerate(rows):
@@ -122,9 +133,26 @@ class Sharing:
         other.graph, other.rows = self.graph.copy(), [dict(row) for row in self.rows]
         other.places = defaultdict(set, {p: set(found) for p, found in self.places.items()})
         other.spread, other.random, other.luck, other.queue = spread, random, {}, []
+        other.shares = []
         for pattern, saved in self._first:
             other._offer(pattern, saved)
         return other
+
+    def repeat(self, shares: Sequence[Pattern]) -> None:
+        """Begin with most shares of an earlier run, as far as its rows allow; chance leaves out.
+
+        Without those that are left out, others may save more.
+        """
+        inputs = len(self.graph.ends)
+        # Those nodes of the earlier run that are here too, with their indices here.
+        here = {k: k for k in range(inputs)}
+        for number, (low, high, shift, differ) in enumerate(shares, start=inputs):
+            if self.random.randrange(100) < UNDONE or not {low, high} <= here.keys():
+                continue
+            pattern = here[low], here[high], shift, differ
+            if pattern in self.places and self._saved(pattern):
+                here[number] = len(self.graph.nodes)
+                self._share(pattern)
 
     def _pairs(self, number: int, term: Term) -> list[tuple[Pattern, Term]]:
         """The pattern of a term with each other one of its row, and the low one of the two.
@@ -191,6 +219,7 @@ class Sharing:
                 self._offer(pattern, saved)
 
     def _share(self, pattern: Pattern) -> None:
+        self.shares.append(pattern)
         low_node, high_node, shift, differ = pattern
         pair = Operand(low_node), Operand(high_node, shift, -1 if differ else 1)
         node = self.graph.sum(Sum(pair))
@@ -276,8 +305,24 @@ class Matrix:
     place: int
 
 
+def again(matrix: Matrix, best: Sharing, random: Random) -> Sharing:
+    """A run that changes an earlier one: it has other digits of some weights and other shares."""
+    rows = [dict(row) for row in best.digits]
+    for row, weights in zip(rows, matrix.weights, strict=True):
+        for k, weight in enumerate(weights):
+            if weight and random.randrange(100) < CHANGED:
+                for term in [term for term in row if term[0] == k]:
+                    del row[term]
+                forms = short_forms(weight, len(signed_digits(weight)) + LONGER)
+                form = forms[random.randrange(len(forms))]
+                row.update({(k, place): sign for place, sign in form})
+    sharing = Sharing(Growing(matrix.ends), rows, matrix.place).begun(SPREADS[-1], random)
+    sharing.repeat(best.shares)
+    return sharing
+
+
 @lru_cache(maxsize=64)
-def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
+def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0) -> ShiftAdd:
     """The graph for a matrix with the fewest bits of adders among several runs.
 
     Parameters
@@ -291,6 +336,9 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
     operands : int
         The most operands of an adder, 2 or 3. Sums of three are made of two sums that are chosen
         first, so the numbers of stages that are tried reach one further.
+    runs : int
+        How many runs there are; 0 for ``RUNS`` and ``PAIRS``. Runs beyond these each change the
+        best one so far; see ``again``.
     """
 
     def stages(depth: int) -> int:
@@ -302,12 +350,19 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
     ]
     pairs = sum(len(row) ** 2 for row in digits)
     at_first = Sharing(Growing(matrix.ends), digits, matrix.place)
-    found: dict[int, list[tuple[int, int, ShiftAdd]]] = defaultdict(list)
-    for run in range(max(1, min(RUNS, PAIRS // max(1, pairs)))):
-        sharing = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
+    # For each number of stages the graph with the fewest bits of adders, after these.
+    found: dict[int, tuple[int, ShiftAdd]] = {}
+    best: tuple[int, int, Sharing] | None = None
+    at_random = max(1, min(RUNS, PAIRS // max(1, pairs)))
+    for run in range(runs or at_random):
+        if best is None or run < at_random:
+            sharing = at_first.begun(SPREADS[run % len(SPREADS)], Random(run))
+        else:
+            sharing = again(matrix, best[2], Random(run))
         sharing.run()
         graph, rows = sharing.graph, sharing.rows
         clocks, least = stages(least_depth(graph, rows)), 0
+        costs: list[tuple[int, int]] = []
         while not least or clocks < least + operands:
             depth = clocks * levels - spare
             made = finished(matrix, graph.copy(), rows, depth)
@@ -315,17 +370,17 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int) -> ShiftAdd:
                 least, before = least or clocks, stages(made.depth)
                 made = fused(made) if operands > 2 else made
                 saved = before - stages(made.depth)
-                found[clocks - saved].append((made.adder_bits, run, made))
+                bits = made.adder_bits
+                if clocks - saved not in found or bits < found[clocks - saved][0]:
+                    found[clocks - saved] = bits, made
+                costs.append((clocks - saved, bits))
             clocks += 1
+        if best is None or min(costs) <= best[:2]:
+            best = *min(costs), sharing
     least = min(found)
-    bits, _, chosen = min(found[least], key=_cost)
-    more_bits, _, more = min(found.get(least + 1, found[least]), key=_cost)
+    bits, chosen = found[least]
+    more_bits, more = found.get(least + 1, found[least])
     return more if more_bits * (PAYS + 1) < bits * PAYS else chosen
-
-
-def _cost(made: tuple[int, int, ShiftAdd]) -> tuple[int, int]:
-    """The bits of a graph's adders, and the run that it comes from."""
-    return made[:2]
 
 
 def least_depth(graph: Growing, rows: Sequence[dict[Term, int]]) -> int:

@@ -38,8 +38,9 @@ from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
 # The options of a scene that does not set them: the most adders between two registers, the most
-# operands of an adder, and the bits of a word, which are then those of ``whole_layers``.
-OPTIONS = {"adders_per_clock": 5, "adder_operands": 2, "word_width": 0}
+# operands of an adder, the bits of a word, which are then those of ``whole_layers``, and the runs
+# of the search for shared terms, which ``shared`` then limits.
+OPTIONS = {"adders_per_clock": 5, "adder_operands": 2, "word_width": 0, "search_runs": 0}
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,7 @@ class AdderGraph(Design):
             str(settings.activation_options.get("memory", MEMORY)),
             f"{variant}_" if variant else "",
             options["word_width"],
+            options["search_runs"],
         )
         if len(networks) > 1 or isinstance(networks[0], Mlp):
             if chosen.word_width:
@@ -150,6 +152,7 @@ class AdderGraph(Design):
             GUARD[0],
             chosen.adders_per_clock,
             adder_operands=chosen.adder_operands,
+            search_runs=chosen.search_runs,
             variant=f"{chosen.prefix}hidden",
         )
         # The bias makes up for half a step of each r, and rounds the output with half a step of its
@@ -168,6 +171,7 @@ class AdderGraph(Design):
             GUARD[1],
             chosen.adders_per_clock,
             adder_operands=chosen.adder_operands,
+            search_runs=chosen.search_runs,
             variant=f"{chosen.prefix}outputs",
         )
         activations = tabled(list(map(_halved, constants.activations)), hidden.result_widths)

@@ -30,6 +30,8 @@ from golden.precision import EXACT, SIGNAL
 # beside those that round it.
 WORD_WIDTH = TANH_RESULT.width
 LEAST_WORD = 3
+# The most runs of a search that a scene may ask for.
+MOST_RUNS = 1_000_000
 # Bits below the last place of a hidden word and of an output that take part in the additions.
 GUARD = (1, 1)
 # By how many bits a word of tanh is longer than the code of a table, which stands for the middle of
@@ -54,11 +56,14 @@ class Chosen:
     word_width : int
         Bits of a word from layer to layer where no quantiser says how many there are, and no table;
         0 for ``WORD_WIDTH``.
+    search_runs : int
+        Runs of the search for each matrix; see ``ConstantMatrix``.
 
     Raises
     ------
     InputError
-        For a word that is too short, or longer than that of the integer network.
+        For a word that is too short, or longer than that of the integer network, and for a number
+        of runs below 1 or above ``MOST_RUNS``.
     """
 
     adders_per_clock: int
@@ -66,12 +71,17 @@ class Chosen:
     memory: str
     prefix: str = ""
     word_width: int = 0
+    search_runs: int = 0
 
     def __post_init__(self) -> None:
         if self.word_width and not LEAST_WORD <= self.word_width <= RESULT.width:
             raise InputError(
                 f"hardware.word_width: got {self.word_width}, expected {LEAST_WORD} to "
                 f"{RESULT.width}"
+            )
+        if not 0 <= self.search_runs <= MOST_RUNS:
+            raise InputError(
+                f"hardware.search_runs: got {self.search_runs}, expected 1 to {MOST_RUNS}"
             )
 
 
@@ -346,6 +356,7 @@ class _Step:
             finishes if any(finish != Finish() for finish in finishes) else (),
             () if whole else ends,
             self.chosen.adder_operands,
+            self.chosen.search_runs,
             variant=variant,
         )
 

@@ -155,6 +155,15 @@ HARDWARE = KeyTable(
             "behind it shorter. A network for classes often decides the same with 8.",
             "15",
         ),
+        "search_runs": Key(
+            Whole(absent=True),
+            0,
+            "Only for `adder_graph`. How often the [search for sums that results share]"
+            "(blocks/constant_matrix.md#more-runs) is run for each matrix, 1 to 1000000. "
+            "More runs take longer, and their graph never has more bits of adders in as many "
+            "clocks.",
+            "up to 40, fewer for a large matrix",
+        ),
     },
     name="a section",
 )

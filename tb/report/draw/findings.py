@@ -276,6 +276,33 @@ def digits_plot(table: Table) -> Plot:
     )
 
 
+def search_plot(table: Table) -> Plot:
+    """How many bits of adders more runs of the search for shared sums save, against their time."""
+    points: dict[str, list[tuple[float, float]]] = {}
+    most: list[str] = []
+    for scene, matrix in dict.fromkeys((row[0], row[1]) for row in table.rows):
+        found = rows_of(table, scene=scene, matrix=matrix)
+        usual = number(found[0], "bits of adders")
+        name = f"{scene}, {matrix}"
+        points[name] = [
+            (number(row, "CPU s"), 100 * (1 - number(row, "bits of adders") / usual))
+            for row in found
+        ]
+        most.append(f"{points[name][-1][1]:.1f} % in {points[name][-1][0]:.0f} s of {name}")
+    runs = [f"{number(row, 'runs'):g}" for row in found[1:]]
+    return Plot(
+        "search_runs",
+        "What more runs of the search for shared sums save",
+        "processor time s",
+        "bits of adders saved %",
+        points,
+        f"Points are the usual runs, and then {', '.join(runs)} of them, along the lines. At the "
+        f"end they save {', and '.join(most)}.",
+        ["search_runs"],
+        linear="y",
+    )
+
+
 def swing_plots(tables: Mapping[str, Table]) -> list[Plot]:
     """The integrators of the swing: plain, strongly damped, and started just short of upright."""
     table = tables["swing"]

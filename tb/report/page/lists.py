@@ -36,6 +36,7 @@ from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
 from tb.report.measure.left_out import left_out
+from tb.report.measure.search_runs import search_runs
 from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.table_records import SEED, read
@@ -234,6 +235,11 @@ def word_width_rows() -> str:
     return _table(word_widths(SEED))
 
 
+def search_run_rows() -> str:
+    """What more runs of the search for shared sums save."""
+    return _table(search_runs(SEED))
+
+
 def _shown(cell: Cell) -> str:
     if cell is None:
         return ""
@@ -303,6 +309,7 @@ def pages() -> dict[Path, str]:
         (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
         (docs / "blocks" / "adder_graph.md", "word_widths", word_width_rows),
+        (docs / "blocks" / "constant_matrix.md", "search_runs", search_run_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
     ]
@@ -313,6 +320,7 @@ def pages() -> dict[Path, str]:
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
+    found[docs / "search-runs.svg"] = findings.search_plot(search_runs(SEED)).draw() + "\n"
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"

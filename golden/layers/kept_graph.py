@@ -1,0 +1,64 @@
+"""Graphs of long searches for shared terms, which are kept in the store."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from golden import store
+from golden.closure import code
+from golden.layers import sharing
+from golden.layers.sharing import Matrix, shared
+from golden.layers.shift_add import Constant, Input, Node, Operand, Row, ShiftAdd, Sum
+
+
+def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) -> ShiftAdd:
+    """The graph of ``shared``. If the scene says how many runs there are, it is searched once."""
+    if not runs:
+        return shared(matrix, levels, spare, operands)
+    asked = store.key(
+        "shared_terms",
+        code=code([sharing.__name__]),
+        limits=(sharing.RUNS, sharing.PAIRS),
+        matrix=repr(matrix),
+        levels=levels,
+        spare=spare,
+        operands=operands,
+        runs=runs,
+    )
+    found = store.once(asked, lambda: as_data(shared(matrix, levels, spare, operands, runs)))
+    return of_data(matrix, found)
+
+
+def as_data(graph: ShiftAdd) -> dict[str, list[object]]:
+    """A graph without its ends as data for JSON."""
+    return {
+        "nodes": [_node_data(node) for node in graph.nodes],
+        "lows": list(graph.lows),
+        "rows": [[row.node, row.shift, row.minus] for row in graph.rows],
+    }
+
+
+def of_data(matrix: Matrix, data: dict[str, list[Any]]) -> ShiftAdd:
+    """The graph that ``as_data`` gave as data."""
+    return ShiftAdd(
+        matrix.ends,
+        tuple(_node(one) for one in data["nodes"]),
+        tuple(data["lows"]),
+        tuple(Row(*row) for row in data["rows"]),
+    )
+
+
+def _node_data(node: Node) -> list[object]:
+    """The kind of a node, and what it holds."""
+    if isinstance(node, Input):
+        return ["input", node.number]
+    if isinstance(node, Constant):
+        return ["constant", node.value]
+    return ["sum", *([one.node, one.shift, one.sign] for one in node.operands)]
+
+
+def _node(data: list[Any]) -> Node:
+    kind, *held = data
+    if kind == "sum":
+        return Sum(tuple(Operand(*one) for one in held))
+    return Input(*held) if kind == "input" else Constant(*held)
