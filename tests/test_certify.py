@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from hdl.export.exporter import compile_order
 from tb.certify.__main__ import certify
@@ -148,6 +149,14 @@ def test_fewer_recorded_frames_come_from_the_whole_recording_and_are_said(shared
     middle = (len(every.recorded) - 1) // 2
     assert few.recorded.tolist() == every.recorded[[0, middle, -1]].tolist()
     assert few.random.tolist() == every.random.tolist()
+
+
+def test_too_few_frames_for_a_window_are_refused(shared: Shared) -> None:
+    scene = shared.scene("swing-window")
+    design = scene.twin()
+    assert len(frames_of(scene, design, design.past, SEED, recorded=1).recorded) == 1
+    with pytest.raises(InputError, match=r"RECORDED=1 FRAMES=0: got 1 frames, expected more than"):
+        frames_of(scene, design, 0, SEED, recorded=1)
 
 
 def test_a_changed_file_has_another_digest(copied: Path) -> None:

@@ -15,6 +15,7 @@ def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) 
     """The graph of ``shared``. If the scene says how many runs there are, it is searched once."""
     if not runs:
         return shared(matrix, levels, spare, operands)
+    # Tests set other limits, which the code does not show.
     asked = store.key(
         "shared_terms",
         code=code([sharing.__name__]),

@@ -101,7 +101,9 @@ def _(design: AdderGraph) -> list[Sequence[int]]:
 
 
 @singledispatch
-def error_bounds(design: Design, mlp: Trained, precision: Precision, sensors: int) -> Real:
+def error_bounds(
+    design: Design, mlp: Trained, precision: Precision, sensors: int, met: Sequence[float] = ()
+) -> Real:
     """How far each output can be from real arithmetic that saturates, in real units.
 
     Parameters
@@ -112,20 +114,34 @@ def error_bounds(design: Design, mlp: Trained, precision: Precision, sensors: in
     precision : Precision
     sensors : int
         How many inputs are samples; the others are outputs of earlier networks.
+    met : sequence of float
+        Where the ranges of layers are from the data; see ``golden.engine.quantise.planned``.
     """
     assert isinstance(mlp, Mlp)
     return two_layer_bounds(mlp, precision, exact_layers(design).activations)
 
 
 @error_bounds.register
-def _(design: Engine, mlp: Trained, _precision: Precision, sensors: int) -> Real:
-    return of_engine.error_bounds(mlp, design.program.segment_width, sensors)
+def _(
+    design: Engine,
+    mlp: Trained,
+    _precision: Precision,
+    sensors: int,
+    met: Sequence[float] = (),
+) -> Real:
+    return of_engine.error_bounds(mlp, design.program.segment_width, sensors, met)
 
 
 @error_bounds.register
-def _(design: AdderGraph, mlp: Trained, precision: Precision, _sensors: int) -> Real:
+def _(
+    design: AdderGraph,
+    mlp: Trained,
+    precision: Precision,
+    _sensors: int,
+    met: Sequence[float] = (),
+) -> Real:
     if isinstance(mlp, DenseNetwork):
-        return layered_bounds(mlp, design.layers, design.activations)
+        return layered_bounds(mlp, design.layers, design.activations, met)
     # ConstantMatrix.errors is the part of the error that comes from dropped bits.
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
@@ -133,9 +149,8 @@ def _(design: AdderGraph, mlp: Trained, precision: Precision, _sensors: int) -> 
     built = built_nodes(second, len(activations))
     q_off = _off(mlp.w1[built], mlp.b1[built], first.of_neurons(built), hidden)
     r_off = q_off + [activation_error(a, 1) for a in activations]
-    unbuilt = np.delete(np.abs(mlp.w2), built, axis=1).sum(axis=1)
-    y_off = _off(mlp.w2[:, built], mlp.b2, second.of_inputs(built), outputs)
-    result: Real = y_off + unbuilt + np.abs(mlp.w2[:, built]) @ r_off
+    y_off = _off(mlp.w2, mlp.b2, second, outputs)
+    result: Real = y_off + np.abs(mlp.w2[:, built]) @ r_off
     return result
 
 

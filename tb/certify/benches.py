@@ -7,16 +7,14 @@ of the library is of the same bytes, it stands for the run.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 from tb.certify.results import StepResult
 from tb.certify.reused import same_bytes
 from tb.common.kept import run_kept
 from tb.common.results import chosen
-from tb.common.runner import Job
+from tb.common.runner import Job, Outcome, run_jobs
 from tb.report.measure.table import Cell, Table
 
 STEP = "benches"
@@ -58,17 +56,17 @@ def run_benches(
     # An instrument or a cascade takes minutes, and its networks have benches of their own.
     around = {job.entity for job in chosen(list(entities)) if job.test}
 
-    def bench(job: Job) -> Benched:
-        if same_bytes(job, "coverage"):
-            return Benched(job, True)
+    def bench(job: Job) -> Outcome:
         tell(f"bench of {job.entity}")
-        outcome = run_kept(job)
-        complaint = "" if outcome.passed else outcome.complaint()
-        return Benched(job, False, outcome.compared, complaint)
+        return run_kept(job)
 
     jobs = [replace(job, test="recorded") if job.entity in around else job for job in drawn]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(bench, jobs))
+    known = {job.entity: Benched(job, True) for job in jobs if same_bytes(job, "coverage")}
+    new = [job for job in jobs if job.entity not in known]
+    for outcome in run_jobs(new, lambda _: None, work=bench):
+        complaint = "" if outcome.passed else outcome.complaint()
+        known[outcome.job.entity] = Benched(outcome.job, False, outcome.compared, complaint)
+    return [known[job.entity] for job in jobs]
 
 
 def bench_result(benches: Sequence[Benched], entities: int) -> StepResult:

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.decisions import decisions_of
-from golden.dense import DenseNetwork
-from golden.engine import bounds as of_engine
 from golden.fixed import Codes
-from golden.mlp import Mlp
-from golden.networks.adder_graph import AdderGraph
-from golden.networks.bounds import layered_bounds
 from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.network import Network
@@ -87,24 +82,24 @@ def nearness(scene: Scene, design: Network, random: Codes) -> Nearness:
 
 
 def _bounds(scene: Scene, design: Network) -> Real | None:
-    """The bound of each output; None for networks that read each other's outputs."""
-    if len(scene.networks()) > 1 and scene.arrangement == "cascade":
+    """The bound of each output; None where none is known.
+
+    That is so for networks that read each other's outputs, and for several networks side by side,
+    unless they run on an engine.
+    """
+    networks = scene.networks()
+    several = len(networks) > 1
+    if not isinstance(design, Design) or (several and scene.arrangement == "cascade"):
         return None
-    parts: list[Real] = []
-    for network in scene.networks():
-        sensors = network.shape[0]
-        if isinstance(design, Engine):
-            width, met = design.program.segment_width, scene.settings().met
-            own = met[len(parts)] if met else ()
-            parts.append(of_engine.error_bounds(network, width, sensors, own))
-        elif isinstance(network, DenseNetwork) and isinstance(design, AdderGraph):
-            (own,) = scene.settings().met or ((),)
-            parts.append(layered_bounds(network, design.layers, design.activations, own))
-        elif isinstance(network, Mlp) and isinstance(design, Design) and len(scene.networks()) == 1:
-            parts.append(error_bounds(design, network, scene.precision, sensors))
-        else:
-            return None
-    return np.concatenate(parts)
+    if several and not isinstance(design, Engine):
+        return None
+    met = scene.settings().met or [()] * len(networks)
+    return np.concatenate(
+        [
+            error_bounds(design, network, scene.precision, network.shape[0], own)
+            for network, own in zip(networks, met, strict=True)
+        ]
+    )
 
 
 def _decisions(scene: Scene, real: Real, bounds: Real) -> list[str]:

@@ -147,7 +147,7 @@ def content(
         results,
         [
             ("It is near the network that was trained", near.errors),
-            ("Its benches reach every border", bench_table(made.benches)),
+            ("What its benches reach", bench_table(made.benches)),
             ("Its checks can fail", _mutants(made)),
             *([("One changed bit is found", _bits(fates))] if fates else []),
         ],

@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
+from golden.rig.smooth_map import thinned
 from golden.scene import Scene
 from hdl.export.exporter import compile_order
 from hdl.export.handover.core import plain_name
@@ -60,9 +62,8 @@ class PlayedFrames:
         """A few frames: recorded ones from all of the recording, and random ones."""
         count = max(1, min(SHORT_FRAMES, SHORT_CLOCKS // design.interval) // 2)
         past = design.past
-        places = np.linspace(0, len(self.recorded) - 1, count).astype(np.int64)
-        found = [self.recorded[:past], self.recorded[places], self.random[:count]]
-        return np.concatenate(found)
+        some = thinned(self.recorded, count)
+        return np.concatenate([self.recorded[:past], some, self.random[:count]])
 
 
 def frames_of(
@@ -72,6 +73,11 @@ def frames_of(
 
     Without a number of ``random`` frames there are as many as usual, and without one of
     ``recorded`` frames there are all; fewer are taken in equal distances from the whole recording.
+
+    Raises
+    ------
+    InputError
+        For so few frames that no output follows, because the design waits for past frames.
     """
     if random is None:
         random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))
@@ -79,9 +85,13 @@ def frames_of(
         SIGNAL.low, SIGNAL.high + 1, (random, design.inputs)
     )
     every = np.concatenate(scene.vectors().recordings)
-    count = len(every) if recorded is None else min(recorded, len(every))
-    places = np.linspace(0, len(every) - 1, count).astype(np.int64)
-    return PlayedFrames(every[places], drawn, seed, len(every) - count)
+    played = every if recorded is None else thinned(every, recorded)
+    if len(played) + random <= design.past:
+        raise InputError(
+            f"RECORDED={len(played)} FRAMES={random}: got {len(played) + random} frames, expected "
+            f"more than {design.past}, for which the window of {scene.name} waits"
+        )
+    return PlayedFrames(played, drawn, seed, len(every) - len(played))
 
 
 def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder: Path) -> None:

@@ -20,11 +20,11 @@ from tb.peers.simulated import agree
 PACKAGE = "pythondata-cpu-serv"
 VERSION = f"SERV as {PACKAGE} {pinned(PACKAGE)}"
 TOOLS = "riscv64-unknown-elf"
+OPTIONS = ["-march=rv32i", "-mabi=ilp32", "-O2", "-ffreestanding", "-nostdlib"]
 # Bytes of the memory for program and data.
 MEMORY = 16384
 # The frames that are simulated.
 SIMULATED = 4
-OPTIONS = ["-march=rv32i", "-mabi=ilp32", "-O2", "-ffreestanding", "-nostdlib"]
 
 
 def brought(folder: Path) -> Path:
