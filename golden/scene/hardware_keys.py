@@ -13,7 +13,9 @@ HARDWARE = KeyTable(
             Text(tuple(DESIGNS)),
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
-            "`precise`. [hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
+            "`precise`. [lanes](blocks/lanes.md) is an engine with two to sixteen multipliers, which "
+            "takes fewer clocks; it has tanh, ReLU and linear layers. "
+            "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
             "and needs no multiplier; it takes networks of any depth as `single`, and one hidden "
@@ -85,10 +87,17 @@ HARDWARE = KeyTable(
             "then be faster, and a frame takes some clocks more.",
             "`short`",
         ),
+        "lanes": Key(
+            Whole(absent=True),
+            0,
+            "Only for `lanes`. The number of multipliers, 2 to 16. The results are those of an "
+            "engine with one.",
+            "2",
+        ),
         "segment_width": Key(
             Whole(absent=True),
             0,
-            "Only for `engine`. The number of bits of a hidden sum, 9, 8 or 7, that lie within a "
+            "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that lie within a "
             "[segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits the error is "
             "smaller and the table has more words.",
             "9",

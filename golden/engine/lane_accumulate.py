@@ -1,0 +1,127 @@
+"""lane_accumulate: selects the operand of a lane, multiplies it and adds the products up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.border import Border
+from golden.engine.accumulator import Accumulator
+from golden.engine.fields import signed_code
+from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.graph import Kind
+from golden.engine.lane_program import LEVEL, OPENS, partners, start_of
+from golden.engine.operand_memory import WORD
+from golden.engine.operand_select import OperandSelect
+from golden.fixed import Codes, Fix
+from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
+
+
+@dataclass(frozen=True)
+class LaneAccumulate(Accumulator):
+    """acc = operand x coefficient + (acc, or a start), or acc + the sum of another lane.
+
+    Parameters
+    ----------
+    segment_width : int
+        Bits of a hidden sum within a segment; 0 where there is no table.
+    partners : int
+        How many lanes there are whose sums it adds, the first in a step of level 0, the next in one
+        of level 1, and so on. In a step of a higher level it adds its product.
+    leads : bool
+        Whether it is the first lane, with which a sum of all lanes starts.
+    """
+
+    block = "lane_accumulate"
+    segment_width: int
+    partners: int
+    leads: bool
+
+    @classmethod
+    def of_lane(cls, acc_width: int, segment_width: int, lane: int, lanes: int, variant: str) -> "LaneAccumulate":
+        """What one of several lanes has. Lanes that are alike have the same entity."""
+        own = f"lead_{partners(lane, lanes)}" if lane == 0 else str(partners(lane, lanes))
+        name = f"{variant}_{own}" if variant else own
+        return cls(acc_width, segment_width, partners(lane, lanes), lane == 0, variant=name)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        acc = Fix(self.acc_width, 0)
+        kinds = "0 the word, 1 one with its sign, 2 its distance from the middle of its segment, "
+        gathers: tuple[Port, ...] = ()
+        if self.partners:
+            gathers = (
+                input_port("gather", "two clocks later than `word`: another sum is added"),
+                *group(input_port("other", "the sum of the lane of level *", acc), self.partners),
+            )
+        if self.partners > 1:
+            gathers += (input_port("level", "of which lane; comes with `gather`", Unsigned(LEVEL[1])),)
+        return (
+            CLOCK,
+            input_port("word", "word that was read", WORD),
+            input_port("kind", f"operand: {kinds}3 one", Unsigned(2)),
+            input_port("coeff", "one clock later than `word`: a signed code", Unsigned(WIDTH)),
+            input_port(
+                "opens",
+                "comes with `coeff`: 1 a sum of this lane starts, 2 one of all lanes, 3 one of an "
+                "output",
+                Unsigned(OPENS[1]),
+            ),
+            *gathers,
+            output_port("acc", "the sum, four clocks after `word`", acc),
+            output_port("high", "the sum is above every word"),
+            output_port("low", "the sum is below every word"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 4
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (
+            Border("too low", "sum", WORD.low << DROPPED),
+            Border("too high", "sum", (WORD.high + 1) << DROPPED),
+            Border("negative", "word", 0),
+        )
+
+    def process(
+        self,
+        word: ArrayLike,
+        kind: ArrayLike,
+        coeff: ArrayLike,
+        opens: ArrayLike,
+        gather: ArrayLike = 0,
+        level: ArrayLike = 0,
+        others: Sequence[ArrayLike] = (),
+    ) -> Codes:
+        """The sum after each step. The first step starts a sum.
+
+        All values of an index belong to the same step. The other sums are those before the step. A
+        sum that does not fit in its bits wraps; the sums of an assembled program always fit.
+        """
+        words = np.asarray(word, dtype=np.int64)
+        operand = OperandSelect(self.segment_width or 1).process(words, kind)
+        product = operand * signed_code(np.asarray(coeff, dtype=np.int64))
+        whole = np.zeros(len(words), dtype=np.int64)
+        takes = np.asarray(gather, dtype=bool) & whole.astype(bool)
+        added = product
+        for number, other in enumerate(others):
+            takes = (whole + gather > 0) & (whole + level == number)
+            added = np.where(takes, other, added)
+        acc, found = 0, []
+        for value, start in zip(added.tolist(), np.asarray(opens).tolist(), strict=True):
+            acc = self.wrapped(value + (start_of(start, not self.leads) if start else acc))
+            found.append(acc)
+        return np.array(found, dtype=np.int64)
+
+    def beyond(self, acc: ArrayLike) -> tuple[Codes, Codes]:
+        """Whether sums are above every word, and below every word."""
+        kept = np.asarray(acc, dtype=np.int64) >> DROPPED
+        return (kept > WORD.high).astype(np.int64), (kept < WORD.low).astype(np.int64)
+
+
+assert Kind.ONE == 3

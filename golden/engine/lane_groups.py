@@ -1,0 +1,184 @@
+"""Shares the neurons of a scene out to the lanes of an engine.
+
+All lanes do the same step in the same clock: they read the same address of their memories, and each
+has a weight of its own. A value is in one of two places: every lane holds it, or one lane does.
+
+- A neuron whose operands every lane holds is computed by one lane, and the lanes beside it compute
+  others of its layer. They are a *group*, and each lane stores its own result.
+- A neuron whose operands are spread over the lanes is *joined*: each lane adds up the products of
+  the operands that it holds, then the sums of all lanes are added, and every lane stores the
+  result. So is an output, and a constant.
+- A neuron that takes nothing but the result of one neuron, such as its tanh, is computed where that
+  result is: by the same lane, or by all lanes alike.
+
+The groups are the neurons of a graph again, which ``golden.engine.schedule`` puts in order.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+
+from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.pipeline import Pipeline
+from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
+
+
+@dataclass(frozen=True)
+class Group:
+    """Neurons that the lanes compute in the same steps.
+
+    Parameters
+    ----------
+    members : tuple of int
+        The neuron of each lane, from the first on. Lanes beyond them have weights of 0. If the
+        group is ``joined`` or ``alike``, all lanes compute the only one.
+    joined : bool
+        Whether the sums of all lanes are added.
+    alike : bool
+        Whether every lane computes the same.
+    """
+
+    members: tuple[int, ...]
+    joined: bool = False
+    alike: bool = False
+
+
+@dataclass(frozen=True)
+class LaneGraph:
+    """The groups of a scene, as a graph.
+
+    Parameters
+    ----------
+    lanes : int
+    graph : Graph
+        A neuron for each group. The weight of a term is the number of an element of ``weights``.
+    groups : tuple of Group
+    weights : tuple of tuple of int
+        Codes, one for each lane. In the first element all are 0.
+    """
+
+    lanes: int
+    graph: Graph
+    groups: tuple[Group, ...]
+    weights: tuple[tuple[int, ...], ...]
+
+    @property
+    def levels(self) -> int:
+        """Steps that add the sums of all lanes, two of which become one in each."""
+        return (self.lanes - 1).bit_length()
+
+    def plan(self, graph: Graph, number: int, ready: Ready, now: int) -> Plan:
+        """The steps of a group, with those that add up the sums of lanes at the end."""
+        plan = one_by_one(graph, number, ready, now)
+        if not self.groups[number].joined:
+            return plan
+        steps = [replace(step, last=False) for step in plan.steps]
+        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in range(self.levels)]
+        steps[-1] = replace(steps[-1], last=True)
+        return Plan(tuple(steps), plan.waits, plan.end + self.levels)
+
+    def schedule(self, pipeline: Pipeline) -> list[Step]:
+        """All steps in the order of the program."""
+        return schedule(self.graph, pipeline, self.plan)
+
+
+@dataclass
+class _Shared:
+    """What is known while neurons are shared out."""
+
+    graph: Graph
+    lanes: int
+    groups: list[Group] = field(default_factory=list)
+    # For each neuron its group and its lane; the lane is -1 where all lanes hold the result.
+    place: dict[int, tuple[int, int]] = field(default_factory=dict)
+    # The last group of a layer, by what tells layers apart.
+    opened: dict[tuple[object, ...], int] = field(default_factory=dict)
+
+    def lane_of(self, source: int) -> int:
+        """The lane that holds a value; -1 for all."""
+        return -1 if source < self.graph.inputs else self.place[source - self.graph.inputs][1]
+
+    def add(self, number: int, group: Group) -> None:
+        """A group of its own for a neuron whose result every lane holds."""
+        self.place[number] = len(self.groups), -1
+        self.groups.append(group)
+
+    def join(self, number: int, layer: tuple[object, ...], lane: int = -1) -> None:
+        """Take a neuron into the last group of its layer, or into a new one if there is no room."""
+        opened = self.opened.get(layer)
+        members = self.groups[opened].members if opened is not None else ()
+        if opened is None or (lane < 0 and len(members) == self.lanes):
+            opened, members = len(self.groups), ()
+            self.opened[layer] = opened
+            self.groups.append(Group(()))
+        wanted = len(members) if lane < 0 else lane
+        members += (-1,) * (wanted + 1 - len(members))
+        changed = (*members[:wanted], number, *members[wanted + 1 :])
+        self.groups[opened] = Group(changed)
+        self.place[number] = opened, wanted
+
+
+def shared_out(graph: Graph, lanes: int) -> LaneGraph:
+    """Share the neurons of a graph out to lanes."""
+    found = _Shared(graph, lanes)
+    for number, neuron in enumerate(graph.neurons):
+        _share(found, number, neuron)
+    weights: dict[tuple[int, ...], int] = {(0,) * lanes: 0}
+    made = [_neuron(found, place, weights) for place in range(len(found.groups))]
+    whole = replace(graph, neurons=tuple(made))
+    return LaneGraph(lanes, whole, tuple(found.groups), tuple(weights))
+
+
+def _share(found: _Shared, number: int, neuron: Neuron) -> None:
+    inputs = found.graph.inputs
+    sources = {term.source for term in neuron.terms if term.source >= 0}
+    alone = next(iter(sources)) if len(sources) == 1 else -1
+    # A neuron of one operand that comes right after it belongs to the same node.
+    follows = alone >= inputs and (neuron.looks_up or alone == inputs + number - 1)
+    if follows and not neuron.output:
+        group, lane = found.place[alone - inputs]
+        if lane < 0:
+            found.add(number, Group((number,), alike=True))
+        else:
+            found.join(number, (group, neuron.looks_up, neuron.relu), lane)
+    elif neuron.output or not sources or any(found.lane_of(source) >= 0 for source in sources):
+        found.add(number, Group((number,), joined=True))
+    else:
+        # Neurons of a layer take the same values, of which a weight of 0 leaves some out.
+        found.join(number, (max(sources) if max(sources) >= inputs else -1, neuron.relu))
+
+
+def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> Neuron:
+    """A group as a neuron; it adds what it needs to the ``weights``."""
+    graph, group = found.graph, found.groups[place]
+    members = [(lane, graph.neurons[n]) for lane, n in enumerate(group.members) if n >= 0]
+    names = [neuron.name for _, neuron in members]
+    terms: list[Term] = []
+    columns: dict[tuple[Kind, int], list[list[int]]] = {}
+    for lane, neuron in members:
+        met: Counter[tuple[Kind, int, int]] = Counter()
+        for term in neuron.terms:
+            home = found.lane_of(term.source) if term.source >= graph.inputs else -1
+            source = _source(found, term.source)
+            at = home if group.joined and home >= 0 else lane
+            # A weight of several parts takes several steps.
+            row = met[term.kind, source, at]
+            met[term.kind, source, at] += 1
+            rows = columns.setdefault((term.kind, source), [])
+            if row == len(rows):
+                rows.append([0] * found.lanes)
+            for column in range(found.lanes) if group.alike else (at,):
+                rows[row][column] = term.weight
+    for (kind, source), rows in columns.items():
+        for weight in map(tuple, rows):
+            terms.append(Term(kind, source, weights.setdefault(weight, len(weights))))
+    first = members[0][1]
+    name = names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
+    return replace(first, name=name, terms=tuple(terms))
+
+
+def _source(found: _Shared, source: int) -> int:
+    """The number of a value among samples and groups."""
+    inputs = found.graph.inputs
+    return source if source < inputs else inputs + found.place[source - inputs][0]

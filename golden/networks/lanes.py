@@ -1,0 +1,146 @@
+"""Lanes: computes a whole scene with a program and several multipliers that work side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from golden.block import Block
+from golden.dense import Trained
+from golden.engine.function_table import SEGMENT_WIDTH, joined
+from golden.engine.lane_accumulate import LaneAccumulate
+from golden.engine.lane_memory import LaneMemory
+from golden.engine.lane_program import LaneProgram, assemble_lanes
+from golden.engine.lane_round import LaneRound
+from golden.engine.neurons import graph_of
+from golden.engine.program_memory import ProgramMemory
+from golden.engine.quantise import integer_networks
+from golden.function import TANH
+from golden.input_error import InputError
+from golden.networks.engine import LEAST_ACC_WIDTH, WHOLE_ACC_WIDTH, Engine
+from golden.networks.settings import Settings
+
+LANES = 2
+MOST_LANES = 16
+
+
+@dataclass(frozen=True)
+class Lanes(Engine):
+    """Every neuron of a scene, one product of each lane per clock (ours).
+
+    The neurons, their formats and so the results are those of ``Engine``.
+
+    Parameters
+    ----------
+    program : LaneProgram
+    acc_width, integers, graph
+        See ``Engine``.
+    """
+
+    block = "lanes"
+    options = ("lanes", "segment_width")
+    program: LaneProgram
+
+    @classmethod
+    def build(
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
+    ) -> Self:
+        lanes = settings.options.get("lanes", LANES)
+        width = settings.options.get("segment_width", SEGMENT_WIDTH)
+        assert isinstance(lanes, int)
+        assert isinstance(width, int)
+        if not 2 <= lanes <= MOST_LANES:
+            raise InputError(f"hardware.lanes: got {lanes}, expected 2 to {MOST_LANES}")
+        integers = integer_networks(arrangement, networks, settings.met, width)
+        graph = graph_of(integers, settings.lean)
+        if graph.functions != (TANH,):
+            names = ", ".join(f"'table:{function.name}'" for function in graph.functions)
+            raise InputError(
+                f"network.activations: got {names} with design 'lanes', which has the table of "
+                "tanh alone, expected design 'engine'"
+            )
+        if graph.cut:
+            raise InputError(
+                "network: got quantisers with design 'lanes', whose words are not cut, expected "
+                "design 'engine'"
+            )
+        looked_up = any(neuron.looks_up for neuron in graph.neurons)
+        table = joined(graph.functions, width)
+        if settings.lean:
+            table = table.within(graph.reach(table))
+        least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
+        return cls(
+            assemble_lanes(graph, table if looked_up else None, lanes),
+            max(least, graph.sum_bits(table)),
+            integers,
+            graph,
+            useless_nodes=graph.useless_nodes,
+            variant=variant,
+        )
+
+    @property
+    def lanes(self) -> int:
+        """The number of lanes, each of which has a multiplier."""
+        return self.program.lanes
+
+    @property
+    def looks_up(self) -> bool:
+        """Whether there is a table."""
+        return bool(self.program.table)
+
+    @property
+    def program_memory(self) -> ProgramMemory:
+        return ProgramMemory((), self.program.words, self.program.notes, 1)
+
+    @property
+    def lane_memories(self) -> tuple[LaneMemory, ...]:
+        """The weights of each lane, and its table."""
+        program = self.program
+        return tuple(
+            LaneMemory(
+                tuple(row[lane] for row in program.weights),
+                program.table,
+                program.segment_width,
+                tuple(program.weight_notes(self.graph, lane)),
+                variant=f"{self.variant}_{lane}" if self.variant else str(lane),
+            )
+            for lane in range(self.lanes)
+        )
+
+    @property
+    def accumulators(self) -> tuple[LaneAccumulate, ...]:
+        """What multiplies and adds up in each lane."""
+        width = self.program.segment_width if self.looks_up else 0
+        return tuple(
+            LaneAccumulate.of_lane(self.acc_width, width, lane, self.lanes, self.variant)
+            for lane in range(self.lanes)
+        )
+
+    @property
+    def rounds(self) -> tuple[LaneRound, ...]:
+        """What turns the sum of each lane into a word."""
+        names = ["lead"] + ["other"] * (self.lanes - 1)
+        return tuple(
+            LaneRound(
+                self.acc_width,
+                self.rectifies,
+                name == "lead",
+                variant=f"{self.variant}_{name}" if self.variant else name,
+            )
+            for name in names
+        )
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.frame_check,
+            self.program_memory,
+            self.operand_memory,
+            *self.lane_memories,
+            *self.accumulators,
+            *self.rounds,
+        )
+
+    def facts(self) -> tuple[str, ...]:
+        spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
+        return f"{self.lanes} multipliers", spent
