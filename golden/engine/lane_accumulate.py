@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,8 +13,7 @@ from golden.border import Border
 from golden.engine.accumulator import Accumulator
 from golden.engine.fields import signed_code
 from golden.engine.formats import DROPPED, WIDTH
-from golden.engine.graph import Kind
-from golden.engine.lane_program import LEVEL, OPENS, partners, start_of
+from golden.engine.lane_program import OPENS, partners, start_of
 from golden.engine.operand_memory import WORD
 from golden.engine.operand_select import OperandSelect
 from golden.fixed import Codes, Fix
@@ -29,8 +29,7 @@ class LaneAccumulate(Accumulator):
     segment_width : int
         Bits of a hidden sum within a segment; 0 where there is no table.
     partners : int
-        How many lanes there are whose sums it adds, the first in a step of level 0, the next in one
-        of level 1, and so on. In a step of a higher level it adds its product.
+        The number of lanes whose sums it adds.
     leads : bool
         Whether it is the first lane, with which a sum of all lanes starts.
     """
@@ -41,7 +40,9 @@ class LaneAccumulate(Accumulator):
     leads: bool
 
     @classmethod
-    def of_lane(cls, acc_width: int, segment_width: int, lane: int, lanes: int, variant: str) -> "LaneAccumulate":
+    def of_lane(
+        cls, acc_width: int, segment_width: int, lane: int, lanes: int, variant: str = ""
+    ) -> Self:
         """What one of several lanes has. Lanes that are alike have the same entity."""
         own = f"lead_{partners(lane, lanes)}" if lane == 0 else str(partners(lane, lanes))
         name = f"{variant}_{own}" if variant else own
@@ -54,11 +55,14 @@ class LaneAccumulate(Accumulator):
         gathers: tuple[Port, ...] = ()
         if self.partners:
             gathers = (
-                input_port("gather", "two clocks later than `word`: another sum is added"),
-                *group(input_port("other", "the sum of the lane of level *", acc), self.partners),
+                input_port(
+                    "gather",
+                    "two clocks later than `word`: the sum is added that has the number of the bit",
+                    Unsigned(self.partners),
+                    "partners",
+                ),
+                *group(input_port("other", "sum * of another lane", acc), self.partners),
             )
-        if self.partners > 1:
-            gathers += (input_port("level", "of which lane; comes with `gather`", Unsigned(LEVEL[1])),)
         return (
             CLOCK,
             input_port("word", "word that was read", WORD),
@@ -95,7 +99,6 @@ class LaneAccumulate(Accumulator):
         coeff: ArrayLike,
         opens: ArrayLike,
         gather: ArrayLike = 0,
-        level: ArrayLike = 0,
         others: Sequence[ArrayLike] = (),
     ) -> Codes:
         """The sum after each step. The first step starts a sum.
@@ -103,18 +106,17 @@ class LaneAccumulate(Accumulator):
         All values of an index belong to the same step. The other sums are those before the step. A
         sum that does not fit in its bits wraps; the sums of an assembled program always fit.
         """
-        words = np.asarray(word, dtype=np.int64)
-        operand = OperandSelect(self.segment_width or 1).process(words, kind)
-        product = operand * signed_code(np.asarray(coeff, dtype=np.int64))
-        whole = np.zeros(len(words), dtype=np.int64)
-        takes = np.asarray(gather, dtype=bool) & whole.astype(bool)
-        added = product
+        words, kinds = np.asarray(word, dtype=np.int64), np.asarray(kind)
+        if self.segment_width:
+            operand = OperandSelect(self.segment_width).process(words, kinds)
+        else:
+            operand = np.where(kinds & 1, 1 << DROPPED, words)
+        added = operand * signed_code(np.asarray(coeff, dtype=np.int64))
         for number, other in enumerate(others):
-            takes = (whole + gather > 0) & (whole + level == number)
-            added = np.where(takes, other, added)
+            added = np.where(np.asarray(gather) >> number & 1, other, added)
         acc, found = 0, []
         for value, start in zip(added.tolist(), np.asarray(opens).tolist(), strict=True):
-            acc = self.wrapped(value + (start_of(start, not self.leads) if start else acc))
+            acc = self.wrapped(value + (start_of(start, int(not self.leads)) if start else acc))
             found.append(acc)
         return np.array(found, dtype=np.int64)
 
@@ -123,5 +125,3 @@ class LaneAccumulate(Accumulator):
         kept = np.asarray(acc, dtype=np.int64) >> DROPPED
         return (kept > WORD.high).astype(np.int64), (kept < WORD.low).astype(np.int64)
 
-
-assert Kind.ONE == 3

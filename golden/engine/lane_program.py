@@ -23,16 +23,15 @@ from golden.input_error import InputError
 
 # The fields of a word of the program: lowest bit, and number of bits. The weights are not in it,
 # but in the memory of each lane, all at the same place.
-PLACE = (0, 14)
-SOURCE = (14, 10)
-KIND = (24, 2)
+PLACE = (0, 13)
+SOURCE = (13, 10)
+KIND = (23, 2)
 # Whether a sum starts. All lanes start one each, or they start to add up one neuron together, whose
 # half unit counts once; it is that of an output or of any other neuron.
-OPENS = (26, 2)
+OPENS = (25, 2)
 NO_SUM, OWN, JOINED, JOINED_OUTPUT = range(4)
-# The sum of another lane is added, not a product; of which lane, says the level.
-GATHER = (28, 1)
-LEVEL = (29, 2)
+# Where a bit is set, a lane adds the sum of another lane and not a product; the bit says of which.
+GATHER = (27, 4)
 STORE = (31, 1)
 # Every lane stores the result of the first one.
 TOGETHER = (32, 1)
@@ -50,7 +49,6 @@ class LaneInstruction:
     kind: int
     opens: int
     gather: int
-    level: int
     store: int
     together: int
     relu: int
@@ -93,15 +91,13 @@ class LaneProgram(Program):
         found: list[LaneInstruction] = []
         for n in range(len(words) - at.mark):
             early, start, late = words[n + at.operand], words[n + at.start], words[n + at.mark]
-            gather = words[n + at.gather]
             found.append(
                 LaneInstruction(
                     place=get(words[n + at.place], PLACE),
                     source=get(words[n], SOURCE),
                     kind=get(early, KIND),
                     opens=get(start, OPENS),
-                    gather=get(gather, GATHER),
-                    level=get(gather, LEVEL),
+                    gather=get(words[n + at.gather], GATHER),
                     store=get(late, STORE),
                     together=get(late, TOGETHER),
                     relu=get(late, RELU),
@@ -165,9 +161,9 @@ class LaneProgram(Program):
         sums = [zero for _ in lanes]
         for step in self.lane_steps:
             if step.gather:
-                distance = 1 << step.level
+                level = step.gather.bit_length() - 1
                 added = [
-                    sums[j + distance] if step.level < partners(j, self.lanes) else zero
+                    sums[j + (1 << level)] if level < partners(j, self.lanes) else zero
                     for j in lanes
                 ]
             else:
@@ -257,8 +253,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         put(words, n + pipeline.place, PLACE, term.weight)
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
         put(words, n + pipeline.start, OPENS, opens if step.first else NO_SUM)
-        put(words, n + pipeline.gather, GATHER, gathers)
-        put(words, n + pipeline.gather, LEVEL, -left if gathers else 0)
+        put(words, n + pipeline.gather, GATHER, gathers << -left if gathers else 0)
         put(words, n + pipeline.mark, STORE, step.last)
         put(words, n + pipeline.mark, TOGETHER, step.last and group.joined)
         put(words, n + pipeline.mark, RELU, step.last and neuron.relu)

@@ -22,6 +22,7 @@ class ProgramMemory(ProgramWords, Stepped):
     ----------
     table, words, notes, segment_addr_width
         See ``ProgramWords``.
+        An empty table is not looked up, and there are no ports for it.
     registers : int
         Number of registers behind the memory.
     """
@@ -32,10 +33,14 @@ class ProgramMemory(ProgramWords, Stepped):
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
+        counted = output_port("word", f"the word at the counter, {later(self.latency)}", word)
+        if not self.table:
+            return (*self.counter_ports, counted)
         return (
             *self.counter_ports,
+            self.segment_port,
             input_port("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
-            output_port("word", f"the word at the counter, {later(self.latency)}", word),
+            counted,
             output_port(
                 "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
             ),

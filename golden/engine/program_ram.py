@@ -60,6 +60,7 @@ class ProgramRam(Stepped):
         word = Unsigned(WORD_WIDTH)
         return (
             *self.counter_ports,
+            self.segment_port,
             input_port(
                 "look_up",
                 "the word at `segment` is read; otherwise, and in a write, `table_word` is 0",

@@ -66,8 +66,7 @@ class Stepped(Block):
 
     @property
     def counter_ports(self) -> tuple[Port, ...]:
-        """The ports that control the counter, and the segment whose word is looked up."""
-        segment = Unsigned(self.segment_addr_width)
+        """The ports that control the counter."""
         return (
             *CLOCKED,
             input_port("start", "the counter steps"),
@@ -75,8 +74,13 @@ class Stepped(Block):
                 "run", "the counter steps; otherwise it rests at the first word of the program"
             ),
             input_port("finish", "the counter returns to the first word of the program"),
-            input_port("segment", "address of a word of the table", segment, "segment_addr_width"),
         )
+
+    @property
+    def segment_port(self) -> Port:
+        """The segment whose word is looked up."""
+        segment = Unsigned(self.segment_addr_width)
+        return input_port("segment", "address of a word of the table", segment, "segment_addr_width")
 
     @property
     def latency(self) -> int:

@@ -11,7 +11,17 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def program_memory(
-    clk, rst, *, start, run, finish, segment, look_up, word, table_word, spec: ProgramMemory
+    clk,
+    rst,
+    *,
+    start,
+    run,
+    finish,
+    segment=None,
+    look_up=None,
+    word,
+    table_word=None,
+    spec: ProgramMemory,
 ):
     """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
 
@@ -25,6 +35,7 @@ def program_memory(
         Where it is low, ``table_word`` is 0.
     word, table_word : unsigned 36 bits
         They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
+        Without a table there is no word of it, and nothing that asks for one.
     spec : ProgramMemory
 
     Notes
@@ -52,6 +63,9 @@ def program_memory(
     @always(clk.posedge)
     def fetch():
         fetched.next = memory[counter]
+
+    if not spec.table:
+        return decide, step, fetch, connect(fetched, word)
 
     if not spec.registers:
 

@@ -1,0 +1,267 @@
+"""lane_accumulate: selects the operand of a lane, multiplies it and adds the products up."""
+
+from myhdl import Signal, always, always_comb, block, concat, modbv
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH
+from golden.engine.lane_accumulate import LaneAccumulate
+from golden.engine.operand_memory import WORD
+from hdl.common.delay import connect
+from hdl.common.signals import fixed, flag, signed, unsigned
+
+
+@block
+def lane_accumulate(
+    clk,
+    *,
+    word,
+    kind,
+    coeff,
+    opens,
+    acc,
+    high,
+    low,
+    gather=None,
+    other=None,
+    spec: LaneAccumulate,
+):
+    """acc = operand x coefficient + (acc, or a start), or acc + the sum of another lane.
+
+    Parameters
+    ----------
+    word, kind : signed 18 bits, unsigned 2 bits
+        What becomes the operand: 0 the word, 1 the number one with its sign, 2 its distance from
+        the middle of its segment, 3 the number one.
+    coeff, opens : unsigned 18 bits, unsigned 2 bits
+        One clock later than the word: a signed code, and which sum starts with its product, if any.
+    gather : unsigned ``spec.partners`` bits
+        Two clocks later than the word: where a bit is set, not the product is added, but the sum of
+        the lane with the number of the bit.
+    other : Words
+        The sums of other lanes.
+    acc, high, low : signed ``spec.acc_width`` bits, bool, bool
+        Four clocks later than the word: the sum, and whether it is above or below every word.
+    spec : LaneAccumulate
+
+    Notes
+    -----
+    A second register of the sum holds the start where a sum starts. So no adder has a multiplexer in
+    front of it, and that of a product and another sum fits into the LUTs of the adder. No reset: a
+    sum starts afresh.
+    """
+    span = 1 << (spec.acc_width - 1)
+    sign = spec.acc_width - 1
+    lowest = DROPPED + WIDTH - 1
+    top, count = spec.acc_width, spec.acc_width - lowest
+    ones = (1 << count) - 1
+    above = unsigned(count)
+    factor_late, coeff_kept, coeff_late = (fixed(WORD) for _ in range(3))
+    factor = fixed(WORD)
+    product = signed(PRODUCT_WIDTH)
+    opening = unsigned(2)
+    # The sums of a frame stay within this range. What is added up between frames may wrap.
+    total, base, start, added, grown = (
+        Signal(modbv(0, min=-span, max=span)) for _ in range(5)
+    )
+    half = 1 << (DROPPED - 1)
+    half_output = half << OUTPUT_SHIFT
+
+    @always(clk.posedge)
+    def keep():
+        coeff_late.next = coeff[WIDTH:].signed()
+        factor_late.next = factor
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = factor_late * coeff_late
+
+    # A block RAM is too slow to drive the many registers that start a sum.
+    @always(clk.posedge)
+    def mark():
+        opening.next = opens
+
+    @always_comb
+    def add():
+        grown.next = base + added
+
+    @always(clk.posedge)
+    def store():
+        total.next = grown
+
+    @always_comb
+    def look():
+        above.next = grown[top:lowest]
+
+    @always(clk.posedge)
+    def compare():
+        high.next = above != 0 and not grown[sign]
+        low.next = above != ones and grown[sign]
+
+    if spec.leads:
+
+        @always_comb
+        def begin():
+            if opening == 3:
+                start.next = half_output
+            else:
+                start.next = half
+
+    else:
+
+        @always_comb
+        def begin():
+            if opening == 1:
+                start.next = half
+            else:
+                start.next = 0
+
+    @always(clk.posedge)
+    def carry():
+        if opening != 0:
+            base.next = start
+        else:
+            base.next = grown
+
+    return (
+        select(clk, word, kind, factor, segment_width=spec.segment_width),
+        keep,
+        multiply,
+        mark,
+        begin,
+        gathered(
+            clk, product, gather, other, added, width=spec.acc_width, partners=spec.partners
+        ),
+        add,
+        store,
+        look,
+        compare,
+        carry,
+        connect(total, acc),
+    )
+
+
+@block
+def select(clk, word, kind, factor, *, segment_width: int):
+    """The operand, one clock later; without a table every kind but 0 is the number one."""
+    one, sign = 1 << DROPPED, WIDTH - 1
+    low, high = unsigned(DROPPED), unsigned(WIDTH - DROPPED)
+    bits = unsigned(WIDTH)
+
+    if not segment_width:
+
+        @always(clk.posedge)
+        def keep():
+            if kind[0]:
+                factor.next = one
+            else:
+                factor.next = word
+
+        return keep
+
+    middle = segment_width - 1
+    below = flag()
+    near, distance = unsigned(segment_width), signed(segment_width)
+    wide, chosen = fixed(WORD), fixed(WORD)
+
+    # Half a segment is subtracted: the highest bit of the offset in the segment, inverted, is the
+    # sign of the distance.
+    @always_comb
+    def invert():
+        below.next = not word[middle]
+
+    @always_comb
+    def measure():
+        near.next = concat(below, word[middle:])
+
+    @always_comb
+    def sign_distance():
+        distance.next = near[segment_width:].signed()
+
+    @always_comb
+    def widen():
+        wide.next = distance
+
+    @always_comb
+    def choose():
+        if kind[1]:
+            chosen.next = wide
+        else:
+            chosen.next = word
+
+    # The low bits of the number one are 0, whatever its sign is.
+    @always(clk.posedge)
+    def keep_low():
+        if kind[0]:
+            low.next = 0
+        else:
+            low.next = chosen[DROPPED:]
+
+    @always(clk.posedge)
+    def keep_high():
+        if kind == 3:
+            high.next = 1
+        elif kind == 1:
+            high.next = concat(word[sign], word[sign], word[sign], True)
+        else:
+            high.next = chosen[WIDTH:DROPPED]
+
+    @always_comb
+    def join():
+        bits.next = concat(high, low)
+
+    @always_comb
+    def show():
+        factor.next = bits[WIDTH:].signed()
+
+    return invert, measure, sign_distance, widen, choose, keep_low, keep_high, join, show
+
+
+@block
+def gathered(clk, product, gather, other, added, *, width: int, partners: int):
+    """What is added: the product, or the sum of another lane, which a bit of ``gather`` names."""
+    if not partners:
+
+        @always_comb
+        def widen():
+            added.next = product
+
+        return widen
+
+    late, takes = unsigned(partners), flag()
+    found = [signed(width) for _ in range(partners)]
+    last = found[-1]
+
+    @always(clk.posedge)
+    def mark():
+        late.next = gather
+        takes.next = gather != 0
+
+    @always_comb
+    def choose():
+        if takes:
+            added.next = last
+        else:
+            added.next = product
+
+    return (
+        mark,
+        connect(other[0], found[0]),
+        [
+            either(late(level), other[level], found[level - 1], found[level])
+            for level in range(1, partners)
+        ],
+        choose,
+    )
+
+
+@block
+def either(chosen, first, second, found):
+    """``found`` is ``first`` where it is ``chosen``, else ``second``."""
+
+    @always_comb
+    def choose():
+        if chosen:
+            found.next = first
+        else:
+            found.next = second
+
+    return choose

@@ -1,0 +1,85 @@
+"""lane_memory: holds the weights of one lane and, where it is needed, the table of tanh."""
+
+from myhdl import always, always_comb, block, concat
+
+from golden.engine.formats import HIDDEN, WIDTH
+from golden.engine.lane_memory import LaneMemory
+from hdl.common.delay import connect
+from hdl.common.rom import Constants
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
+    """One word of 18 bits a clock: the weight at a place, or a word of the table.
+
+    Parameters
+    ----------
+    place : unsigned ``spec.place_width`` bits
+    word, kind : signed 18 bits, unsigned 2 bits
+        Where there is a table: with kind 1 the intercept of the word's segment is read, with kind 2
+        its slope.
+    coeff : unsigned 18 bits
+        It comes one clock later.
+    spec : LaneMemory
+
+    Notes
+    -----
+    The weights lie in the lower half of the memory, and the table in the upper one.
+    """
+    memory = Constants(spec.contents, WIDTH, spec.meanings)
+    address = unsigned(spec.addr_width)
+
+    @always(clk.posedge)
+    def read():
+        coeff.next = memory[address]
+
+    if not spec.table:
+        return read, connect(place, address)
+
+    sign, low, bits = HIDDEN.width - 1, spec.segment_width, spec.segment_bits
+    # One bit says whether the word is a slope, and those above the segment's are 0.
+    top = spec.half_width
+    looks = flag()
+    part, segment = unsigned(sign - low), unsigned(sign - low)
+    looked, placed = unsigned(top), unsigned(top)
+
+    @always_comb
+    def look():
+        looks.next = kind == 1 or kind == 2
+
+    @always_comb
+    def cut():
+        part.next = word[sign:low]
+
+    @always_comb
+    def complement():
+        if word[sign]:
+            segment.next = ~part
+        else:
+            segment.next = part
+
+    if bits:
+
+        @always_comb
+        def find():
+            looked.next = concat(kind[1], segment[bits:])
+
+    else:
+
+        @always_comb
+        def find():
+            looked.next = kind[1]
+
+    @always_comb
+    def widen():
+        placed.next = place
+
+    @always_comb
+    def choose():
+        if looks:
+            address.next = concat(looks, looked)
+        else:
+            address.next = placed
+
+    return read, look, cut, complement, find, widen, choose

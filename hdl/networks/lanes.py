@@ -1,0 +1,244 @@
+"""Lanes: several multipliers side by side, and a program that computes a whole scene."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.engine.formats import OUTPUT_SHIFT, WIDTH
+from golden.engine.lane_program import (
+    END,
+    GATHER,
+    KIND,
+    OPENS,
+    OUTPUT,
+    PLACE,
+    RELU,
+    SOURCE,
+    STORE,
+    TOGETHER,
+)
+from golden.engine.operand_memory import WORD
+from golden.engine.program import WORD_WIDTH
+from golden.networks.lanes import Lanes
+from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
+from hdl.engine.frame_check import frame_check
+from hdl.engine.lane_accumulate import lane_accumulate
+from hdl.engine.lane_memory import lane_memory
+from hdl.engine.lane_round import lane_round
+from hdl.engine.operand_memory import operand_memory
+from hdl.engine.program_memory import program_memory
+
+
+@block
+def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
+    """A frame of sensor samples in, a frame of outputs out, on several multipliers.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        Outputs come as the program computes them; ``out_last`` comes with the last one.
+    frame_error : bool
+        It is high for one clock for each frame that has the wrong length, or that begins before the
+        last output of the frame before has left. Such a frame yields no result.
+    spec : Lanes
+
+    Notes
+    -----
+    The fields of a step stand in several words of the program, each where the clock of its use
+    finds it; docs/blocks/lanes.md shows which. Clocks from the last sample to the outputs:
+    ``spec.clocks_text``. Reset clears every flag and counter.
+    """
+    count = spec.lanes
+    memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
+    word = unsigned(WORD_WIDTH)
+    start, run, finish, write = (flag() for _ in range(4))
+    write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
+    place, kind, opens = unsigned(memories[0].place_width), unsigned(KIND[1]), unsigned(OPENS[1])
+    store, leaves, ends, together, own = (flag() for _ in range(5))
+    next_word, next_low = fixed(WORD), flag()
+    relu = flag() if spec.rectifies else None
+    read, data = ([fixed(WORD) for _ in range(count)] for _ in range(2))
+    coeff = [unsigned(WIDTH) for _ in range(count)]
+    acc = [signed(spec.acc_width) for _ in range(count)]
+    high, low = ([flag() for _ in range(count)] for _ in range(2))
+    first_data = data[0]
+    source_low, kind_low, opens_low = SOURCE[0], KIND[0], OPENS[0]
+    place_top = memories[0].place_width
+    source_top, kind_top, opens_top = source_low + spec.addr_width, sum(KIND), sum(OPENS)
+    store_bit, together_bit = STORE[0], TOGETHER[0]
+    output_bit, end_bit, relu_bit = OUTPUT[0], END[0], RELU[0]
+    assert not PLACE[0], "a place begins at the lowest bit"
+
+    @always_seq(clk.posedge, reset=rst)
+    def leave():
+        out.valid.next = leaves
+        finish.next = ends
+
+    @always_comb
+    def show():
+        out.data.next = first_data[WIDTH:OUTPUT_SHIFT].signed()
+        out.last.next = finish
+
+    @always_comb
+    def split():
+        place.next = word[place_top:]
+        source.next = word[source_top:source_low]
+        kind.next = word[kind_top:kind_low]
+        opens.next = word[opens_top:opens_low]
+
+    # These registers stand between a block RAM and counters. Words that were on their way when a
+    # reset or the last output stopped the program do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = run and word[store_bit]
+        leaves.next = run and word[output_bit]
+        ends.next = run and word[end_bit]
+
+    # Only looked at with a result that is stored.
+    @always(clk.posedge)
+    def follow():
+        together.next = word[together_bit]
+
+    @always_comb
+    def belong():
+        own.next = run and not together
+
+    if spec.rectifies:
+
+        @always(clk.posedge)
+        def rectify():
+            relu.next = word[relu_bit]
+
+        rectified = (rectify,)
+    else:
+        rectified = ()
+
+    return (
+        leave,
+        show,
+        split,
+        mark,
+        follow,
+        belong,
+        rectified,
+        frame_check(
+            clk,
+            rst,
+            in_,
+            store=store,
+            finish=finish,
+            start=start,
+            run=run,
+            write=write,
+            write_addr=write_addr,
+            frame_error=frame_error,
+            spec=spec.frame_check,
+        ),
+        program_memory(
+            clk, rst, start=start, run=run, finish=finish, word=word, spec=spec.program_memory
+        ),
+        [
+            operand_memory(
+                clk,
+                write=write,
+                write_addr=write_addr,
+                data=data[j],
+                read_addr=source,
+                word=read[j],
+                spec=spec.operand_memory,
+            )
+            for j in range(count)
+        ],
+        [
+            lane_memory(
+                clk,
+                place=place,
+                coeff=coeff[j],
+                word=read[j] if spec.looks_up else None,
+                kind=kind if spec.looks_up else None,
+                spec=memories[j],
+            )
+            for j in range(count)
+        ],
+        [
+            accumulate(
+                clk,
+                word,
+                acc,
+                j,
+                spec=accumulators[j],
+                read=read[j],
+                kind=kind,
+                coeff=coeff[j],
+                opens=opens,
+                high=high[j],
+                low=low[j],
+            )
+            for j in range(count)
+        ],
+        lane_round(
+            clk,
+            own=run,
+            acc=acc[0],
+            high=high[0],
+            low=low[0],
+            relu=relu,
+            sample=in_.data,
+            word=data[0],
+            next_word=next_word,
+            next_low=next_low,
+            spec=rounds[0],
+        ),
+        [
+            lane_round(
+                clk,
+                own=own,
+                acc=acc[j],
+                high=high[j],
+                low=low[j],
+                relu=relu,
+                other=next_word,
+                other_low=next_low,
+                word=data[j],
+                spec=rounds[j],
+            )
+            for j in range(1, count)
+        ],
+    )
+
+
+@block
+def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, spec):
+    """The sum of a lane, with the sums of the lanes that it adds."""
+    partners = spec.partners
+    joined: dict[str, object] = {}
+    fetched = ()
+    if partners:
+        gather = unsigned(partners)
+        others = (acc[lane + (1 << level)] for level in range(partners))
+        joined = {"gather": gather, "other": Words(partners, lambda: next(others))}
+        fetched = field(word, gather, low=GATHER[0])
+    return fetched, lane_accumulate(
+        clk,
+        word=read,
+        kind=kind,
+        coeff=coeff,
+        opens=opens,
+        acc=acc[lane],
+        high=high,
+        low=low,
+        spec=spec,
+        **joined,
+    )
+
+
+@block
+def field(word, bits, *, low: int):
+    """``bits`` are those of ``word`` from ``low`` on."""
+    top = low + len(bits)
+
+    @always_comb
+    def cut():
+        bits.next = word[top:low]
+
+    return cut
