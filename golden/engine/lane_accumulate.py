@@ -13,7 +13,8 @@ from golden.border import Border
 from golden.engine.accumulator import Accumulator
 from golden.engine.fields import signed_code
 from golden.engine.formats import DROPPED, WIDTH
-from golden.engine.lane_program import OPENS, partners, start_of
+from golden.engine.lane_groups import partners
+from golden.engine.lane_program import OPENS, start_of
 from golden.engine.operand_memory import WORD
 from golden.engine.operand_select import OperandSelect
 from golden.fixed import Codes, Fix
@@ -44,9 +45,10 @@ class LaneAccumulate(Accumulator):
         cls, acc_width: int, segment_width: int, lane: int, lanes: int, variant: str = ""
     ) -> Self:
         """What one of several lanes has. Lanes that are alike have the same entity."""
-        own = f"lead_{partners(lane, lanes)}" if lane == 0 else str(partners(lane, lanes))
+        others = len(partners(lane, lanes))
+        own = str(others) if lane else f"lead_{others}"
         name = f"{variant}_{own}" if variant else own
-        return cls(acc_width, segment_width, partners(lane, lanes), lane == 0, variant=name)
+        return cls(acc_width, segment_width, others, lane == 0, variant=name)
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -24,6 +24,36 @@ from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
 
 
+# Up to so many lanes, each adds the sum of one other lane at most.
+CHAIN = 4
+
+Pairs = tuple[tuple[int, int], ...]
+
+
+def gathers(lanes: int) -> tuple[Pairs, ...]:
+    """The steps that add up the sums of all lanes in the first one.
+
+    In each step some lanes add the sum of another lane to their own. These are pairs of lanes, the
+    one that adds first. Few lanes do it one after the other, from the last lane on, so that none
+    has to choose among others. More lanes do it in a tree, which takes fewer steps.
+    """
+    if lanes <= CHAIN:
+        return tuple(((lane, lane + 1),) for lane in reversed(range(lanes - 1)))
+    found = []
+    distance = 1
+    while distance < lanes:
+        firsts = range(0, lanes - distance, 2 * distance)
+        found.append(tuple((lane, lane + distance) for lane in firsts))
+        distance *= 2
+    return tuple(found)
+
+
+def partners(lane: int, lanes: int) -> dict[int, int]:
+    """The lanes whose sums a lane adds to its own, by the number of the step; one follows another."""
+    steps = enumerate(gathers(lanes))
+    return {step: other for step, pairs in steps for first, other in pairs if first == lane}
+
+
 @dataclass(frozen=True)
 class Group:
     """Neurons that the lanes compute in the same steps.
@@ -63,20 +93,15 @@ class LaneGraph:
     groups: tuple[Group, ...]
     weights: tuple[tuple[int, ...], ...]
 
-    @property
-    def levels(self) -> int:
-        """Steps that add the sums of all lanes, two of which become one in each."""
-        return (self.lanes - 1).bit_length()
-
     def plan(self, graph: Graph, number: int, ready: Ready, now: int) -> Plan:
         """The steps of a group, with those that add up the sums of lanes at the end."""
         plan = one_by_one(graph, number, ready, now)
         if not self.groups[number].joined:
             return plan
         steps = [replace(step, last=False) for step in plan.steps]
-        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in range(self.levels)]
+        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in gathers(self.lanes)]
         steps[-1] = replace(steps[-1], last=True)
-        return Plan(tuple(steps), plan.waits, plan.end + self.levels)
+        return Plan(tuple(steps), plan.waits, plan.end + len(steps) - len(plan.steps))
 
     def schedule(self, pipeline: Pipeline) -> list[Step]:
         """All steps in the order of the program."""

@@ -11,7 +11,7 @@ import numpy as np
 from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
-from golden.engine.lane_groups import LaneGraph, shared_out
+from golden.engine.lane_groups import LaneGraph, gathers, shared_out
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.line_table import LineTable
 from golden.engine.listing import operand_text
@@ -30,7 +30,7 @@ KIND = (23, 2)
 # half unit counts once; it is that of an output or of any other neuron.
 OPENS = (25, 2)
 NO_SUM, OWN, JOINED, JOINED_OUTPUT = range(4)
-# Where a bit is set, a lane adds the sum of another lane and not a product; the bit says of which.
+# Bit k is set in the k-th of the steps that add up the sums of lanes.
 GATHER = (27, 4)
 STORE = (31, 1)
 # Every lane stores the result of the first one.
@@ -161,11 +161,8 @@ class LaneProgram(Program):
         sums = [zero for _ in lanes]
         for step in self.lane_steps:
             if step.gather:
-                level = step.gather.bit_length() - 1
-                added = [
-                    sums[j + (1 << level)] if level < partners(j, self.lanes) else zero
-                    for j in lanes
-                ]
+                pairs = dict(gathers(self.lanes)[step.gather.bit_length() - 1])
+                added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
             else:
                 weights = self.weights[step.place]
                 added = [self._product(step, memories[j], weights[j], zero) for j in lanes]
@@ -195,14 +192,6 @@ class LaneProgram(Program):
             return self.intercepts[segment] * ((negative | 1) << DROPPED)
         span = 1 << self.segment_width
         return self.slopes[segment] * ((word & (span - 1)) - span // 2)
-
-
-def partners(lane: int, lanes: int) -> int:
-    """The number of lanes whose sums a lane adds to its own, ``2**level`` lanes behind it each."""
-    level = 0
-    while lane % (2 << level) == 0 and lane + (1 << level) < lanes:
-        level += 1
-    return level
 
 
 def start_of(opens: int, lane: int) -> int:
@@ -245,7 +234,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         if step.first:
             left = len(neuron.terms)
         # What follows the terms of a group adds up the sums of lanes.
-        gathers = not wait and left <= 0
+        adds = not wait and left <= 0
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         put(words, n, SOURCE, addresses[term.source])
@@ -253,7 +242,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         put(words, n + pipeline.place, PLACE, term.weight)
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
         put(words, n + pipeline.start, OPENS, opens if step.first else NO_SUM)
-        put(words, n + pipeline.gather, GATHER, gathers << -left if gathers else 0)
+        put(words, n + pipeline.gather, GATHER, 1 << -left if adds else 0)
         put(words, n + pipeline.mark, STORE, step.last)
         put(words, n + pipeline.mark, TOGETHER, step.last and group.joined)
         put(words, n + pipeline.mark, RELU, step.last and neuron.relu)

@@ -5,7 +5,7 @@ from myhdl import Signal, always, always_comb, block, concat, modbv
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH
 from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.operand_memory import WORD
-from hdl.common.delay import connect
+from hdl.common.delay import connect, delay
 from hdl.common.signals import fixed, flag, signed, unsigned
 
 
@@ -99,7 +99,7 @@ def lane_accumulate(
     if spec.leads:
 
         @always_comb
-        def begin():
+        def prepare():
             if opening == 3:
                 start.next = half_output
             else:
@@ -108,7 +108,7 @@ def lane_accumulate(
     else:
 
         @always_comb
-        def begin():
+        def prepare():
             if opening == 1:
                 start.next = half
             else:
@@ -126,7 +126,7 @@ def lane_accumulate(
         keep,
         multiply,
         mark,
-        begin,
+        prepare,
         gathered(
             clk, product, gather, other, added, width=spec.acc_width, partners=spec.partners
         ),
@@ -226,13 +226,12 @@ def gathered(clk, product, gather, other, added, *, width: int, partners: int):
 
         return widen
 
-    late, takes = unsigned(partners), flag()
+    takes = flag()
     found = [signed(width) for _ in range(partners)]
     last = found[-1]
 
     @always(clk.posedge)
     def mark():
-        late.next = gather
         takes.next = gather != 0
 
     @always_comb
@@ -242,15 +241,17 @@ def gathered(clk, product, gather, other, added, *, width: int, partners: int):
         else:
             added.next = product
 
-    return (
-        mark,
-        connect(other[0], found[0]),
-        [
-            either(late(level), other[level], found[level - 1], found[level])
-            for level in range(1, partners)
-        ],
-        choose,
-    )
+    first = connect(other[0], found[0])
+    if partners == 1:
+        return mark, first, choose
+
+    # The first one needs no bit: it is added where no other is named.
+    late = unsigned(partners)
+    levels = [
+        either(late(n), other[n], found[n - 1], found[n])
+        for n in range(1, partners)
+    ]
+    return mark, first, levels, choose, delay(clk, None, gather, late, clocks=1)
 
 
 @block

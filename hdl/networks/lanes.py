@@ -3,6 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH
+from golden.engine.lane_groups import partners
 from golden.engine.lane_program import (
     END,
     GATHER,
@@ -57,10 +58,10 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     store, leaves, ends, together, own = (flag() for _ in range(5))
     next_word, next_low = fixed(WORD), flag()
     relu = flag() if spec.rectifies else None
-    read, data = ([fixed(WORD) for _ in range(count)] for _ in range(2))
-    coeff = [unsigned(WIDTH) for _ in range(count)]
-    acc = [signed(spec.acc_width) for _ in range(count)]
-    high, low = ([flag() for _ in range(count)] for _ in range(2))
+    read, data = (Words(count, lambda: fixed(WORD)) for _ in range(2))
+    coeff = Words(count, lambda: unsigned(WIDTH))
+    acc = Words(count, lambda: signed(spec.acc_width))
+    high, low = (Words(count, flag) for _ in range(2))
     first_data = data[0]
     source_low, kind_low, opens_low = SOURCE[0], KIND[0], OPENS[0]
     place_top = memories[0].place_width
@@ -166,7 +167,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
                 word,
                 acc,
                 j,
-                spec=accumulators[j],
+                design=accumulators[j],
                 read=read[j],
                 kind=kind,
                 coeff=coeff[j],
@@ -208,16 +209,16 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
 
 
 @block
-def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, spec):
+def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, design):
     """The sum of a lane, with the sums of the lanes that it adds."""
-    partners = spec.partners
+    added = partners(lane, len(acc))
     joined: dict[str, object] = {}
     fetched = ()
-    if partners:
-        gather = unsigned(partners)
-        others = (acc[lane + (1 << level)] for level in range(partners))
-        joined = {"gather": gather, "other": Words(partners, lambda: next(others))}
-        fetched = field(word, gather, low=GATHER[0])
+    if added:
+        gather = unsigned(len(added))
+        others = (acc[other] for other in added.values())
+        joined = {"gather": gather, "other": Words(len(added), lambda: next(others))}
+        fetched = field(word, gather, low=GATHER[0] + min(added))
     return fetched, lane_accumulate(
         clk,
         word=read,
@@ -227,7 +228,7 @@ def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, spe
         acc=acc[lane],
         high=high,
         low=low,
-        spec=spec,
+        spec=design,
         **joined,
     )
 

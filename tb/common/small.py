@@ -202,6 +202,42 @@ ENGINES = {
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# Several multipliers: of odd numbers of nodes, lanes and outputs; fewer nodes than lanes; weights of
+# several parts; networks that read each other's outputs, or none; and every kind of layer without a
+# table, one behind the other, so that results of each lane and of all lanes alike are read.
+LANE = replace(ENGINE, shapes=[(3, 5, 3)], design="lanes", hardware="lanes = 3")
+LANES = {
+    "rails-lanes": LANE,
+    "least-lanes": replace(LANE, shapes=[(1, 1, 1)], hardware="lanes = 2", spread=1.0),
+    "huge-lanes": replace(LANE, shapes=[(4, 3, 2)], hardware="lanes = 2", spread=100.0),
+    "chain-lanes": replace(
+        LANE,
+        shapes=[(2, 3, 1), (3, 3, 1), (4, 3, 1)],
+        arrangement="cascade",
+        hardware="lanes = 4",
+        spread=1.0,
+    ),
+    "three-lanes": replace(
+        LANE,
+        shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)],
+        arrangement="multiple",
+        hardware="lanes = 8",
+        spread=1.0,
+    ),
+    "relu-lanes": replace(
+        LANE, shapes=[(3, 10, 3)], activations=("relu",), hardware="lanes = 8", spread=1.0
+    ),
+    "layers-lanes": replace(
+        LANE,
+        shapes=[(3, 5, 4, 3, 2)],
+        activations=("leaky_relu", "sigmoid", "relu"),
+        hardware="lanes = 2\nsegment_width = 8",
+        spread=1.5,
+    ),
+    "flat-lanes": replace(
+        LANE, shapes=[(2, 3, 5, 2)], activations=("hard_tanh", "linear"), spread=1.5
+    ),
+}
 # These functions are computed without a library, so that every machine has the same tables. The
 # first is odd, and the second needs words for negative sums too.
 SOFT, BELL = ("soft", "x / (1 + abs(x))"), ("bell", "1 / (1 + x * x)")

@@ -1,0 +1,38 @@
+"""lanes, a whole scene on several multipliers, against its twin.
+
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
+are too short or too long among good frames.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
+comes in any other clock. The twin executes the words of the program and of the lanes. The bench
+also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
+"""
+
+from tb.common.network import (
+    corners_and_random,
+    recorded,
+    reset_at_every_clock,
+    resets_in_mid_frame,
+    wrong_lengths,
+)
+from tb.common.small import LANES
+
+CASES = LANES
+# The first has a table, and this one has ReLU and none.
+ALSO = ("relu-lanes",)
+FAULTS = [
+    (r"out_valid <= .*;", "out_valid <= leaves;"),
+    (r"own = .*;", "own = run;"),
+    (r"together <= word\[32\]", "together <= word[31]"),
+]
+
+__all__ = [
+    "corners_and_random",
+    "recorded",
+    "reset_at_every_clock",
+    "resets_in_mid_frame",
+    "wrong_lengths",
+]
