@@ -122,8 +122,8 @@ class LaneAccumulate(Accumulator):
             found.append(acc)
         return np.array(found, dtype=np.int64)
 
-    def beyond(self, acc: ArrayLike) -> tuple[Codes, Codes]:
-        """Whether sums are above every word, and below every word."""
-        kept = np.asarray(acc, dtype=np.int64) >> DROPPED
-        return (kept > WORD.high).astype(np.int64), (kept < WORD.low).astype(np.int64)
 
+def beyond(acc: ArrayLike) -> tuple[Codes, Codes]:
+    """Whether sums are above every word, and below every word."""
+    kept = np.asarray(acc, dtype=np.int64) >> DROPPED
+    return (kept > WORD.high).astype(np.int64), (kept < WORD.low).astype(np.int64)

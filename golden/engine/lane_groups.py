@@ -145,10 +145,11 @@ class _Shared:
 
 
 def shared_out(graph: Graph, lanes: int) -> LaneGraph:
-    """Share the neurons of a graph out to lanes."""
+    """Share the neurons of a graph out to lanes, of which there are no more than any group fills."""
     found = _Shared(graph, lanes)
     for number, neuron in enumerate(graph.neurons):
         _share(found, number, neuron)
+    lanes = found.lanes = max(len(group.members) for group in found.groups)
     weights: dict[tuple[int, ...], int] = {(0,) * lanes: 0}
     made = [_neuron(found, place, weights) for place in range(len(found.groups))]
     whole = replace(graph, neurons=tuple(made))

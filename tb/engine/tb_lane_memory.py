@@ -1,0 +1,61 @@
+"""lane_memory against its twin.
+
+Sweeps: every weight, with each kind that reads weights. Where there is a table: four codes of every
+segment that a code of a hidden sum can lie in, with both of its ends among them, on either side of
+0, each with both kinds that look up.
+Drives: a place, a word and a kind every clock, in random order.
+Checks: the coefficient bit for bit, and the clock in which it appears.
+Does not prove: that the weights are the right ones (tests/test_lanes.py does).
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.formats import HIDDEN
+from golden.engine.graph import Kind
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import LANES
+
+CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes", "layers-lanes")}
+# The first has weights alone, and the second smaller segments.
+ALSO = ("relu-lanes", "layers-lanes")
+FAULTS = [
+    (r"(memory\[1\] <= \S+);", r"\1 ^ 1;"),
+    (r"segment = \(~part\)", "segment = part"),
+    (r"looked = \{kind\[1\]", "looked = {kind[0]"),
+    (r"address = placed", "address = 0"),
+]
+
+
+def timeline(bench):
+    """The columns of the ports."""
+    twin, rng = bench.twin, bench.rng
+    places = np.arange(len(twin.weights))
+    if not twin.table:
+        return {"place": np.concatenate([rng.permutation(places), places[:1]])}
+    codes = np.arange(HIDDEN.low, HIDDEN.high + 1)
+    within = codes & ((1 << twin.segment_width) - 1)
+    last = (1 << twin.segment_width) - 1
+    words = codes[np.isin(within, [0, 1, last - 1, last])]
+    kinds = np.repeat([Kind.INTERCEPT, Kind.DISTANCE, Kind.WORD, Kind.ONE], [len(words)] * 4)
+    # Each place is read often.
+    count = len(kinds)
+    order = rng.permutation(count)
+    place = np.resize(places, count)
+    columns = {"place": place, "word": np.tile(words, 4), "kind": kinds}
+    return {name: np.append(column[order], 0) for name, column in columns.items()}
+
+
+@cocotb.test()
+async def coefficients(dut):
+    bench = Bench(dut)
+    drive = timeline(bench)
+    recording = await bench.play(drive, ["coeff"])
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    seen = [recording.unsigned("place", rows)]
+    if bench.twin.table:
+        seen += [recording.signed("word", rows), recording.unsigned("kind", rows)]
+        bench.meet("word", seen[1])
+    got = recording.unsigned("coeff", rows + bench.latency)
+    bench.compare("coeff", got, bench.twin.process(*seen), place=seen[0])
+    bench.finish(at_least=len(bench.twin.weights))

@@ -1,0 +1,90 @@
+"""lane_round against its twin.
+
+Sweeps: sums at and around both ends of the sum and of the word, around zero, around the places at
+which the result changes, at every power of two, and 4000 random sums of every size; in the first
+lane every sample, in another lane random words of the first one, some of them with zeros.
+Drives: a sum and what is given in its place every clock, in random order, with ReLU and without it
+where the block has ReLU.
+Checks: the word bit for bit, and the clock in which it appears; in the first lane also what the
+other lanes are given, in the clock before.
+Does not prove: that every sum is right.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.formats import DROPPED
+from golden.engine.lane_accumulate import beyond
+from golden.engine.operand_memory import WORD
+from golden.fixed import Fix
+from golden.precision import SIGNAL
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import LANES
+
+CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes")}
+# It has ReLU.
+ALSO = ("relu-lanes",)
+FAULTS = [
+    (r"kept = 131071", "kept = 131070"),
+    (r"wide << 3", "wide << 2"),
+    (r"if \(low_now\)", "if (0)"),
+    (r"next_low = low_now", "next_low = 0"),
+]
+
+
+def sums(bench):
+    """Codes of the sum for which an error shows in the result."""
+    fmt = Fix(bench.twin.acc_width, 0)
+    steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
+    marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
+    powers = 1 << np.arange(fmt.width - 1)
+    marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
+    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
+    random = bench.rng.integers(fmt.low, fmt.high + 1, 4000) >> bench.rng.integers(
+        0, fmt.width - 1, 4000
+    )
+    codes = np.concatenate([near, random])
+    return codes[(codes >= fmt.low) & (codes <= fmt.high)]
+
+
+def shown(word, zeros):
+    """A word, with its lowest 17 bits 0 where ``zeros`` says so."""
+    return np.where(zeros, np.where(word < 0, WORD.low, 0), word)
+
+
+@cocotb.test()
+async def sums_and_what_is_given(dut):
+    bench = Bench(dut)
+    twin, rng = bench.twin, bench.rng
+    accs, fmt = sums(bench), SIGNAL if twin.leads else WORD
+    count = 16384
+    given = np.arange(fmt.low, fmt.high + 1) if twin.leads else rng.integers(fmt.low, fmt.high + 1, count)
+    order = rng.permutation(len(accs) + count)
+    own = order < len(accs)
+    acc, other = rng.choice(accs, len(order)), rng.choice(given, len(order))
+    acc[own], other[~own] = accs[order[own]], given[order[~own] - len(accs)]
+    high, low = beyond(acc)
+    drive = {"own": own.astype(np.int64), "acc": acc, "high": high, "low": low}
+    drive |= {"sample": other} if twin.leads else {"other": other}
+    if not twin.leads:
+        drive["other_low"] = rng.integers(0, 2, len(order))
+    if twin.rectifies:
+        drive["relu"] = rng.integers(0, 2, len(order))
+    outputs = ["word", "next_word", "next_low"] if twin.leads else ["word"]
+    # The last one only fills the pipeline.
+    recording = await bench.play({n: np.append(c, c[:1]) for n, c in drive.items()}, outputs)
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    flags = recording.unsigned("own", rows).astype(bool)
+    seen = recording.signed("acc", rows)
+    if twin.leads:
+        taken = recording.signed("sample", rows)
+    else:
+        taken = shown(recording.signed("other", rows), recording.unsigned("other_low", rows))
+    relu = recording.unsigned("relu", rows) if twin.rectifies else np.zeros(len(rows), int)
+    expected = twin.process(flags, seen, taken, relu)
+    got = recording.signed("word", rows + bench.latency)
+    bench.compare("word", got, expected, own=flags, acc=seen, given=taken, relu=relu)
+    if twin.leads:
+        zeros = recording.unsigned("next_low", rows)
+        bench.compare("next_word", shown(recording.signed("next_word", rows), zeros), expected)
+    bench.finish(at_least=16384)
