@@ -10,12 +10,14 @@ import sys
 
 from golden.block import walk
 from golden.cli import run, would
+from golden.engine.lane_listing import lane_listing
 from golden.engine.listing import listing
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
 from golden.scene import load_scene
 
 
@@ -33,11 +35,15 @@ def main() -> None:
     if not engines:
         raise InputError(
             f"{scene.path}: hardware.design: got {scene.design}, which has no program, expected "
-            f"{Engine.block} or {AdderGraph.block}"
+            f"{Engine.block}, {Lanes.block} or {AdderGraph.block}"
         )
     (engine,) = engines
     would(f"print the program of {engine.entity}")
-    print("\n".join(listing(engine.graph, engine.program)))
+    if isinstance(engine, Lanes):
+        lines = lane_listing(engine.graph, engine.program)
+    else:
+        lines = listing(engine.graph, engine.program)
+    print("\n".join(lines))
 
 
 if __name__ == "__main__":

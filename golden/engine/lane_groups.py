@@ -23,7 +23,6 @@ from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
 
-
 # Up to so many lanes, each adds the sum of one other lane at most.
 CHAIN = 4
 
@@ -49,7 +48,7 @@ def gathers(lanes: int) -> tuple[Pairs, ...]:
 
 
 def partners(lane: int, lanes: int) -> dict[int, int]:
-    """The lanes whose sums a lane adds to its own, by the number of the step; one follows another."""
+    """The lanes whose sums a lane adds, by the numbers of the steps, which follow each other."""
     steps = enumerate(gathers(lanes))
     return {step: other for step, pairs in steps for first, other in pairs if first == lane}
 
@@ -145,7 +144,7 @@ class _Shared:
 
 
 def shared_out(graph: Graph, lanes: int) -> LaneGraph:
-    """Share the neurons of a graph out to lanes, of which there are no more than any group fills."""
+    """Share the neurons of a graph out to lanes, but to no more lanes than any group fills."""
     found = _Shared(graph, lanes)
     for number, neuron in enumerate(graph.neurons):
         _share(found, number, neuron)

@@ -114,20 +114,24 @@ class LaneProgram(Program):
         return [n for n, step in enumerate(self.lane_steps) if step.output]
 
     @property
-    def addresses(self) -> int:
-        return self.inputs + sum(step.store for step in self.lane_steps)
+    def length(self) -> int:
+        return len(self.lane_steps)
+
+    @property
+    def store_steps(self) -> list[int]:
+        return [n for n, step in enumerate(self.lane_steps) if step.store]
 
     def scheduled(self, graph: Graph) -> list[Step]:
         """The steps of the groups."""
         return shared_out(graph, self.lanes).schedule(self.pipeline)
 
     def execute(self, samples: Codes) -> Codes:
-        results = [words[0] >> OUTPUT_SHIFT for step, _, words in self.lanes_run(samples) if step.output]
+        results = [
+            words[0] >> OUTPUT_SHIFT for step, _, words in self.lanes_run(samples) if step.output
+        ]
         return np.stack(results, axis=-1)
 
-    def stored(
-        self, graph: Graph, samples: Codes
-    ) -> Iterator[tuple[int, bool, Codes, Codes]]:
+    def stored(self, graph: Graph, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
         shared = shared_out(graph, self.lanes)
         order = [step.neuron for step in shared.schedule(self.pipeline) if step.last]
         for number, (step, sums, words) in zip(order, self.lanes_run(samples), strict=True):
@@ -189,9 +193,9 @@ class LaneProgram(Program):
         negative = word >> (WIDTH - 1)
         segment = ((word ^ negative) >> self.segment_width) & (len(self.slopes) - 1)
         if step.kind == Kind.INTERCEPT:
-            return self.intercepts[segment] * ((negative | 1) << DROPPED)
+            return np.asarray(self.intercepts[segment] * ((negative | 1) << DROPPED))
         span = 1 << self.segment_width
-        return self.slopes[segment] * ((word & (span - 1)) - span // 2)
+        return np.asarray(self.slopes[segment] * ((word & (span - 1)) - span // 2))
 
 
 def start_of(opens: int, lane: int) -> int:
@@ -203,7 +207,7 @@ def start_of(opens: int, lane: int) -> int:
 
 
 def _word(total: Codes, relu: int) -> Codes:
-    return np.clip(total >> DROPPED, 0 if relu else WORD.low, WORD.high)
+    return np.asarray(np.clip(total >> DROPPED, 0 if relu else WORD.low, WORD.high))
 
 
 def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LaneProgram:

@@ -45,7 +45,9 @@ class LaneRound(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         if self.leads:
-            given = (input_port("sample", "sample x, stored without `own`", SIGNAL),)
+            given: tuple[Port, ...] = (
+                input_port("sample", "sample x, stored without `own`", SIGNAL),
+            )
             passed: tuple[Port, ...] = (
                 output_port("next_word", "the word of the next clock, without its zeros", WORD),
                 output_port("next_low", "the lowest 17 bits of the next word are 0"),

@@ -138,6 +138,16 @@ class Program:
         """The steps whose results leave the engine."""
         return [n for n, step in enumerate(self.instructions) if step.output]
 
+    @property
+    def length(self) -> int:
+        """The number of steps."""
+        return len(self.instructions)
+
+    @property
+    def store_steps(self) -> list[int]:
+        """The steps whose results are stored."""
+        return [n for n, step in enumerate(self.instructions) if step.store]
+
     @cached_property
     def intercepts(self) -> Codes:
         """The intercept of each segment."""
@@ -164,7 +174,7 @@ class Program:
     @property
     def addresses(self) -> int:
         """The number of words of the operand memory that the program uses."""
-        return self.inputs + sum(step.store for step in self.instructions)
+        return self.inputs + len(self.store_steps)
 
     def execute(self, samples: Codes) -> Codes:
         """Compute output codes, shape (frames, outputs), from sample codes, shape (frames, inputs).
@@ -173,6 +183,12 @@ class Program:
         """
         results = [word >> OUTPUT_SHIFT for step, _, word in self.run(samples) if step.output]
         return np.stack(results, axis=-1)
+
+    def stored(self, graph: Graph, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
+        """Each neuron as it is stored: its number, whether it is a ReLU, its sums, their words."""
+        order = [step.neuron for step in self.scheduled(graph) if step.last]
+        for number, (step, sums, word) in zip(order, self.run(samples), strict=True):
+            yield number, bool(step.relu), sums, word
 
     def run(self, samples: Codes) -> Iterator[tuple[Instruction, Codes, Codes]]:
         """The last step of each neuron in the order of the program, its sums, and their words."""

@@ -80,7 +80,9 @@ class Stepped(Block):
     def segment_port(self) -> Port:
         """The segment whose word is looked up."""
         segment = Unsigned(self.segment_addr_width)
-        return input_port("segment", "address of a word of the table", segment, "segment_addr_width")
+        return input_port(
+            "segment", "address of a word of the table", segment, "segment_addr_width"
+        )
 
     @property
     def latency(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -90,7 +90,7 @@ class Engine(Design):
     precisions = (EXACT.name,)
     known_activations = ("precise",)
     activation_choices = False
-    options = (
+    options: ClassVar[tuple[str, ...]] = (
         "segment_width",
         "pipeline",
         "multiplier",
@@ -410,13 +410,10 @@ class Engine(Design):
         if not ranges:
             return counts
         layers = {place: one.layer for one in ranges for place in one.places}
-        order = [step.neuron for step in self.program.scheduled(self.graph) if step.last]
         for start in range(0, len(frames), CHUNK):
             part = slice(start, start + CHUNK)
-            stored = self.program.run(frames[part])
-            for place, (step, sums, word) in zip(order, stored, strict=True):
+            for place, relu, sums, word in self.program.stored(self.graph, frames[part]):
                 if place in layers:
                     found = sums >> DROPPED
-                    beyond = (found > word) | ((found < word) & (not step.relu))
-                    counts[layers[place]][part] += beyond
+                    counts[layers[place]][part] += (found > word) | ((found < word) & (not relu))
         return counts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 from golden.block import Block
 from golden.dense import Trained
@@ -36,11 +36,14 @@ class Lanes(Engine):
     program : LaneProgram
     acc_width, integers, graph
         See ``Engine``.
+    asked : int
+        The lanes that the scene asks for. No more are built than a layer has nodes for.
     """
 
     block = "lanes"
-    options = ("lanes", "segment_width")
+    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width")
     program: LaneProgram
+    asked: int = LANES
 
     @classmethod
     def build(
@@ -75,6 +78,7 @@ class Lanes(Engine):
             max(least, graph.sum_bits(table)),
             integers,
             graph,
+            asked=lanes,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )

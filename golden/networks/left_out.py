@@ -17,6 +17,7 @@ from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.engine import WHOLE_ACC_WIDTH, Engine
 from golden.networks.hybrid import Hybrid
+from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.several import Several
@@ -114,6 +115,19 @@ def _(network: Engine) -> list[str]:
     bits = WHOLE_ACC_WIDTH - network.acc_width
     if bits > 0:
         texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
+    return texts
+
+
+@left_out.register
+def _(network: Lanes) -> list[str]:
+    texts = of_useless_nodes(network)
+    if network.graph.useless_terms:
+        texts.append(f"{network.graph.useless_terms} products of weight 0")
+    if network.asked > network.lanes:
+        texts.append(f"{network.asked - network.lanes} lanes that no layer has a node for")
+    bits = WHOLE_ACC_WIDTH - network.acc_width
+    if bits > 0:
+        texts.append(f"{bits} bits of each sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
     return texts
 
 

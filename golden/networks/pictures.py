@@ -13,6 +13,7 @@ from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.networks.cascade import Cascade
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
+from golden.networks.lanes import Lanes
 from golden.networks.multiple import Multiple
 from golden.networks.parallel import Parallel
 from golden.networks.windowed import Windowed
@@ -90,6 +91,24 @@ def _(network: Engine) -> Flow:
             Carried(f"{network.outputs} y", SIGNAL),
         ),
         watcher=network.frame_guard if network.loaded else network.frame_check,
+    )
+
+
+@flow_of.register
+def _(network: Lanes) -> Flow:
+    return Flow(
+        (
+            Carried(f"{network.inputs} x", SIGNAL),
+            network.rounds[0],
+            Carried("samples, results", WORD),
+            network.operand_memory,
+            Carried(f"a word in each of {network.lanes} lanes", WORD),
+            network.lane_memories[0],
+            Carried("a coefficient in each lane", WORD),
+            network.accumulators[0],
+            Carried(f"{network.outputs} y", SIGNAL),
+        ),
+        watcher=network.frame_check,
     )
 
 

@@ -13,7 +13,7 @@ HARDWARE = KeyTable(
             Text(tuple(DESIGNS)),
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
-            "`precise`. [lanes](blocks/lanes.md) is an engine with two to sixteen multipliers, which "
+            "`precise`. [lanes](blocks/lanes.md) is an engine with 2 to 16 multipliers, which "
             "takes fewer clocks; it has tanh, ReLU and linear layers. "
             "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
@@ -56,8 +56,8 @@ HARDWARE = KeyTable(
             "stream",
             "The ports of the top entity. `stream` gives it the ports of the network. `axi_stream` "
             "puts the network behind AXI4-Stream with back-pressure "
-            "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` without front end "
-            "and visualisation.",
+            "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` and `lanes` "
+            "without front end and visualisation.",
         ),
         "argmax": Key(
             Flag(),
@@ -66,8 +66,8 @@ HARDWARE = KeyTable(
             "`winner_valid` beside its stream of outputs: the number of the largest output, how "
             "far the second largest is below it, and when both are there "
             "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
-            "for. It is for two outputs or more. `engine` and `hybrid` have it with any front end. "
-            "`adder_graph` gives its outputs in one clock and has a tree "
+            "for. It is for two outputs or more. `engine`, `hybrid` and `lanes` have it with any "
+            "front end. `adder_graph` gives its outputs in one clock and has a tree "
             "([argmax_tree](blocks/argmax_tree.md)). Behind `axi_stream` both "
             "numbers are `m_axis_tuser` of the last output "
             "([axis_network](blocks/axis_network.md)).",
@@ -97,9 +97,9 @@ HARDWARE = KeyTable(
         "segment_width": Key(
             Whole(absent=True),
             0,
-            "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that lie within a "
-            "[segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits the error is "
-            "smaller and the table has more words.",
+            "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that "
+            "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits the "
+            "error is smaller and the table has more words.",
             "9",
         ),
         "clocks": Key(

@@ -44,9 +44,8 @@ def lane_accumulate(
 
     Notes
     -----
-    A second register of the sum holds the start where a sum starts. So no adder has a multiplexer in
-    front of it, and that of a product and another sum fits into the LUTs of the adder. No reset: a
-    sum starts afresh.
+    A second register of the sum holds the start where a sum starts. So the LUTs of the adder have
+    room for the choice of a product or another sum. No reset: a sum starts afresh.
     """
     span = 1 << (spec.acc_width - 1)
     sign = spec.acc_width - 1
@@ -54,14 +53,11 @@ def lane_accumulate(
     top, count = spec.acc_width, spec.acc_width - lowest
     ones = (1 << count) - 1
     above = unsigned(count)
-    factor_late, coeff_kept, coeff_late = (fixed(WORD) for _ in range(3))
-    factor = fixed(WORD)
+    factor, factor_late, coeff_late = (fixed(WORD) for _ in range(3))
     product = signed(PRODUCT_WIDTH)
     opening = unsigned(2)
     # The sums of a frame stay within this range. What is added up between frames may wrap.
-    total, base, start, added, grown = (
-        Signal(modbv(0, min=-span, max=span)) for _ in range(5)
-    )
+    total, base, start, added, grown = (Signal(modbv(0, min=-span, max=span)) for _ in range(5))
     half = 1 << (DROPPED - 1)
     half_output = half << OUTPUT_SHIFT
 
@@ -127,9 +123,7 @@ def lane_accumulate(
         multiply,
         mark,
         prepare,
-        gathered(
-            clk, product, gather, other, added, width=spec.acc_width, partners=spec.partners
-        ),
+        gathered(clk, product, gather, other, added, width=spec.acc_width, partners=spec.partners),
         add,
         store,
         look,
@@ -247,10 +241,7 @@ def gathered(clk, product, gather, other, added, *, width: int, partners: int):
 
     # The first one needs no bit: it is added where no other is named.
     late = unsigned(partners)
-    levels = [
-        either(late(n), other[n], found[n - 1], found[n])
-        for n in range(1, partners)
-    ]
+    levels = [either(late(n), other[n], found[n - 1], found[n]) for n in range(1, partners)]
     return mark, first, levels, choose, delay(clk, None, gather, late, clocks=1)
 
 

@@ -56,6 +56,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     place, kind, opens = unsigned(memories[0].place_width), unsigned(KIND[1]), unsigned(OPENS[1])
     store, leaves, ends, together, own = (flag() for _ in range(5))
+    # What the other lanes store with the first one, if there are others.
     next_word, next_low = fixed(WORD), flag()
     relu = flag() if spec.rectifies else None
     read, data = (Words(count, lambda: fixed(WORD)) for _ in range(2))
@@ -96,13 +97,19 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         ends.next = run and word[end_bit]
 
     # Only looked at with a result that is stored.
-    @always(clk.posedge)
-    def follow():
-        together.next = word[together_bit]
+    if count > 1:
 
-    @always_comb
-    def belong():
-        own.next = run and not together
+        @always(clk.posedge)
+        def follow():
+            together.next = word[together_bit]
+
+        @always_comb
+        def belong():
+            own.next = run and not together
+
+        shared = follow, belong
+    else:
+        shared = ()
 
     if spec.rectifies:
 
@@ -110,7 +117,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         def rectify():
             relu.next = word[relu_bit]
 
-        rectified = (rectify,)
+        rectified = rectify
     else:
         rectified = ()
 
@@ -119,8 +126,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         show,
         split,
         mark,
-        follow,
-        belong,
+        shared,
         rectified,
         frame_check(
             clk,

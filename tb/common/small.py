@@ -202,9 +202,9 @@ ENGINES = {
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
-# Several multipliers: of odd numbers of nodes, lanes and outputs; fewer nodes than lanes; weights of
-# several parts; networks that read each other's outputs, or none; and every kind of layer without a
-# table, one behind the other, so that results of each lane and of all lanes alike are read.
+# Several multipliers: odd numbers of nodes, lanes and outputs; fewer nodes than lanes; weights of
+# several parts; networks that read each other's outputs, and networks side by side; and several
+# layers, so that results of each lane and of all lanes alike are read.
 LANE = replace(ENGINE, shapes=[(3, 5, 3)], design="lanes", hardware="lanes = 3")
 LANES = {
     "rails-lanes": LANE,

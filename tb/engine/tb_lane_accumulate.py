@@ -44,7 +44,9 @@ def words(rng):
 
 def later(column, clocks, latency):
     """A column that comes some clocks after the word, with zeros around it."""
-    return np.concatenate([np.zeros(clocks, np.int64), column, np.zeros(latency - clocks, np.int64)])
+    return np.concatenate(
+        [np.zeros(clocks, np.int64), column, np.zeros(latency - clocks, np.int64)]
+    )
 
 
 def timeline(bench):
@@ -65,7 +67,7 @@ def timeline(bench):
         "opens": (COEFF, opens),
     }
     if twin.partners:
-        named = 1 << rng.integers(0, twin.partners, PRODUCTS)
+        named = rng.integers(1, 1 << twin.partners, PRODUCTS)
         columns["gather"] = GATHER, np.where(rng.random(PRODUCTS) < 1 / 4, named, 0)
         columns["gather"][1][:8] = 0
         acc = Fix(twin.acc_width, 0)

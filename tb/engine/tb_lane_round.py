@@ -58,7 +58,11 @@ async def sums_and_what_is_given(dut):
     twin, rng = bench.twin, bench.rng
     accs, fmt = sums(bench), SIGNAL if twin.leads else WORD
     count = 16384
-    given = np.arange(fmt.low, fmt.high + 1) if twin.leads else rng.integers(fmt.low, fmt.high + 1, count)
+    given = (
+        np.arange(fmt.low, fmt.high + 1)
+        if twin.leads
+        else rng.integers(fmt.low, fmt.high + 1, count)
+    )
     order = rng.permutation(len(accs) + count)
     own = order < len(accs)
     acc, other = rng.choice(accs, len(order)), rng.choice(given, len(order))

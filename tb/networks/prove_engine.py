@@ -45,8 +45,8 @@ def built_in(twin):
     """The properties of an engine with a known program, of which every clock is known too."""
     program, inputs = twin.program, twin.inputs
     at = program.pipeline
-    begin, words = len(program.table), len(program.words)
-    stores = [n + at.mark for n, step in enumerate(program.instructions) if step.store]
+    begin, words = twin.program_memory.begin, len(program.words)
+    stores = [n + at.mark for n in program.store_steps]
     # For each clock after the last sample: the operands that the memory holds by then.
     written = [
         inputs - (clock < 2) + sum(n + 4 <= clock for n in stores) for clock in range(twin.busy + 2)
@@ -129,7 +129,9 @@ def built_in(twin):
                 f"&& fetched_from < {begin + words})",
             ),
             reached=("since == 2",),
-            refuted_by=((rf"(if \(stands\) begin\s+counter <=) {begin}", r"\1 0"),),
+            refuted_by=(
+                (rf"(if \(stands\) begin\s+counter <=) {begin}", rf"\1 {int(begin == 0)}"),
+            ),
             clocks=inputs + 9,
             induction=5,
             **common,
@@ -138,9 +140,7 @@ def built_in(twin):
             name="operands are there",
             sentence="No step reads an operand that has not been written for its frame: a sample, "
             "or the result of a step before.",
-            states=(
-                f"!run || since == 0 || since > {len(program.instructions)} || source < operands",
-            ),
+            states=(f"!run || since == 0 || since > {program.length} || source < operands",),
             reached=("since == 2",),
             refuted_by=((r"write <= \(accept \|\| store\)", "write <= store"),),
             clocks=inputs + 9,

@@ -1,0 +1,49 @@
+"""Proved properties of lane_memory, for every place, word and kind."""
+
+from golden.engine.formats import WIDTH
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import pipe, table
+
+# With weights alone, and with smaller segments.
+ALSO = ("relu-lanes", "layers-lanes")
+
+
+def properties(twin):
+    width, segments, half = twin.addr_width, len(twin.table) // 2, 1 << twin.half_width
+    here, looked, faults = "place", "", ((r"address = place", "address = 0 & place"),)
+    piece = ""
+    if twin.table:
+        piece = f"""
+            wire signed [31:0] whole = $signed(word);
+            wire [31:0] piece = (whole < 0 ? -32'sd1 - whole : whole) / {1 << twin.segment_width};
+        """
+        here = (
+            f"kind == 1 ? {half} + piece % {segments} : "
+            f"kind == 2 ? {half + segments} + piece % {segments} : place"
+        )
+        looked = (
+            " With kind 1 and 2 it is the intercept and the slope of the word's segment, counted "
+            "from 0 up and from -1 down."
+        )
+        faults = (
+            (r"if \(word\[17\]\)", "if (word[16])"),
+            (r"looked = \{kind\[1\]", "looked = {kind[0]"),
+            (r"looks = .*;", "looks = (kind == 1);"),
+        )
+    else:
+        faults = ((r"address = place", "address = 0"),)
+    return [
+        Property(
+            name="coefficient",
+            sentence="One clock later the coefficient is the weight at the place, as in the twin."
+            + looked,
+            states=("!there[0] || coeff == contents(here_0)",),
+            watch=f"{piece} wire [{width}:0] here = {here};"
+            + pipe("here", 1, width + 1)
+            + table("contents", twin.contents, WIDTH),
+            reached=("there[0] && here_0 == 1",),
+            refuted_by=((r"(memory\[1\] <= \S+);", r"\1 ^ 1;"), *faults),
+            clocks=3,
+            induction=2,
+        ),
+    ]

@@ -1,0 +1,227 @@
+"""Tests the program of an engine with several multipliers: its results, its steps, its words."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_engine import networks, random_codes
+
+from golden.block import walk
+from golden.commands.listing import main
+from golden.engine.lane_groups import CHAIN, gathers
+from golden.engine.lane_listing import critical_path, lane_listing
+from golden.engine.lane_pipeline import LanePipeline
+from golden.engine.lane_program import LaneInstruction, LaneProgram
+from golden.input_error import InputError
+from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
+from golden.networks.left_out import left_out
+from golden.networks.settings import Settings
+from golden.scene import load_scene
+from tb.common.myhdl_simulation import simulate
+from tb.common.small import ENGINES, LANES, LAYERED, TABLES
+
+# Clocks from frame to frame, and the lanes that are built.
+SHIPPED = {
+    "comparison/digit-lanes2": (153, 2),
+    "comparison/digit-lanes4": (130, 4),
+    "comparison/digits-lanes8": (397, 8),
+}
+# Several hidden layers, without quantisers and without functions of a user.
+DEEP = ("layers-engine", "steep-engine", "ranged-engine")
+
+
+def lanes_of(name: str, lanes: int, lean: bool = True) -> tuple[Lanes, Engine]:
+    """A case of the benches of the engine with several multipliers and with one."""
+    case = (ENGINES | LAYERED)[name]
+    found = case.networks()
+    many = Lanes.of(found, Settings(options={"lanes": lanes}, lean=lean), case.arrangement)
+    return many, Engine.of(found, Settings(lean=lean), case.arrangement)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_scene_has_the_results_of_one_multiplier(name: str) -> None:
+    scene = load_scene(name)
+    many, one = scene.twin(), replace(scene, design="engine", design_options={}).twin()
+    assert (many.interval, many.lanes) == SHIPPED[name]
+    codes = np.concatenate([scene.vectors().codes[:200], random_codes(many.inputs, 200)])
+    assert np.array_equal(many.process(codes), one.process(codes))
+    assert many.interval < one.interval
+
+
+@settings(max_examples=40)
+@given(several=networks(), lanes=st.integers(2, 16), lean=st.booleans())
+def test_networks_of_any_shape(several: tuple, lanes: int, lean: bool) -> None:
+    arrangement, mlps = several
+    codes = random_codes(mlps[0].shape[0], 50)
+    one = Engine.of(mlps, Settings(lean=lean), arrangement)
+    many = Lanes.of(mlps, Settings(options={"lanes": lanes}, lean=lean), arrangement)
+    assert np.array_equal(many.process(codes), one.process(codes))
+
+
+@pytest.mark.parametrize("lanes", [2, 3, 8])
+@pytest.mark.parametrize("name", DEEP)
+def test_networks_of_several_layers(name: str, lanes: int) -> None:
+    for lean in (True, False):
+        many, one = lanes_of(name, lanes, lean)
+        codes = random_codes(one.inputs, 100)
+        assert np.array_equal(many.process(codes), one.process(codes))
+        found, expected = many.saturations(codes), one.saturations(codes)
+        assert found.keys() == expected.keys()
+        assert all(np.array_equal(found[layer], expected[layer]) for layer in found)
+
+
+def test_sums_of_lanes_are_added_once() -> None:
+    for lanes in range(1, 17):
+        sums = [{lane} for lane in range(lanes)]
+        for pairs in gathers(lanes):
+            before = [set(one) for one in sums]
+            for lane, other in pairs:
+                assert not before[lane] & before[other]
+                sums[lane] |= before[other]
+        assert sums[0] == set(range(lanes))
+        adding = [lane for pairs in gathers(lanes) for lane, _ in pairs]
+        assert lanes > CHAIN or len(set(adding)) == len(adding)
+
+
+@pytest.mark.parametrize("lanes", [2, 3, 8])
+@pytest.mark.parametrize("name", ["chain-engine", "three-engine", "huge-engine", "layers-engine"])
+def test_no_operand_is_read_before_it_is_stored_in_its_lane(name: str, lanes: int) -> None:
+    """Every term is computed once: by the lane that holds its operand, or by one lane of those."""
+    many, _ = lanes_of(name, lanes)
+    program, pipeline, shared = many.program, many.program.pipeline, many.program.shared
+    assert shared is not None
+    steps = program.scheduled(many.graph)
+    at = {step.neuron: n for n, step in enumerate(steps) if step.last}
+    products = []
+    for n, (step, code) in enumerate(zip(steps, program.lane_steps, strict=True)):
+        source = step.term.source - many.inputs
+        if step.neuron >= 0 and source >= 0 and not code.gather:
+            assert n >= at[source] + pipeline.result_ready
+        if step.neuron >= 0:
+            products.append(program.weights[code.place])
+    terms = [t for neuron in many.graph.neurons for t in neuron.terms if t.weight]
+    alike = sum(
+        len([t for t in shared.graph.neurons[n].terms if any(shared.weights[t.weight])])
+        * (len(shared.weights[0]) - 1)
+        for n, group in enumerate(shared.groups)
+        if group.alike
+    )
+    assert sum(weight != 0 for row in products for weight in row) == len(terms) + alike
+
+
+def test_the_program_holds_what_was_scheduled() -> None:
+    many, _ = lanes_of("rails-engine", 3)
+    program = many.program
+    address = {k: k for k in range(many.inputs)}
+    for n, (step, code) in enumerate(
+        zip(program.scheduled(many.graph), program.lane_steps, strict=True)
+    ):
+        assert code.kind == step.term.kind
+        assert bool(code.opens) == step.first
+        assert bool(code.store) == step.last
+        assert code.end == (n == program.length - 1)
+        if step.term.source >= 0:
+            assert code.source == address[step.term.source]
+        if step.last:
+            address[many.inputs + step.neuron] = len(address)
+    assert len(address) == program.addresses
+    assert program.words[-program.pipeline.padding :] == (0,) * program.pipeline.padding
+
+
+def test_a_word_has_a_place_for_each_field() -> None:
+    """Fields do not overlap: each bit of a word alone changes one field of one step."""
+    pipeline, seen = LanePipeline(), set()
+    for bit in range(36):
+        words = [0] * 40
+        words[20] = 1 << bit
+        program = LaneProgram(1, 9, (), tuple(words), pipeline, (), weights=((0,),))
+        steps = program.lane_steps
+        named = [
+            (n, field.name)
+            for n, step in enumerate(steps)
+            for field in fields(LaneInstruction)
+            if getattr(step, field.name)
+        ]
+        assert len(named) == 1, bit
+        seen.add(named[0][1])
+    assert seen == {field.name for field in fields(LaneInstruction)}
+
+
+@pytest.mark.parametrize("name", ["rails-lanes", "relu-lanes", "layers-lanes"])
+def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
+    many = LANES[name].scene(tmp_path, name).twin()
+    codes = random_codes(many.inputs, 6)
+    results, _ = simulate(many, codes)
+    assert np.array_equal(results, many.process(codes))
+
+
+def test_no_more_lanes_than_a_layer_has_nodes() -> None:
+    many, _ = lanes_of("least-engine", 16)
+    assert many.lanes == 1
+    assert "15 lanes that no layer has a node for" in left_out(many)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_no_schedule_is_faster_than_its_path(name: str) -> None:
+    many = load_scene(name).twin()
+    shared = many.program.shared
+    clock, names = critical_path(shared, many.program.pipeline)
+    assert many.inputs < clock <= many.output_clocks[-1]
+    numbers = [[neuron.name for neuron in shared.graph.neurons].index(one) for one in names]
+    for before, after in pairwise(numbers):
+        sources = [term.source for term in shared.graph.neurons[after].terms]
+        assert many.inputs + before in sources
+
+
+def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
+    monkeypatch.setattr("sys.argv", ["listing", "comparison/digit-lanes4"])
+    main()
+    many = load_scene("comparison/digit-lanes4").twin()
+    columns, *lines = capsys.readouterr().out.splitlines()
+    assert columns.split()[:4] == ["step", "neurons", "operand", "address"]
+    assert [line.split()[0] for line in lines[: many.program.length]] == [
+        str(n) for n in range(many.program.length)
+    ]
+    assert lines[many.program.length - 1].endswith(f"leaves in clock {many.output_clocks[-1]}")
+    assert lines == lane_listing(many.graph, many.program)[1:]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"lanes": 17}, "hardware.lanes: got 17, expected 2 to 16"),
+        ({"lanes": 1}, "hardware.lanes: got 1, expected 2 to 16"),
+        ({"reload": True}, "lanes: hardware: got 'reload', expected lanes or segment_width"),
+        ({"multiplier": "serial"}, "lanes: hardware: got 'multiplier', expected lanes or"),
+        ({"pipeline": "deep"}, "lanes: hardware: got 'pipeline', expected lanes or"),
+    ],
+)
+def test_options_that_it_does_not_have(options: dict, message: str) -> None:
+    with pytest.raises(InputError) as error:
+        Lanes.of(ENGINES["least-engine"].networks(), Settings(options=options))
+    assert message in str(error.value)
+
+
+def test_layers_that_it_does_not_have() -> None:
+    with pytest.raises(InputError, match=r"network\.activations: got 'table:bell', 'table:soft'"):
+        Lanes.of(TABLES["small-tables-engine"].networks())
+    with pytest.raises(InputError, match="network: got quantisers with design 'lanes'"):
+        Lanes.of(LAYERED["exact-engine"].networks())
+
+
+def test_a_scene_with_too_many_weights_is_refused() -> None:
+    wide = replace(LANES["least-lanes"], shapes=[(900, 20, 1)]).networks()
+    with pytest.raises(InputError, match="got 8998 weights of each lane, expected 8192 at most"):
+        Lanes.of(wide, Settings(options={"lanes": 2}))
+
+
+def test_parts_have_names_of_their_own() -> None:
+    names = [block.entity for block in walk(load_scene("comparison/digits-lanes8").twin())]
+    assert len(set(names)) == len(names)
+    assert {"lane_accumulate_lead_3", "lane_accumulate_2", "lane_round_other"} <= set(names)
