@@ -30,11 +30,11 @@ class LaneMemory(Block):
     segment_width : int
         Bits of a hidden sum within a segment.
     notes : tuple of str
-        What each weight and each word of the table stands for, as a comment in the exported file.
+        What each word of the table and each weight stands for, as a comment in the exported file.
 
     Notes
     -----
-    The weights lie in the lower half of the memory, and the table in the upper one, each from its
+    The table lies in the lower half of the memory, and the weights in the upper one, each from its
     beginning. So the address needs no adder, and where no sum lies beyond the last segment no
     comparison either.
     """
@@ -70,18 +70,18 @@ class LaneMemory(Block):
     def contents(self) -> tuple[int, ...]:
         """All words; between the parts there are zeros."""
         mask = (1 << WIDTH) - 1
+        weights = [code & mask for code in self.weights]
+        parts = [list(self.table), weights] if self.table else [weights]
         half = 1 << self.half_width
-        parts = [[code & mask for code in self.weights]] + [list(self.table)] * bool(self.table)
         return tuple(word for part in parts for word in part + [0] * (half - len(part)))
 
     @property
     def meanings(self) -> tuple[str, ...]:
         """What each word stands for; the last text serves all words beyond."""
-        texts = list(self.notes[: len(self.weights)])
+        texts = list(self.notes[: len(self.table)])
         if self.table:
-            gap = (1 << self.half_width) - len(texts)
-            texts += ["not used"] * gap + list(self.notes[len(self.weights) :])
-        return (*texts, "not used")
+            texts += ["not used"] * ((1 << self.half_width) - len(texts))
+        return (*texts, *self.notes[len(self.table) :], "not used")
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -124,8 +124,8 @@ class LaneMemory(Block):
         segment = np.where(words < 0, ~words, words) >> self.segment_width
         segment &= len(self.table) // 2 - 1
         slope = np.where(kinds == Kind.DISTANCE, len(self.table) // 2, 0)
-        looked = (1 << self.half_width) + slope + segment
-        return np.where((kinds == Kind.INTERCEPT) | (kinds == Kind.DISTANCE), looked, places)
+        looks = (kinds == Kind.INTERCEPT) | (kinds == Kind.DISTANCE)
+        return np.where(looks, slope + segment, places + (1 << self.half_width))
 
     def process(self, place: ArrayLike, word: ArrayLike = 0, kind: ArrayLike = 0) -> Codes:
         """The word that is read for each place, word and kind."""

@@ -140,7 +140,7 @@ class LaneProgram(Program):
                     yield neuron, bool(step.relu), sums[lane], words[lane]
 
     def weight_notes(self, graph: Graph, lane: int) -> list[str]:
-        """What the weights of a lane stand for, and behind them the words of the table."""
+        """What the words of the table stand for, and behind them the weights of a lane."""
         shared = shared_out(graph, self.lanes)
         found = {0: "none"}
         for number, group in zip(shared.groups, shared.graph.neurons, strict=True):
@@ -153,7 +153,7 @@ class LaneProgram(Program):
         texts = [found[place] for place in range(len(self.weights))]
         labels = "intercept of segment", "slope of segment"
         count = len(self.table) // 2
-        return texts + [f"{label} {n}" for label in labels for n in range(count)]
+        return [f"{label} {n}" for label in labels for n in range(count)] + texts
 
     def lanes_run(
         self, samples: Codes

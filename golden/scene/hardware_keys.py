@@ -98,8 +98,8 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that "
-            "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits the "
-            "error is smaller and the table has more words.",
+            "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits "
+            "the error is smaller and the table has more words.",
             "9",
         ),
         "clocks": Key(

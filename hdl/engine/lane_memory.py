@@ -25,7 +25,7 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
 
     Notes
     -----
-    The weights lie in the lower half of the memory, and the table in the upper one.
+    The table lies in the lower half of the memory, and the weights in the upper one.
     """
     memory = Constants(spec.contents, WIDTH, spec.meanings)
     address = unsigned(spec.addr_width)
@@ -78,8 +78,8 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
     @always_comb
     def choose():
         if looks:
-            address.next = concat(looks, looked)
+            address.next = looked
         else:
-            address.next = placed
+            address.next = concat(True, placed)
 
     return read, look, cut, complement, find, widen, choose

@@ -10,16 +10,15 @@ ALSO = ("relu-lanes", "layers-lanes")
 
 def properties(twin):
     width, segments, half = twin.addr_width, len(twin.table) // 2, 1 << twin.half_width
-    here, looked, faults = "place", "", ((r"address = place", "address = 0 & place"),)
-    piece = ""
+    here, looked, piece = "place", "", ""
     if twin.table:
         piece = f"""
             wire signed [31:0] whole = $signed(word);
             wire [31:0] piece = (whole < 0 ? -32'sd1 - whole : whole) / {1 << twin.segment_width};
         """
         here = (
-            f"kind == 1 ? {half} + piece % {segments} : "
-            f"kind == 2 ? {half + segments} + piece % {segments} : place"
+            f"kind == 1 ? piece % {segments} : kind == 2 ? {segments} + piece % {segments} : "
+            f"{half} + place"
         )
         looked = (
             " With kind 1 and 2 it is the intercept and the slope of the word's segment, counted "

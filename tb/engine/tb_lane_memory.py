@@ -23,7 +23,7 @@ FAULTS = [
     (r"(memory\[1\] <= \S+);", r"\1 ^ 1;"),
     (r"segment = \(~part\)", "segment = part"),
     (r"looked = \{kind\[1\]", "looked = {kind[0]"),
-    (r"address = placed", "address = 0"),
+    (r"address = \{1'b1, placed\}", "address = 0"),
 ]
 
 
