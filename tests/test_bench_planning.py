@@ -159,4 +159,11 @@ def test_every_choice_is_drawn(tmp_path: Path) -> None:
     assert {bool(scene.visualisation) for scene in scenes} == {True, False}
     assert {scene.window.plain for scene in scenes} == {True, False}
     chosen = {key for scene in scenes for key in scene.design_options}
-    assert chosen >= {"segment_width", "pipeline", "multiplier", "reload", "adders_per_clock"}
+    assert chosen >= {
+        "segment_width",
+        "pipeline",
+        "multiplier",
+        "reload",
+        "adders_per_clock",
+        "lanes",
+    }

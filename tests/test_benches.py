@@ -54,6 +54,7 @@ LEFT = (
     *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
     *("least-graph", "polynomial-short", "relu-graph", "narrow-graph"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
+    *("least-lanes", "huge-lanes", "chain-lanes", "three-lanes", "flat-lanes"),
 )
 # So are these of cases whose other blocks are simulated in every run. An engine with several layers
 # is ``steep-engine``, and a cascade is ``chain``: what is different in ``layers-engine`` and in
@@ -65,6 +66,7 @@ LEFT_OF = {
     "exact-engine": {"engine"},
     "fine-engine": {"engine", "operand_select", "program_memory"},
     "floor-engine": {"engine"},
+    "layers-lanes": {"lane_memory"},
     "least": {"gradient", "output_controller", "output_integral"},
     "layers-engine": {"engine"},
     "logic": {"hybrid"},

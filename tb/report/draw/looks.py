@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 from golden.activation.schemes import forms
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
 from golden.precision import THESIS
 
 COLOURS = (
@@ -46,9 +48,14 @@ def activation_look(form: str, precision: str) -> Look:
 
 
 def network_look(design: str, arrangement: str, form: str, precision: str) -> Look:
-    """The look of a network: the colour of its activation, the marker of design and arrangement."""
-    known = [f"{name}, {other}" for name in DESIGNS for other in DESIGNS[name].arrangements]
-    place = _place(f"{design}, {arrangement}", known)
+    """The look of a network: the colour of its activation, the marker of design and arrangement.
+
+    An engine looks the same with one multiplier and with several.
+    """
+    names = [name for name in DESIGNS if name != Lanes.block]
+    known = [f"{name}, {other}" for name in names for other in DESIGNS[name].arrangements]
+    shown = Engine.block if design == Lanes.block else design
+    place = _place(f"{shown}, {arrangement}", known)
     marker = DESIGN_MARKERS[place % len(DESIGN_MARKERS)]
     return Look(activation_look(form, precision).colour, marker, precision != THESIS.name)
 
