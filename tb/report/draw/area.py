@@ -15,7 +15,13 @@ from tb.report.measure.table import Table
 # The clocks of a scan of the thesis' front end, within which its networks must finish.
 SCAN_CLOCKS = 4096
 WIDTH, ROW, COLUMNS = 400.0, 16.0, (206.0, 276.0, 328.0, 388.0)
-COLOURS = {"engine": ACCENT, "hybrid": INK, "adder_graph": "#1b7a3d", "printed": "#b34700"}
+COLOURS = {
+    "engine": ACCENT,
+    "lanes": "#7a3b8f",
+    "hybrid": INK,
+    "adder_graph": "#1b7a3d",
+    "printed": "#b34700",
+}
 # The places of a letter around its disc, as parts of the distance that depends on its size.
 _BESIDE = [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7)]
 _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.0, 1.9)]
@@ -88,7 +94,7 @@ def area(table: Table) -> str:
     heads = ("LUTs", "multipliers", "clocks", "error %")
     body += _row(top, heads)
     body += [
-        text((6 + 96 * n, 38), kind, fill=colour, font_weight="bold")
+        text((6 + 78 * n, 38), kind, fill=colour, font_weight="bold")
         for n, (kind, colour) in enumerate(COLOURS.items())
     ]
     for n, (letter, design) in enumerate(zip(letters, found, strict=True), 1):

@@ -30,6 +30,7 @@ CASES = {
 _COLOURS = {
     "engine": "#0072b2",
     "engine without multiplier": "#56b4e9",
+    "lanes": "#e69f00",
     "hybrid": "#000000",
     "adder_graph": "#009e73",
     "parallel": "#cc79a7",
