@@ -41,8 +41,11 @@ def loaded():
     ]
 
 
-def built_in(twin):
-    """The properties of an engine with a known program, of which every clock is known too."""
+def built_in(twin, place="place"):
+    """The properties of an engine with a known program, of which every clock is known too.
+
+    ``place`` is a name that the hardware does not have.
+    """
     program, inputs = twin.program, twin.inputs
     at = program.pipeline
     begin, words = twin.program_memory.begin, len(program.words)
@@ -61,20 +64,20 @@ def built_in(twin):
     watch = f"""
         // Clocks since the last sample of a frame that is computed; 0: there is none.
         reg [15:0] since = 0;
-        reg [15:0] place = 0;
+        reg [15:0] {place} = 0;
         reg skipping = 0;
         wire taken = in_valid && since == 0 && !skipping;
-        wire is_good = taken && place == {inputs - 1} && in_last;
+        wire is_good = taken && {place} == {inputs - 1} && in_last;
         wire is_wrong = in_valid && !skipping
-            && (since != 0 || in_last != (place == {inputs - 1}));
+            && (since != 0 || in_last != ({place} == {inputs - 1}));
         reg told = 0;
         always @(posedge clk) begin
             since <= rst ? 0 : is_good ? 1 : since == 0 || since == {twin.busy} ? 0 : since + 1;
-            if (taken) place <= is_good || is_wrong ? 0 : place + 1;
+            if (taken) {place} <= is_good || is_wrong ? 0 : {place} + 1;
             if (in_valid) skipping <= !in_last && (skipping || is_wrong);
             told <= !rst && is_wrong;
             if (rst) begin
-                place <= 0;
+                {place} <= 0;
                 skipping <= 0;
             end
         end
@@ -89,13 +92,13 @@ def built_in(twin):
     """
     helps = (
         "run == (since != 0)",
-        f"since <= {twin.busy} && place < {inputs} && (since == 0 || place == 0)",
+        f"since <= {twin.busy} && {place} < {inputs} && (since == 0 || {place} == 0)",
         "u_frame_check_0.dropping == skipping",
         f"u_program_memory_0.counter == {begin} + since",
         f"since == 0 || fetched_from == {begin - 1} + since",
         "since == 0 || word == u_program_memory_0.memory[fetched_from]",
-        f"since != 0 || u_frame_check_0.addr == (place == 0 ? {(1 << twin.addr_width) - 1} "
-        ": place - 1)",
+        f"since != 0 || u_frame_check_0.addr == ({place} == 0 ? {(1 << twin.addr_width) - 1} "
+        f": {place} - 1)",
     )
     common = {"watch": watch, "helps": helps}
     return [
@@ -151,9 +154,9 @@ def built_in(twin):
                 "since < 2 || operands == held",
                 "since == 0 || u_frame_check_0.addr + 1 == held_next",
                 # A sample is written one clock after it is taken.
-                "since != 0 || place == 0 || write || operands == place",
-                "since != 0 || place == 0 || !write || write_addr == place - 1",
-                "since != 0 || place < 2 || !write || operands == place - 1",
+                f"since != 0 || {place} == 0 || write || operands == {place}",
+                f"since != 0 || {place} == 0 || !write || write_addr == {place} - 1",
+                f"since != 0 || {place} < 2 || !write || operands == {place} - 1",
                 f"since != 1 || (write && write_addr == {inputs - 1} && operands == {inputs - 1})",
             ),
         ),

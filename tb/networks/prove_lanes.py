@@ -11,4 +11,4 @@ ALSO = ("relu-lanes",)
 
 
 def properties(twin):
-    return built_in(twin)
+    return built_in(twin, "samples")
