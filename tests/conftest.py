@@ -162,9 +162,13 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         sample.record({unit: TIMES[unit] for unit in UNITS.values()})
 
 
-def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:
-    """The values of a test's parameter: those of every run, and those that ALL=1 adds."""
-    return [*always, *(pytest.param(value, marks=pytest.mark.all_only) for value in all_only)]
+def tiered(always: Iterable[Any], all_only: Iterable[Any], *unit: str) -> list[Any]:
+    """The values of a test's parameter: those of every run, and those that ALL=1 adds.
+
+    A fixture that several tests share has a ``unit``, so that a sample draws all of these or none.
+    """
+    mark = pytest.mark.all_only(*unit)
+    return [*always, *(pytest.param(value, marks=mark) for value in all_only)]
 
 
 @pytest.fixture(scope="session")
