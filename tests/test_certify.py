@@ -18,7 +18,7 @@ from tb.certify.__main__ import certify
 from tb.certify.benches import STEP as BENCHES
 from tb.certify.benches import Benched, bench_result, bench_table
 from tb.certify.bits import KINDS, draw, try_bits, what_is_read
-from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check
+from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check, given_text
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.page import bits_line
@@ -114,6 +114,16 @@ def test_the_certificate_of_a_shipped_scene_has_no_red_step(
     assert ("entities were made, drawn by the seed" in page) == bool(wanted.parts)
 
 
+def test_frames_that_give_no_output_are_not_said_to_be_compared(shared: Shared) -> None:
+    for case, past in (("rails-engine", 0), ("few-past", 2)):
+        scene = shared.scene(case)
+        design = scene.twin()
+        assert design.past == past
+        text = given_text(frames_of(scene, design, 10, SEED), past)
+        assert ("give no output" in text) == bool(past)
+        assert re.search(r"\b10 random", text)
+
+
 def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
     text = (certificate / "certificate.md").read_text(encoding="utf-8")
     head = text.partition("| step |")[0]
@@ -175,6 +185,22 @@ def test_a_missing_tool_and_an_unknown_answer_are_amber(copied: Path) -> None:
     unknown.chmod(0o755)
     assert check(copied, "sums", "properties", Z3=str(unknown)) == 2
     assert colours(copied) == {"properties": "amber", "sums": "amber"}
+
+
+def test_a_solver_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
+    copied: Path, capfd: pytest.CaptureFixture
+) -> None:
+    endless = copied / "endless"
+    endless.write_text("#!/bin/sh\necho unsat\nwhile :; do :; done\n", encoding="ascii")
+    endless.chmod(0o755)
+    capfd.readouterr()
+    assert check(copied, "sums", Z3=str(endless), SECONDS_EACH="1") == 2
+    (result,) = read_results(copied)
+    due = len((copied / "sums" / "due.txt").read_text(encoding="ascii").split())
+    assert result.figure == f"not finished in 1 s: z3 has proved 1 of {due} sums"
+    said = capfd.readouterr()
+    assert said.err == ""
+    assert len(said.out.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
