@@ -49,6 +49,8 @@ def built_in(twin, place="place"):
     program, inputs = twin.program, twin.inputs
     at = program.pipeline
     begin, words = twin.program_memory.begin, len(program.words)
+    # A word that is not the first one of the program.
+    elsewhere = 0 if begin else words - 1
     stores = [n + at.mark for n in program.store_steps]
     # For each clock after the last sample: the operands that the memory holds by then.
     written = [
@@ -132,9 +134,7 @@ def built_in(twin, place="place"):
                 f"&& fetched_from < {begin + words})",
             ),
             reached=("since == 2",),
-            refuted_by=(
-                (rf"(if \(stands\) begin\s+counter <=) {begin}", rf"\1 {int(begin == 0)}"),
-            ),
+            refuted_by=((rf"(if \(stands\) begin\s+counter <=) {begin}", rf"\1 {elsewhere}"),),
             clocks=inputs + 9,
             induction=5,
             **common,
