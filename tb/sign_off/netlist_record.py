@@ -48,7 +48,11 @@ SCENES = (
     "comparison/digit-serial",
 )
 # A regular expression for the tests that are played on a block; on all other blocks, all are.
-PLAYED = {"engine": "(recorded|images_one_after_the_other)", "uart_instrument": "(recorded)"}
+PLAYED = {
+    "engine": "(recorded|images_one_after_the_other)",
+    "lanes": "(recorded)",
+    "uart_instrument": "(recorded)",
+}
 Tell = Callable[[Outcome, Callable[[str], None]], None]
 
 
