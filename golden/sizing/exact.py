@@ -25,27 +25,19 @@ def multipliers(top: Block) -> int:
     InputError
         For an activation whose products nobody has counted.
     """
-    own = _MULTIPLIERS.get(top.block, _none)(top)
+    own = _MULTIPLIERS[top.block](top) if top.block in _MULTIPLIERS else 0
     return own + sum(map(multipliers, top.parts()))
 
 
 def block_rams(top: Block, family: str) -> int:
     """Block RAMs in a block and its parts."""
-    own = _MEMORIES.get(top.block, _no_memory)(top, *WORDS[family])
+    own = _MEMORIES[top.block](top, *WORDS[family]) if top.block in _MEMORIES else 0
     return own + sum(block_rams(part, family) for part in top.parts())
 
 
 def product(constant: int) -> int:
     """How many multipliers a product with a constant takes: none if it only moves bits."""
     return int(constant < 0 or bin(constant).count("1") > 1)
-
-
-def _none(_: Block) -> int:
-    return 0
-
-
-def _no_memory(*_: Any) -> int:
-    return 0
 
 
 def _neuron(block: Any) -> int:
@@ -68,7 +60,7 @@ def _not_counted(block: Block) -> int:
 
 
 def _program(block: Any, words: int, each: int) -> int:
-    return max(1, (1 << block.addr_width) // words) * each
+    return max(1, (1 << int(block.addr_width)) // words) * each
 
 
 _MULTIPLIERS: dict[str, Callable[[Any], int]] = {

@@ -23,8 +23,17 @@ from golden.sizing.features import Features, Numbers, features_of, group_of
 from golden.table import read_csv_file
 
 CELLS = Path(__file__).with_name("cells.csv")
-COLUMNS = ("network", "weights", "design", "entity", "group", "count", "luts", "flip_flops")
-COLUMNS += ("luts_by", "flip_flops_by")
+COLUMNS: tuple[str, ...] = (
+    "network",
+    "weights",
+    "design",
+    "entity",
+    "group",
+    "count",
+    "luts",
+    "flip_flops",
+)
+COLUMNS += ("flip_flops", "luts_by", "flip_flops_by")
 
 
 @dataclass(frozen=True)
@@ -86,8 +95,29 @@ def recorded() -> tuple[Recorded, ...]:
     if tuple(read.names) != COLUMNS:
         raise InputError(f"{CELLS}: got columns {read.names}, expected {COLUMNS}")
     return tuple(
-        Recorded(*row[:5], *map(int, row[5:8]), Features(*map(_numbers, row[8:])))
-        for row in read.rows
+        Recorded(
+            network,
+            weights,
+            design,
+            entity,
+            group,
+            int(count),
+            int(luts),
+            int(flip_flops),
+            Features(_numbers(luts_by), _numbers(flip_flops_by)),
+        )
+        for (
+            network,
+            weights,
+            design,
+            entity,
+            group,
+            count,
+            luts,
+            flip_flops,
+            luts_by,
+            flip_flops_by,
+        ) in read.rows
     )
 
 

@@ -20,8 +20,16 @@ from golden.sizing.model import Size, recorded
 from golden.table import read_csv_file
 
 ROUTED = Path(__file__).with_name("routed.csv")
-COLUMNS = ("network", "design", "path", "luts", "flip_flops", "multipliers", "block_rams")
-COLUMNS += ("clock_mhz",)
+COLUMNS: tuple[str, ...] = (
+    "network",
+    "design",
+    "path",
+    "luts",
+    "flip_flops",
+    "multipliers",
+    "block_rams",
+)
+COLUMNS += ("block_rams", "clock_mhz")
 
 
 @dataclass(frozen=True)
@@ -72,7 +80,12 @@ def placed() -> tuple[Placed, ...]:
     read = read_csv_file(ROUTED)
     if tuple(read.names) != COLUMNS:
         raise InputError(f"{ROUTED}: got columns {read.names}, expected {COLUMNS}")
-    return tuple(Placed(*row[:2], *map(int, row[2:7]), float(row[7])) for row in read.rows)
+    found = []
+    for network, design, *numbers, clock in read.rows:
+        path, luts, flip_flops, multipliers, block_rams = map(int, numbers)
+        cells = luts, flip_flops, multipliers, block_rams
+        found.append(Placed(network, design, path, *cells, float(clock)))
+    return tuple(found)
 
 
 def path_of(design: str, options: Mapping[str, object]) -> int:

@@ -9,29 +9,96 @@ from __future__ import annotations
 
 import argparse
 import csv
-import sys
+import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from golden.cli import run
 from golden.files import replace_file
 from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
 from golden.scene import Scene, load_scene, scene_names
+from golden.scene.comparison import task_of
 from golden.scene.reading import class_names, comparison_names
-from golden.sizing.candidates import kind_of
+from golden.sizing.candidates import Candidate, build, kind_of
 from golden.sizing.features import Features, features_of, group_of
 from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
 from golden.sizing.routed import COLUMNS as PLACED_COLUMNS
 from golden.sizing.routed import ROUTED, Placed, path_of
+from hdl.export.elaborate import elaborate
+from hdl.export.hierarchy import convert_hierarchy
+from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
+from hdl.synth.cells import synthesise
 from hdl.synth.timing import read_timing, timing_path
 
 FAMILY = "xc2v"
 # The largest output is found beside the networks, which are compared without it.
 LEFT_OUT = ("argmax_tree",)
+
+
+@dataclass(frozen=True)
+class Extra:
+    """A design of a scene's networks that no scene names, and that is synthesised for the model.
+
+    Attributes
+    ----------
+    scene : str
+    candidate : Candidate
+    """
+
+    scene: str
+    candidate: Candidate
+
+    @property
+    def name(self) -> str:
+        """The scene and the design, as text."""
+        return f"{self.scene}, {self.candidate.name}"
+
+
+def _adders(count: int) -> Candidate:
+    return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
+
+
+DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
+SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
+HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
+# The quick ones first. Each design has networks of different weights here, so that all of a network
+# can be held out.
+EXTRAS = (
+    Extra("swing-cascade", DEEP),
+    Extra("classes/wine", DEEP),
+    Extra("classes/digits-fast", SHORT),
+    Extra("swing-single", Candidate("engine", {"multiplier": "serial", "pipeline": "short"})),
+    Extra("digit-load", HYBRID),
+    Extra("swing-single", HYBRID),
+    Extra("swing-cascade", HYBRID),
+    Extra("swing-multiple", HYBRID),
+    Extra("digit-load", PARALLEL),
+    Extra("swing-single", PARALLEL),
+    Extra("classes/wine", _adders(5)),
+    Extra("digit-load", _adders(2)),
+    Extra("swing-single", _adders(1)),
+    Extra("swing-multiple", _adders(5)),
+    Extra("classes/loads", _adders(2)),
+)
+
+
+def synthesised(extra: Extra) -> tuple[Scene, Network, Cells]:
+    """An extra network and its cells, which the store keeps.
+
+    Raises
+    ------
+    InputError
+        When the design does not take the networks; see also ``synthesise``.
+    """
+    scene = load_scene(extra.scene)
+    core = build(task_of(scene), extra.candidate)
+    with tempfile.TemporaryDirectory() as folder:
+        convert_hierarchy(elaborate(core), Path(folder), "verilog")
+        return scene, core, {FAMILY: synthesise(Path(folder), core.entity, FAMILY)}
 
 
 def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
@@ -46,8 +113,11 @@ def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
             yield name, scene, core, read_budget(path)
 
 
-def rows_of(name: str, scene: Scene, core: Network, cells: Cells) -> list[Recorded]:
-    """The own cells of each entity of a network, beside what its twin says of it."""
+def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = "") -> list[Recorded]:
+    """The own cells of each entity of a network, beside what its twin says of it.
+
+    ``kind`` is that of the design; without it, that of the scene's.
+    """
     found = cells[FAMILY]
     rows = []
     for block, count in instances(core):
@@ -62,7 +132,7 @@ def rows_of(name: str, scene: Scene, core: Network, cells: Cells) -> list[Record
             Recorded(
                 name,
                 scene.weights_paths[0].stem,
-                kind_of(scene.design, scene.design_options),
+                kind or kind_of(scene.design, scene.design_options),
                 block.entity,
                 group_of(block),
                 count,
@@ -101,6 +171,11 @@ def record() -> tuple[list[Recorded], list[Placed]]:
             continue
         if scene.twin() == core and not scene.argmax:
             placed.append(placed_row(name, scene))
+    for extra in EXTRAS:
+        print(extra.name, flush=True)
+        scene, core, cells = synthesised(extra)
+        kind = kind_of(extra.candidate.design, extra.candidate.options)
+        rows += rows_of(extra.name, scene, core, cells, kind)
     return rows, placed
 
 
@@ -139,4 +214,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run(main))
+    run_repeatable("hdl.synth.sizing", main)
