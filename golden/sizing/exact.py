@@ -37,7 +37,7 @@ def block_rams(top: Block, family: str) -> int:
 
 def product(constant: int) -> int:
     """How many multipliers a product with a constant takes: none if it only moves bits."""
-    return int(constant < 0 or bin(constant).count("1") > 1)
+    return int(bin(abs(constant)).count("1") > 1)
 
 
 def _neuron(block: Any) -> int:

@@ -32,8 +32,9 @@ COLUMNS: tuple[str, ...] = (
     "count",
     "luts",
     "flip_flops",
+    "luts_by",
+    "flip_flops_by",
 )
-COLUMNS += ("flip_flops", "luts_by", "flip_flops_by")
 
 
 @dataclass(frozen=True)

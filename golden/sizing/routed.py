@@ -28,8 +28,8 @@ COLUMNS: tuple[str, ...] = (
     "flip_flops",
     "multipliers",
     "block_rams",
+    "clock_mhz",
 )
-COLUMNS += ("block_rams", "clock_mhz")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from golden.cli import would
 from golden.files import replace_file
 from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
@@ -201,7 +202,9 @@ def written(value: object) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m hdl.synth.sizing", description=__doc__)
     parser.add_argument("--record", action="store_true")
-    if parser.parse_args().record:
+    asked = parser.parse_args().record
+    would("synthesise networks and record their cells" if asked else "compare estimated cells")
+    if asked:
         rows, placed = record()
         write(CELLS, COLUMNS, rows)
         write(ROUTED, PLACED_COLUMNS, placed)

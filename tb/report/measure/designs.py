@@ -78,11 +78,7 @@ def designs(scene: Scene, rows: Sequence[Sized], family: str) -> Table:
 
 def refused_lines(refused: Sequence[Refused]) -> list[str]:
     """A line for each design that cannot be built, with the reason."""
-    found = []
-    for one in refused:
-        text = f"{one.candidate.name}: not possible: {one.reason}"
-        found += textwrap.wrap(text, 100, subsequent_indent="  ")
-    return found
+    return [f"{one.candidate.name}: not possible: {one.reason}" for one in refused]
 
 
 def family_of(name: str) -> str:
@@ -121,7 +117,8 @@ def main() -> None:
     print("\n".join(designs(scene, rows, family).lines()))
     if refused:
         print()
-        print("\n".join(refused_lines(refused)))
+        for line in refused_lines(refused):
+            print(textwrap.fill(line, 100, subsequent_indent="  "))
     if path:
         with replace_file(path) as temporary:
             temporary.write_text(picture_of(scene, rows, family), encoding="utf-8")
