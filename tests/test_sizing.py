@@ -26,7 +26,7 @@ from hdl.synth.sizing import EXTRAS, networks, rows_of
 from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import random_mlp, write_scene
 from tb.report.draw.designs import spots
-from tb.report.measure.designs import FAMILIES, FRONT, designs
+from tb.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = {"engine": 10.0, "engine serial": 10.0, "hybrid": 15.0, "parallel": 10.0}
@@ -286,3 +286,12 @@ def test_the_command_refuses(desk: Desk) -> None:
     desk.refuses("designs", "mine.toml", "--family=xc7", says="FAMILY=xc7: no such family")
     desk.refuses("designs", "mine.toml", "--picture=a.png", says="PICTURE=a.png: expected a name")
     desk.refuses("designs", "no", says="scene 'no': no such scene")
+
+
+def test_a_reason_that_all_options_share_is_told_once() -> None:
+    _, refused = compared(load_scene("digit"))
+    assert refused_lines(refused) == [
+        "parallel: not possible: network.arrangement: got 'cascade', expected single",
+        "adder_graph: not possible: network.arrangement: got 'cascade', expected single or "
+        "multiple",
+    ]

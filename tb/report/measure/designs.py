@@ -77,8 +77,17 @@ def designs(scene: Scene, rows: Sequence[Sized], family: str) -> Table:
 
 
 def refused_lines(refused: Sequence[Refused]) -> list[str]:
-    """A line for each design that cannot be built, with the reason."""
-    return [f"{one.candidate.name}: not possible: {one.reason}" for one in refused]
+    """A line for each design that cannot be built, with the reason.
+
+    Where it is the same for all options of a design, they share a line.
+    """
+    found: dict[tuple[str, str], list[str]] = {}
+    for one in refused:
+        found.setdefault((one.candidate.design, one.reason), []).append(one.candidate.name)
+    return [
+        f"{names[0] if len(names) == 1 else design}: not possible: {reason}"
+        for (design, reason), names in found.items()
+    ]
 
 
 def family_of(name: str) -> str:
