@@ -125,7 +125,7 @@ TABLE: dict[str, dict[str, str]] = {
         'design = "hybrid"\nsegment_width = 7': "hardware.segment_width: got 7 with design",
         'design = "hybrid"\nclocks = 5': "hardware.clocks: got 5, expected .*, which design hybrid",
         'design = "hybrid"\ninterval = 1': "hardware.interval: got 1, expected .* design hybrid",
-        'design = "hybrid"\ninterval = 0': f"hardware.interval: got 0, {NUMBER} above 0, or no such",
+        'design = "hybrid"\ninterval = 0': f"hardware.interval: got 0, {NUMBER} above 0, or",
         'design = "hybrid"\nprices = 1': "hardware.prices: got 1, expected a table",
         'design = "hybrid"\nclocks = 0': f"hardware.clocks: got 0, {NUMBER} above 0, or no such",
         'design = "hybrid"\nreload = true': "hardware.reload: got true with design 'hybrid'",

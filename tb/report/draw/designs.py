@@ -8,11 +8,12 @@ from math import ceil, floor, log10
 
 from golden.scene import Scene, thesis_table
 from golden.sizing.candidates import Sized
-from tb.report.draw.area import SCAN_CLOCKS
+from tb.report.draw.area import SCAN_CLOCKS, beside
 from tb.report.draw.axes import Axes
 from tb.report.draw.drawing import ACCENT, INK, dot, picture, text
 
-WIDTH, ROW, COLUMNS = 480.0, 16.0, (302.0, 372.0, 424.0, 474.0)
+WIDTH, ROW, COLUMNS = 480.0, 16.0, (340.0, 410.0, 466.0)
+RADIUS = 5.0
 COLOURS = {
     "engine": ACCENT,
     "hybrid": INK,
@@ -65,22 +66,24 @@ def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
     found = spots(scene, rows, family)
     title = f"{scene.name}: LUTs against clocks"
     clocks = _decades([spot.clocks for spot in found])
-    axes = Axes(52, 44, 410, 240, clocks, _decades([spot.luts for spot in found]))
+    axes = Axes(52, 48, 410, 240, clocks, _decades([spot.luts for spot in found]))
     body = [text((6, 18), title, 13, font_weight="bold")]
     body += axes.drawn("clocks from the last sample to the last output", f"LUTs of {family}")
     letters = [chr(ord("a") + n) for n in range(len(found))]
-    for letter, spot in zip(letters, found, strict=True):
-        x, y = axes.at(spot.clocks, spot.luts)
-        body.append(dot((x, y), 5, fill=spot.colour, fill_opacity=0.45, stroke=spot.colour))
-        body.append(text((x + 8, y - 5), letter, font_weight="bold"))
+    places = [axes.at(spot.clocks, spot.luts) for spot in found]
+    for place, spot in zip(places, found, strict=True):
+        body.append(dot(place, RADIUS, fill=spot.colour, fill_opacity=0.45, stroke=spot.colour))
+    beyond = beside(places, [RADIUS] * len(places))
+    for letter, (x, y) in zip(letters, beyond, strict=True):
+        body.append(text((x, y + 4), letter, text_anchor="middle", font_weight="bold"))
     top = axes.top + axes.height + 56
-    body += _row(top, ("LUTs", "multipliers", "clocks", ""))
+    body += _row(top, ("LUTs", "multipliers", "clocks"))
     for n, (letter, spot) in enumerate(zip(letters, found, strict=True), 1):
         y = top + n * ROW
         body.append(text((6, y), letter, font_weight="bold"))
         body.append(text((20, y), spot.name, fill=spot.colour))
         cells = (spot.luts, spot.multipliers, spot.clocks)
-        body += _row(y, [*(f"{cell:,.0f}" for cell in cells), ""])
+        body += _row(y, [f"{cell:,.0f}" for cell in cells])
     height = top + ROW * len(found) + 12
     return picture(f"{title}. {sentence(scene, rows, family)}", (WIDTH, height), body, widest=640)
 
