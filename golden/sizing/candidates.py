@@ -54,6 +54,10 @@ class Candidate:
         )
 
 
+# Options that a scene's own design does not keep: a limit, and those of an engine that is loaded.
+LEFT_OUT = ("clocks", "reload", "program_words", "operand_words", "table_blocks")
+
+
 def _adders(count: int) -> Candidate:
     # One run of the search takes a moment; more of them save some per cent of the adders.
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
@@ -223,14 +227,12 @@ def settings_for(task: Task, candidate: Candidate) -> Settings:
     """The settings of a task for a design: its own activation if it has one, and its options."""
     design, settings = DESIGNS[candidate.design], task.settings
     own = settings.options if candidate.design == task.design else {}
-    if task.settings.options.get("reload") and not own:
-        raise InputError("hardware.reload: got true, expected false: its constants are hardware")
     usual, options = settings.activation, settings.activation_options
     if not usual or (usual not in known(candidate.design, settings.precision)):
         usual, options = known(candidate.design, settings.precision)[0], {}
     if not design.activation_choices:
         options = {}
-    kept = {key: value for key, value in own.items() if key in design.options and key != "clocks"}
+    kept = {key: value for key, value in own.items() if key not in LEFT_OUT}
     chosen = {**kept, **candidate.options}
     return replace(settings, activation=usual, activation_options=options, options=chosen)
 

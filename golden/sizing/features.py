@@ -172,12 +172,13 @@ def _constant_matrix(block: Any) -> Features:
         if not isinstance(node, Constant)
     )
     widths = [min(spec.out_fmt.width, width) for width in spec.result_widths]
-    finished = sum(
+    # What is rectified becomes 0 by the reset of its register, and so does half of saturation.
+    saturated = sum(
         kept
         for kept, width, kind in zip(widths, spec.result_widths, spec.row_finishes, strict=True)
-        if kind.rectified or kind.even or width > kept
+        if width > kept and not kind.rectified
     )
-    return Features((two, three, finished), (registers + sum(widths),))
+    return Features((two, three, saturated), (registers + sum(widths),))
 
 
 def _bipartite(nodes: int) -> Callable[[Any], Features]:

@@ -218,17 +218,29 @@ class Held:
 def held_out() -> tuple[Held, ...]:
     """Every recorded network, estimated by a model that knows no network with its weights.
 
-    A network is left out if it has a block that no other has.
+    A network is left out if it has something of which the others know nothing: a block, or a
+    number that is 0 in all of theirs.
     """
     found = []
     for weights in sorted({row.weights for row in recorded()}):
-        others = fitted(row for row in recorded() if row.weights != weights)
+        others = [row for row in recorded() if row.weights != weights]
         own = [row for row in recorded() if row.weights == weights]
+        known, met = fitted(others), _met(others)
         for network in sorted({row.network for row in own}):
             rows = [row for row in own if row.network == network]
-            if all(row.group in others for row in rows):
-                found.append(_held(rows, others))
+            if _met(rows) <= met:
+                found.append(_held(rows, known))
     return tuple(found)
+
+
+def _met(rows: Iterable[Recorded]) -> set[tuple[str, int]]:
+    """The numbers that are not always 0, by group and index."""
+    return {
+        (row.group, index)
+        for row in rows
+        for index, number in enumerate(row.features.luts)
+        if number
+    }
 
 
 def _held(rows: Collection[Recorded], known: Model) -> Held:

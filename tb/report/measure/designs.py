@@ -6,6 +6,7 @@ import argparse
 import sys
 import textwrap
 from collections.abc import Sequence
+from math import ceil
 from pathlib import Path
 
 from golden.cli import run, would
@@ -32,7 +33,7 @@ def designs(scene: Scene, rows: Sequence[Sized], family: str) -> Table:
         found = row.cells(family)
         if found is None:
             continue
-        spread = None if found.spread is None else round(found.spread)
+        spread = None if found.spread is None else ceil(found.spread)
         cells.append(
             [
                 FRONT if first else "",
