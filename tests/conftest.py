@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -73,27 +73,43 @@ def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:
 
     Otherwise a worker with one of these tests would wait while another worker exports.
     """
+    return grouped(items, scene_of)
+
+
+def scene_of(item: pytest.Item) -> str:
+    """The case or the scene of a test, or its own name."""
+    parameters = item.callspec.params if hasattr(item, "callspec") else {}
+    return parameters.get("case") or parameters.get("scene") or item.nodeid
+
+
+def grouped(
+    items: Iterable[pytest.Item], name: Callable[[pytest.Item], str]
+) -> list[list[pytest.Item]]:
+    """Put the tests of the same name together."""
     groups: dict[str, list[pytest.Item]] = {}
     for item in items:
-        parameters = item.callspec.params if hasattr(item, "callspec") else {}
-        name = parameters.get("case") or parameters.get("scene") or item.nodeid
-        groups.setdefault(name, []).append(item)
+        groups.setdefault(name(item), []).append(item)
     return list(groups.values())
 
 
-def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
+def long_first(
+    items: list[pytest.Item], workers: int, drawn: Sequence[list[pytest.Item]] = ()
+) -> list[pytest.Item]:
     """Reorder the tests, so that the share of each worker begins with its part of the long tests.
 
     Worker i of n begins with the i-th of n equal parts of the list. A worker that has finished
-    takes tests from the end of another's part, so the last tests are short.
+    takes tests from the end of another's part, so the last tests are short. What a
+    sample has drawn comes before all others, since one test of it may take as long as the sample.
     """
-    modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
+    early = {id(item) for group in drawn for item in group}
+    others = [item for item in items if id(item) not in early]
+    modules = {name: [i for i in others if i.path.stem == name] for name in LONG}
     benches = by_scene(modules.pop("test_benches"))
-    short = [item for item in items if item.path.stem not in LONG]
+    short = [item for item in others if item.path.stem not in LONG]
     found: list[pytest.Item] = []
     for worker in range(workers):
-        for scene in benches[worker::workers]:
-            found += scene
+        for group in [*drawn[worker::workers], *benches[worker::workers]]:
+            found += group
         # The first tests of a module make what the others use, so they stay on one worker.
         for module in list(modules.values())[worker::workers]:
             found += module
@@ -107,19 +123,22 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Skip the tests of the other tier, so that the summary counts them."""
     if block := config.getoption("--block"):
         items[:] = [item for item in items if concerns(item, block, LONG)]
-    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
-    left = [item for item in items if item.get_closest_marker("all_only")]
-    for item in left:
+    units = grouped((item for item in items if item.get_closest_marker("all_only")), unit_of)
+    for item in (item for unit in units for item in unit):
         item.user_properties.append(("unit", unit_of(item)))
-    if config.getoption("--all"):
-        return
-    drawn = []
-    if seconds := config.getoption("--sample"):
-        units = {unit_of(item) for item in left}
-        drawn = sample.draw(units, sample.timed(), seconds * sample.cores(), sample.tree())
-    for item in left:
-        if unit_of(item) not in drawn:
-            item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+    drawn: list[list[pytest.Item]] = []
+    if not config.getoption("--all"):
+        times, names, chosen = sample.timed(), [unit_of(unit[0]) for unit in units], []
+        if seconds := config.getoption("--sample"):
+            chosen = sample.draw(names, times, seconds * sample.cores(), sample.tree())
+        for name, unit in zip(names, units, strict=True):
+            if name in chosen:
+                drawn.append(unit)
+            else:
+                for item in unit:
+                    item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+        drawn.sort(key=lambda unit: -times.get(unit_of(unit[0]), sample.UNTIMED))
+    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), drawn)
 
 
 def unit_of(item: pytest.Item) -> str:
@@ -162,9 +181,13 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         sample.record({unit: TIMES[unit] for unit in UNITS.values()})
 
 
-def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:
-    """The values of a test's parameter: those of every run, and those that ALL=1 adds."""
-    return [*always, *(pytest.param(value, marks=pytest.mark.all_only) for value in all_only)]
+def tiered(always: Iterable[Any], all_only: Iterable[Any], *unit: str) -> list[Any]:
+    """The values of a test's parameter: those of every run, and those that ALL=1 adds.
+
+    A fixture that several tests share has a ``unit``, so that a sample draws all of these or none.
+    """
+    mark = pytest.mark.all_only(*unit)
+    return [*always, *(pytest.param(value, marks=mark) for value in all_only)]
 
 
 @pytest.fixture(scope="session")

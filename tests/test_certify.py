@@ -18,7 +18,7 @@ from tb.certify.__main__ import certify
 from tb.certify.benches import STEP as BENCHES
 from tb.certify.benches import Benched, bench_result, bench_table
 from tb.certify.bits import KINDS, draw, try_bits, what_is_read
-from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check
+from tb.certify.delivered import LANGUAGES, STEPS, Wanted, check, given_text
 from tb.certify.equality import write_equality
 from tb.certify.formulas import write_formulas
 from tb.certify.page import bits_line
@@ -112,6 +112,16 @@ def test_the_certificate_of_a_shipped_scene_has_no_red_step(
     )
     assert "mutants nothing is shown" not in page
     assert ("entities were made, drawn by the seed" in page) == bool(wanted.parts)
+
+
+def test_frames_that_give_no_output_are_not_said_to_be_compared(shared: Shared) -> None:
+    for case, past in (("rails-engine", 0), ("few-past", 2)):
+        scene = shared.scene(case)
+        design = scene.twin()
+        assert design.past == past
+        text = given_text(frames_of(scene, design, 10, SEED), past)
+        assert ("give no output" in text) == bool(past)
+        assert re.search(r"\b10 random", text)
 
 
 def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:

@@ -75,6 +75,21 @@ def some_frames(matrix: ConstantMatrix) -> np.ndarray:
     return np.concatenate([np.array(ends), random])
 
 
+def test_a_graph_of_a_large_matrix_is_kept(
+    own_store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    weights = tuple(tuple(4 * i + j + 1 for j in range(4)) for i in range(8))
+    large = ConstantMatrix(SAMPLES, WIDE, weights, (0,) * 8, 6, 1, 4)
+    assert sum(map(len, weights)) == kept_graph.LEAST_WEIGHTS
+    first = searched(large, 0).graph
+    assert len(list(own_store.rglob("*.json"))) == 1
+    fewer = replace(large, weights=weights[:-1], biases=(0,) * 7)
+    assert fewer.graph
+    assert len(list(own_store.rglob("*.json"))) == 1
+    monkeypatch.setattr(kept_graph, "shared", pytest.fail)
+    assert replace(large).graph == first
+
+
 @settings(max_examples=30, deadline=None)
 @given(matrices())
 def test_nothing_cut_is_the_exact_product(matrix: ConstantMatrix) -> None:

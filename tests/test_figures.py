@@ -45,7 +45,7 @@ def tables(shared: Shared) -> dict[str, Table]:
 
 @pytest.fixture(
     scope="module",
-    params=tiered([QUICK], [tuple(TABLES)]),
+    params=tiered([QUICK], [tuple(TABLES)], "tables"),
     ids=["quick", "all"],
 )
 def written(request, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
@@ -243,7 +243,7 @@ PAST = {
 }
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
+@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
 def past(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
     return {"past": shared.recorded("past", request.param == "measured")}
 

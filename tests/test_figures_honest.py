@@ -25,7 +25,7 @@ OUTPUTS = load_scene(honest.SCENE).outputs
 HONEST = ("honest", "robustness")
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
+@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
 def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
     """The tables as they were recorded or, with ALL=1, as they are measured now."""
     return {name: shared.recorded(name, request.param == "measured") for name in HONEST}

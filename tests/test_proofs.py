@@ -10,8 +10,11 @@ import pytest
 from shared import Shared
 
 from golden.input_error import InputError
+from golden.scene import load_scene
+from tb.common.cases import random_mlp, write_scene
 from tb.common.collected import BENCHES
-from tb.common.runner import Job
+from tb.common.runner import Job, jobs
+from tb.common.runner import export as run_export
 from tb.sign_off import record
 from tb.sign_off.proofs import PROOFS, properties_of
 from tb.sign_off.properties import Property
@@ -78,6 +81,25 @@ def test_a_row_that_is_a_constant_is_proved_too(shared: Shared, tmp_path: Path) 
     (item,) = (item for item in properties_of(job) if item.name == "results")
     assert "constant0_number ==" in " ".join(item.states)
     assert settle(job, item, tmp_path).faults == []
+
+
+def test_sums_that_all_take_over_last_bits_are_proved_too(tmp_path: Path) -> None:
+    """With adders of three operands, a list of sums can hold no other."""
+    path = write_scene(
+        tmp_path,
+        "small",
+        "exact",
+        [random_mlp((2, 2, 1), 3.0, 21)],
+        activation="bipartite",
+        design="adder_graph",
+        hardware="adder_operands = 3\nadders_per_clock = 4",
+    )
+    scene = load_scene(str(path))
+    run_export(scene, "verilog", tmp_path)
+    found = jobs(scene, "icarus", build=tmp_path)
+    (job,) = (job for job in found if job.entity == "constant_matrix_hidden")
+    (item,) = (item for item in properties_of(job) if "append" in item.refuted_by[0][0])
+    assert settle(job, item, tmp_path / "work").faults == []
 
 
 def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:

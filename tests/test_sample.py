@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import sample
 
@@ -28,6 +30,22 @@ def test_everything_that_fits_is_drawn_in_the_end() -> None:
 def test_a_test_that_was_never_timed_is_drawn_too() -> None:
     assert sample.draw(["tests/test_a.py::new"], {}, sample.UNTIMED, "a tree") != []
     assert sample.draw(["tests/test_a.py::new"], {}, sample.UNTIMED - 1, "a tree") == []
+
+
+def test_a_fixture_that_tests_share_is_drawn_as_one_unit() -> None:
+    """The first test bears the time of the fixture; each of the others alone would take as long."""
+    found = [
+        (path.name, ast.unparse(call), len(call.args))
+        for path in sorted(Path(__file__).parent.glob("test_*.py"))
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef)
+        for decorator in node.decorator_list
+        if isinstance(decorator, ast.Call) and ast.unparse(decorator.func) == "pytest.fixture"
+        for call in (word.value for word in decorator.keywords if word.arg == "params")
+        if isinstance(call, ast.Call) and ast.unparse(call.func) == "tiered"
+    ]
+    assert found
+    assert [one for one in found if one[-1] != 3] == []
 
 
 def test_a_run_names_what_it_has_drawn() -> None:

@@ -57,7 +57,7 @@ def widths() -> Table:
     return printed.widths(1)
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
+@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
 def convergence(request: pytest.FixtureRequest, shared: Shared) -> Table:
     return shared.recorded("convergence", request.param == "measured")
 

@@ -1,4 +1,4 @@
-"""Graphs of long searches for shared terms, which are kept in the store."""
+"""Graphs of searches for shared terms, which are kept in the store where a search is long."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ from golden.layers import sharing
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Constant, Input, Node, Operand, Row, ShiftAdd, Sum
 
+# The search for a matrix with fewer weights takes about as long as reading what was kept.
+LEAST_WEIGHTS = 32
+
 
 def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) -> ShiftAdd:
-    """The graph of ``shared``. If the scene says how many runs there are, it is searched once."""
-    if not runs:
+    """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once."""
+    if not runs and sum(map(len, matrix.weights)) < LEAST_WEIGHTS:
         return shared(matrix, levels, spare, operands)
     # Tests set other limits, which the code does not show.
     asked = store.key(

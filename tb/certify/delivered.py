@@ -180,15 +180,25 @@ def _write_script(
         scene=scene.name,
         top=design.entity,
         steps=STEPS,
-        recorded=len(frames.recorded),
+        given=given_text(frames, design.past),
         left=frames.left,
-        random=len(frames.random),
         entities=len(proved),
         **orders,
     )
     script = folder / SCRIPT
     script.write_text(text + "\n", encoding="utf-8")
     script.chmod(0o755)
+
+
+def given_text(frames: PlayedFrames, past: int) -> str:
+    """What the frames are that were compared, for a line of the script."""
+    kinds = f"{len(frames.recorded)} recorded and {len(frames.random)} random"
+    if not past:
+        return f"{kinds}, equal the model"
+    return (
+        f"equal the model; {kinds} frames were played, and the first {past} of each recording give "
+        "no output"
+    )
 
 
 def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) -> int:

@@ -12,7 +12,7 @@ from golden.input_error import InputError
 
 BROWSER = "chromium"
 # The window in CSS pixels.
-WIDTH, HEIGHT = 1000, 560
+WIDTH, HEIGHT = 1000, 624
 
 
 def picture_file(name: str) -> Path:

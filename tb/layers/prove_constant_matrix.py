@@ -83,12 +83,20 @@ def apart(graph):
 
 
 def wrong(twin, signals, places):
-    """Copies in which the largest possible sum is inverted, or has two bits fewer."""
+    """Copies in which the largest possible sum is inverted, or has two bits fewer.
+
+    If all sums have their last bits from an operand, either part of the largest one is inverted.
+    """
     reaches = twin.graph.reaches
     totals = {place: signals.there[place, twin.clocks[place]] for place in places}
     whole = [place for place, total in totals.items() if not total.startswith("append")]
-    largest = max(whole, key=lambda place: reaches[place].most - reaches[place].least)
+    largest = max(whole or places, key=lambda place: reaches[place].most - reaches[place].least)
     total = totals[largest]
+    if not whole:
+        return (
+            (rf"({total} = \$signed\(\{{)(\w+, )", r"\1~\2"),
+            (rf"({total} = \$signed\(\{{\w+, )(\w+)", r"\1~\2"),
+        )
     return (
         (rf"({total} =) (\$signed\(\{{?result)", r"\1 ~\2"),
         (rf"({total} = \$signed\(\{{?result\[\d+)-1", r"\1-3"),
