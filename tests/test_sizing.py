@@ -20,7 +20,7 @@ from golden.scene.comparison import compared
 from golden.sizing.candidates import Sized, front
 from golden.sizing.exact import block_rams, multipliers
 from golden.sizing.features import columns, tree_bits
-from golden.sizing.model import Held, held_out, recorded
+from golden.sizing.model import Held, held_out, recorded, size_of
 from golden.sizing.price import Price, shares_of
 from hdl.synth.sizing import EXTRAS, networks, rows_of
 from hdl.synth.timing import read_timing, timing_path
@@ -63,15 +63,17 @@ def auto(folder: Path, lines: str, sections: str = "", shape: tuple[int, ...] = 
 def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> None:
     entities = placed = 0
     for name, scene, core, cells in networks():
-        # An activation whose products nobody counts is refused, see below.
+        # A block without a model, or whose products nobody counts, is refused; see below.
         for block in walk(core):
             with suppress(InputError):
+                size_of(block)
                 counts = multipliers(block), block_rams(block, "xc2v")
                 entity = cells["xc2v"][block.entity]
                 assert counts == (entity["multiplier"], entity["block RAM"]), (name, block.entity)
                 entities += 1
         if scene.twin() == core and not scene.argmax:
             with suppress(InputError):
+                size_of(core)
                 counts = multipliers(core), block_rams(core, "ecp5")
                 timing = read_timing(timing_path(scene.path))[0]
                 assert counts == (timing.multipliers, timing.block_rams), name
