@@ -18,8 +18,9 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.shift_add import Constant, Sum
-from golden.sizing.exact import WORDS
 
+# The words of 9 bits that a block RAM holds.
+NARROW_WORDS = 2048
 # Blocks that differ only in how many nodes they serve have their costs together.
 ALIKE = {"bipartite_pair": "bipartite"}
 
@@ -201,8 +202,8 @@ def _input_controller(block: Any) -> Features:
 
 
 def _program_memory(block: Any) -> Features:
-    # The words of up to two block RAMs are chosen in the multiplexers of a slice.
-    chosen = max(0, (1 << block.addr_width) // WORDS["xc2v"][0] - 2)
+    # Up to so many words, each block RAM has some bits of every word, and nothing is chosen.
+    chosen = max(0, (1 << block.addr_width) // NARROW_WORDS - 1)
     return Features((1, chosen), (1, block.addr_width, block.registers))
 
 
