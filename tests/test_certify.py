@@ -187,6 +187,22 @@ def test_a_missing_tool_and_an_unknown_answer_are_amber(copied: Path) -> None:
     assert colours(copied) == {"properties": "amber", "sums": "amber"}
 
 
+def test_a_solver_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
+    copied: Path, capfd: pytest.CaptureFixture
+) -> None:
+    endless = copied / "endless"
+    endless.write_text("#!/bin/sh\necho unsat\nwhile :; do :; done\n", encoding="ascii")
+    endless.chmod(0o755)
+    capfd.readouterr()
+    assert check(copied, "sums", Z3=str(endless), SECONDS_EACH="1") == 2
+    (result,) = read_results(copied)
+    due = len((copied / "sums" / "due.txt").read_text(encoding="ascii").split())
+    assert result.figure == f"not finished in 1 s: z3 has proved 1 of {due} sums"
+    said = capfd.readouterr()
+    assert said.err == ""
+    assert len(said.out.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("pattern", "wrong"),
     [
