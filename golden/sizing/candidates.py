@@ -114,6 +114,8 @@ class Sized:
     Attributes
     ----------
     candidate : Candidate
+    options : mapping
+        All options of the design, those that the scene sets included.
     network : Network
     size : Size
         Estimated LUTs and flip-flops of a Virtex-II.
@@ -126,6 +128,7 @@ class Sized:
     """
 
     candidate: Candidate
+    options: Mapping[str, object]
     network: Network
     size: Size
     multipliers: int
@@ -146,7 +149,7 @@ class Sized:
     @property
     def kind(self) -> str:
         """The name under which recorded networks of the same design stand."""
-        return kind_of(self.candidate.design, self.candidate.options)
+        return kind_of(self.candidate.design, self.options)
 
     @property
     def spread(self) -> float | None:
@@ -155,7 +158,7 @@ class Sized:
 
     def routed(self) -> Routed | None:
         """The same on an ECP5; None where no network of the kind was placed and routed."""
-        return routed_size(self.kind, self.candidate.options, self.network, self.size)
+        return routed_size(self.kind, self.options, self.size)
 
     def cells(self, family: str) -> Cells | None:
         """What it takes of a family; None where nothing is known of it."""
@@ -198,8 +201,10 @@ class Refused:
 
 
 def kind_of(design: str, options: Mapping[str, object]) -> str:
-    """A design, and whether it is one without a multiplier."""
-    return f"{design} serial" if options.get("multiplier") == "serial" else design
+    """A design, and whether it is an engine without a multiplier, or adds three operands."""
+    if options.get("multiplier") == "serial":
+        return f"{design} serial"
+    return f"{design} ternary" if options.get("adder_operands") == 3 else design
 
 
 def build(task: Task, candidate: Candidate) -> Network:
@@ -256,6 +261,7 @@ def sized(task: Task, candidate: Candidate) -> Sized | Refused:
         found = size_of(network)
         return Sized(
             candidate,
+            settings_for(task, candidate).options,
             network,
             found,
             multipliers(network),

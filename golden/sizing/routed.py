@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.network import Network
-from golden.sizing.model import Size, recorded
+from golden.sizing.model import Size, held_out, recorded
 from golden.table import read_csv_file
 
 ROUTED = Path(__file__).with_name("routed.csv")
@@ -63,14 +62,13 @@ class Routed:
     Attributes
     ----------
     size : Size
-    spread : float
-        The largest error of LUTs in per cent over the recorded networks of the design, with the
-        recorded cells of a Virtex-II as given.
+    spread : float or None
+        See ``spread_of``.
     clock_mhz : float
     """
 
     size: Size
-    spread: float
+    spread: float | None
     clock_mhz: float
 
 
@@ -96,22 +94,37 @@ def path_of(design: str, options: Mapping[str, object]) -> int:
     return count if design == "adder_graph" and isinstance(count, int) else 0
 
 
-def routed_size(
-    design: str, options: Mapping[str, object], network: Network, size: Size
-) -> Routed | None:
-    """The estimate for a network whose cells on a Virtex-II are known or estimated."""
+def routed_size(design: str, options: Mapping[str, object], size: Size) -> Routed | None:
+    """The estimate for a network whose cells on a Virtex-II are estimated."""
     rows = [row for row in placed() if row.design == design]
-    return _routed(rows, path_of(design, options), size) if rows else None
-
-
-def _routed(rows: list[Placed], path: int, size: Size) -> Routed:
+    if not rows:
+        return None
     known = virtex()
-    luts = [row.luts / known[row.network].luts for row in rows]
-    flip_flops = [row.flip_flops / known[row.network].flip_flops for row in rows]
-    ratio = float(np.median(luts))
-    away = max(abs(ratio / one - 1) for one in luts)
-    found = Size(ratio * size.luts, float(np.median(flip_flops)) * size.flip_flops)
-    return Routed(found, 100 * away, 1000 / period(rows, path))
+    flip_flops = np.median([row.flip_flops / known[row.network].flip_flops for row in rows])
+    found = Size(_ratio(rows) * size.luts, float(flip_flops) * size.flip_flops)
+    return Routed(found, spread_of(design), 1000 / period(rows, path_of(design, options)))
+
+
+def _ratio(rows: Iterable[Placed]) -> float:
+    """The usual ratio of LUTs to those of a Virtex-II."""
+    known = virtex()
+    return float(np.median([row.luts / known[row.network].luts for row in rows]))
+
+
+@cache
+def spread_of(design: str) -> float | None:
+    """The largest error of LUTs in per cent, where both estimates did not know the network.
+
+    None if no network of the design can be held out.
+    """
+    rows = [row for row in placed() if row.design == design]
+    estimated = {one.network: one.estimated for one in held_out()}
+    errors = []
+    for row in rows:
+        others = [other for other in rows if other.network != row.network]
+        if row.network in estimated and others:
+            errors.append(abs(100 * (_ratio(others) * estimated[row.network] / row.luts - 1)))
+    return max(errors) if errors else None
 
 
 def period(rows: Iterable[Placed], path: int) -> float:
