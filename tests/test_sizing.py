@@ -15,6 +15,7 @@ from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
+from golden.rig.check import everything
 from golden.scene import Scene, load_scene
 from golden.scene.comparison import compared
 from golden.sizing.candidates import Sized, front
@@ -27,6 +28,7 @@ from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import random_mlp, write_scene
 from tb.report.draw.designs import spots
 from tb.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
+from tb.report.page.summary import built
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0
@@ -187,6 +189,11 @@ def test_auto_says_what_it_chose_and_what_is_beside_it(tmp_path: Path) -> None:
     assert chosen.startswith(f"chosen: {fast.candidate.name}: {fast.clocks} clocks, a frame every")
     assert f"{scene.choice.smaller.clocks - fast.clocks} too many" in smaller
     assert faster == "next faster: none, no other design is faster"
+    text = "\n".join(map(str, everything(scene, tmp_path / "build")))
+    assert all(f"hardware.design auto: {line}" in text for line in (chosen, smaller, faster))
+    (first, *_, said, _, _) = built(scene, scene.twin())
+    assert f", {fast.candidate.design}, activation" in first
+    assert said.startswith("Chosen: ")
 
 
 def test_a_rate_is_an_interval_at_the_clock(tmp_path: Path) -> None:

@@ -119,8 +119,8 @@ class Choice:
         cells = _cells(row, self.price)
         return (
             f"{row.candidate.name}: {row.clocks} clocks, a frame every {row.interval}; about "
-            f"{cells.size.luts:.0f} LUTs, {cells.multipliers} multipliers, {cells.block_rams} "
-            f"block RAMs, {self.price.text(cells)}"
+            f"{cells.size.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
+            f"{_counted(cells.block_rams, 'block RAM')}, {self.price.text(cells)}"
         )
 
     def _price(self, row: Sized) -> str:
@@ -168,6 +168,10 @@ def choose(
         rows[place - 1] if place else None,
         faster[0] if faster else None,
     )
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _cells(row: Sized, price: Price) -> Cells:
