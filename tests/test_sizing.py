@@ -23,6 +23,7 @@ from golden.sizing.exact import block_rams, multipliers
 from golden.sizing.features import columns, tree_bits
 from golden.sizing.model import Held, held_out, recorded, size_of
 from golden.sizing.price import Price, shares_of
+from golden.sizing.routed import clock_of, placed
 from hdl.synth.sizing import EXTRAS, networks, rows_of
 from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import random_mlp, write_scene
@@ -154,6 +155,18 @@ def test_the_table_has_a_line_for_each_design(
     assert FRONT in {row[0] for row in table.rows} <= {FRONT, ""}
     # Every estimate stands beside its spread.
     assert None not in {row[3] for row in table.rows}
+
+
+def test_a_clock_is_estimated_between_recorded_ones_alone() -> None:
+    rows = [row for row in placed() if row.design == "adder_graph"]
+    met = [row.clock_mhz for row in rows]
+    clocks = [clock_of(rows, path) for path in range(1, 6)]
+    assert clocks == sorted(clocks, reverse=True)
+    assert min(met) < clocks[-1] < clocks[0] < 1.01 * max(met)
+    assert clock_of(rows, 6) is None
+    one = [row for row in rows if row.network == "digit-fast"]
+    assert clock_of(one, 5) == pytest.approx(one[0].clock_mhz)
+    assert clock_of(one, 1) is None
 
 
 def test_the_picture_has_every_design_and_those_that_the_thesis_prints(

@@ -7,7 +7,7 @@ each kind of design has its own ratio to the cells of a Virtex-II, and its own s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -64,12 +64,13 @@ class Routed:
     size : Size
     spread : float or None
         See ``spread_of``.
-    clock_mhz : float
+    clock_mhz : float or None
+        None where it is unknown; see ``clock_of``.
     """
 
     size: Size
     spread: float | None
-    clock_mhz: float
+    clock_mhz: float | None
 
 
 @cache
@@ -102,7 +103,13 @@ def routed_size(design: str, options: Mapping[str, object], size: Size) -> Route
     known = virtex()
     flip_flops = np.median([row.flip_flops / known[row.network].flip_flops for row in rows])
     found = Size(_ratio(rows) * size.luts, float(flip_flops) * size.flip_flops)
-    return Routed(found, spread_of(design), 1000 / period(rows, path_of(design, options)))
+    return Routed(found, spread_of(design), clock_of(rows, path_of(design, options)))
+
+
+def clock_of(rows: Sequence[Placed], path: int) -> float | None:
+    """The expected clock in MHz; None where no path as short or none as long was recorded."""
+    paths = [row.path for row in rows]
+    return 1000 / period(rows, path) if min(paths) <= path <= max(paths) else None
 
 
 def _ratio(rows: Iterable[Placed]) -> float:
