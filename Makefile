@@ -7,7 +7,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BAUD BESIDE BITS BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
+GIVEN := ALL BAUD BESIDE BITS BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
 	RECORD RECORDED RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -22,14 +22,14 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
+.PHONY: help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
 
 # What is wanted, and of whom, is said once, in tb/commands.py, which needs no environment for this.
 help:
 	@"$$PYTHON" -m tb.commands help
 
 # What these are given goes to a module as tb/commands.py says.
-CALLED := demo sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations \
+CALLED := demo sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations \
 	figures sensors lean synth bitstream peers prove mutate coverage certify report
 
 demo report peers mutate certify: $(if $(DRY_RUN),,tools)

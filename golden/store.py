@@ -62,6 +62,11 @@ def key(kind: str, **parts: Part) -> Key:
     return Key(kind, {name: _as_text(parts[name]) for name in sorted(parts)})
 
 
+def is_there(build: Path = BUILD) -> bool:
+    """Whether something can be kept without a new folder beside a user's files."""
+    return bool(os.environ.get(VARIABLE)) or build.is_dir()
+
+
 def read(asked: Key, build: Path = BUILD) -> Any:
     """The answer that is kept under a key, or None if it is missing or damaged."""
     found = read_kept(place(asked, build))

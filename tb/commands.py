@@ -236,6 +236,14 @@ COMMANDS = (
         "tb.check",
     ),
     Command(
+        "designs",
+        "Prints within seconds what each design that can compute the networks of a scene costs, "
+        "and marks those that no other one beats. FAMILY= names the family of the device, and "
+        "PICTURE= draws LUTs against clocks.",
+        (SCENE, option("FAMILY", "xc2v|ecp5"), option("PICTURE", "designs.svg")),
+        "tb.report.measure.designs",
+    ),
+    Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
         "Dask scheduler to compute on.",

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from golden.fixed import Fix
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.layers import kept_graph, sharing
 from golden.layers.constant_matrix import ConstantMatrix, Finish
@@ -86,8 +87,23 @@ def test_a_graph_of_a_large_matrix_is_kept(
     fewer = replace(large, weights=weights[:-1], biases=(0,) * 7)
     assert fewer.graph
     assert len(list(own_store.rglob("*.json"))) == 1
-    monkeypatch.setattr(kept_graph, "shared", pytest.fail)
-    assert replace(large).graph == first
+    with monkeypatch.context() as patch:
+        patch.setattr(kept_graph, "shared", pytest.fail)
+        assert replace(large).graph == first
+
+
+def test_what_only_checks_a_scene_keeps_no_graph(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.chdir(tmp_path)
+    weights = tuple(tuple(4 * i + j + 1 for j in range(4)) for i in range(8))
+    large = ConstantMatrix(SAMPLES, WIDE, weights, (0,) * 8, 6, 1, 4)
+    assert searched(large, 0).graph
+    assert list(tmp_path.iterdir()) == []
+    BUILD.mkdir()
+    assert searched(large, 0).graph
+    assert len(list(BUILD.rglob("*.json"))) == 1
 
 
 @settings(max_examples=30, deadline=None)

@@ -99,12 +99,12 @@ def own_data(own: Path) -> dict:
 
 def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> None:
     wanted = {"errors", "costs", "worst_rows", "confidence", "along", "noise_and_drift"}
-    wanted |= {"sensors", "sensors_tell"}
+    wanted |= {"sensors", "sensors_tell", "designs"}
     assert set(own_data["tables"]) == wanted
     predicted = {f"predicted_{c}" for c in range(4)}
     disturbed = {f"disturbed_{kind}" for kind in ("noise", "gain", "offset")}
     drawn = {"network", "datapath", "waveforms", "load_profile", "load_moves"}
-    assert set(own_data["pictures"]) == {"along", *predicted, *disturbed, *drawn}
+    assert set(own_data["pictures"]) == {"along", "designs", *predicted, *disturbed, *drawn}
     assert "thesis" not in own.read_text().lower()
 
 

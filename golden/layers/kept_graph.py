@@ -15,8 +15,13 @@ LEAST_WEIGHTS = 32
 
 
 def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) -> ShiftAdd:
-    """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once."""
-    if not runs and sum(map(len, matrix.weights)) < LEAST_WEIGHTS:
+    """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once.
+
+    A command that only checks a scene leaves nothing behind. So without a number of runs a graph is
+    kept only once another command has written something.
+    """
+    small = sum(map(len, matrix.weights)) < LEAST_WEIGHTS
+    if not runs and (small or not store.is_there()):
         return shared(matrix, levels, spare, operands)
     # Tests set other limits, which the code does not show.
     asked = store.key(

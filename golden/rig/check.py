@@ -246,7 +246,10 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         warnings.simplefilter("ignore")
         core = scene.twin().core
         facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
-        findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
+        place = f"hardware.design {scene.design}"
+        findings.append(Finding(OK, place, f"{before}{facts}"))
+        chosen = scene.choice.lines() if scene.choice else []
+        findings += [Finding(OK, place, f"{before}{line}") for line in chosen]
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
     return findings

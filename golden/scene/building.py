@@ -22,6 +22,7 @@ from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
+from golden.scene.demand import check_demand
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -39,6 +40,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         See ``load_network`` and ``constants_of``; also for a front end that cannot make the
         network's frames.
     """
+    scene = scene.chosen
     design, trained, settings = DESIGNS[scene.design], scene.networks(), scene.settings(lean)
     try:
         network = _within_a_scan(scene, design, settings) or arrange(
@@ -53,8 +55,9 @@ def build_twin(scene: Scene, lean: bool) -> Network:
                 constants_of(held, settings)
         with naming(scene.path):
             raise
-    if not scene.window.plain:
-        network = Windowed(network, scene.window)
+    framed = network if scene.window.plain else Windowed(network, scene.window)
+    check_demand(scene, network, framed)
+    network = framed
     if scene.interface == "axi_stream":
         return AxisNetwork(network, scene.argmax)
     drawn = scene.visualisation

@@ -6,11 +6,15 @@ from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
 from golden.schema import Anything, Flag, Key, KeyTable, Map, Number, Span, Text, Whole
+from golden.sizing.choice import UNDECIDED
+from golden.sizing.price import DEFAULT, DEVICES
+
+_PRICE = Number(Span(0.0, 1e9))
 
 HARDWARE = KeyTable(
     {
         "design": Key(
-            Text(tuple(DESIGNS)),
+            Text((*DESIGNS, UNDECIDED)),
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
             "`precise`. [lanes](blocks/lanes.md) is an engine with 2 to 16 multipliers, which "
@@ -19,7 +23,9 @@ HARDWARE = KeyTable(
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
             "and needs no multiplier; it takes networks of any depth as `single`, and one hidden "
-            "layer of tanh as `multiple`, in `exact` precision with the activation `bipartite`.",
+            "layer of tanh as `multiple`, in `exact` precision with the activation `bipartite`. "
+            "`auto` is the smallest of them that is fast enough, see "
+            "[designs](designs.md#the-smallest-that-is-fast-enough).",
         ),
         "activation": Key(
             Text(tuple(SCHEMES)),
@@ -105,10 +111,38 @@ HARDWARE = KeyTable(
         "clocks": Key(
             Whole(absent=True),
             0,
-            "Only for `engine`. The most clocks that a frame may take from the last sample to the "
-            "last output. The smallest hardware within this limit is chosen, and if there is time "
-            "enough, it has no multiplier. `make vhdl` and `make demo` print the choice.",
-            "what a front end leaves",
+            "The most clocks that a frame may take from the last sample to the last output. With "
+            "`engine` the smallest one within this limit is chosen, and if there is time enough, "
+            "it has no multiplier; `make vhdl` and `make demo` print the choice. With `auto` it "
+            "is the smallest design. Any other design that takes more is refused.",
+            "with `engine` and `auto`, what a front end leaves; else no limit",
+        ),
+        "interval": Key(
+            Whole(absent=True),
+            0,
+            "The most clocks from one frame to the next. A design that takes more is refused, and "
+            "`auto` chooses another one.",
+            "no limit",
+        ),
+        "frames_a_second": Key(
+            Number(absent=True),
+            0.0,
+            "The least number of frames a second, at the clock of `clock_mhz`: another way to "
+            "give `interval`.",
+            "no limit",
+        ),
+        "device": Key(
+            Text(tuple(DEVICES)),
+            "",
+            "Only for `auto`. The device whose share is the price of a design.",
+            f"`{DEFAULT}`",
+        ),
+        "prices": Key(
+            KeyTable({"lut": Key(_PRICE), "multiplier": Key(_PRICE), "block_ram": Key(_PRICE)}),
+            None,
+            "Only for `auto`. What a LUT, a multiplier and a block RAM cost, in any unit, such as "
+            "`{ lut = 1, multiplier = 50, block_ram = 80 }`.",
+            "each is its share of the device",
         ),
         "reload": Key(
             Flag(),

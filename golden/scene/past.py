@@ -86,8 +86,8 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
             f"{path}: data.window: {name!r} is a column and a past sample too, expected a column "
             "of another name"
         )
-    design = DESIGNS[values["hardware"]["design"]]
-    if design.stream != "serial":
+    design = DESIGNS.get(values["hardware"]["design"])
+    if design and design.stream != "serial":
         serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
         raise InputError(
             f"{path}: hardware.design: got {design.block!r} with a data.window, expected {serial}, "

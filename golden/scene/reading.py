@@ -9,6 +9,7 @@ from golden.files import check_file
 from golden.finding import Finding, collect_faults, refuse
 from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
+from golden.scene.demand import demand, price
 from golden.scene.front_end import front_end
 from golden.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
 from golden.scene.past import check_window, read_window, recordings
@@ -177,6 +178,11 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     with collect_faults(found):
         check_hardware(values, path)
         parts["design_options"] = design_options(hardware, path)
+    with collect_faults(found):
+        parts["price"] = price(hardware, path)
+        # A number out of range has been reported.
+        if "hardware" not in wrong:
+            parts["demand"] = demand(hardware, path)
     if "training" not in wrong:
         with collect_faults(found):
             check_digits(values, path)

@@ -22,12 +22,15 @@ from golden.network_files.network_file import provenance_path
 from golden.networks.arrangement import process_real
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL, Precision
+from golden.precision import EXACT, SIGNAL, THESIS, Precision
 from golden.real import Real
 from golden.scene.building import build_twin
 from golden.scene.converter_scale import converter_scales
+from golden.scene.demand import choice_of, chosen
 from golden.scene.front_end import FrontEnd
 from golden.scene.labels import check_labels, class_scale
 from golden.scene.past import tap_names, window_text
@@ -37,7 +40,12 @@ from golden.scene.trained_scale import trained_scales
 from golden.scene.uart import Uart
 from golden.scene.vectors import Vectors, read_recorded, read_vectors
 from golden.scene.visualisation import Visualisation
+from golden.sizing.choice import NO_DEMAND, UNDECIDED, Choice, Demand
+from golden.sizing.price import DEFAULT_PRICE, Price
 from golden.window import Window
+
+# While a network is trained whose design is still to be chosen, it is computed by these.
+STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
 
 
 @dataclass(frozen=True)
@@ -81,7 +89,7 @@ class Scene:
     members : tuple of Member
         The networks, in the order of the outputs.
     design : str
-        A name of ``DESIGNS``.
+        A name of ``DESIGNS``, or "auto"; see ``chosen``.
     design_options : dict
         The options of the design that the scene sets.
     activation : str
@@ -100,6 +108,10 @@ class Scene:
         The profile of the load, where the scene has that section.
     uart : Uart or None
         The serial line, where the scene has that section.
+    demand : Demand
+        How fast the networks must be.
+    price : Price
+        What hardware costs where the design is to be chosen.
     """
 
     name: str
@@ -132,6 +144,8 @@ class Scene:
     front_end: FrontEnd | None
     visualisation: Visualisation | None
     uart: Uart | None
+    demand: Demand = NO_DEMAND
+    price: Price = DEFAULT_PRICE
 
     @property
     def weights_paths(self) -> list[Path]:
@@ -168,6 +182,8 @@ class Scene:
     @property
     def activation_text(self) -> str:
         """The activation as text, with the options that the scene sets."""
+        if self.design == UNDECIDED and self.precision == EXACT:
+            return "the activation of the design"
         options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
         return f"{self.activation} ({options})" if options else self.activation
 
@@ -324,7 +340,24 @@ class Scene:
 
     def build(self, network: Trained, lean: bool = True) -> Design:
         """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""
-        return DESIGNS[self.design].of([network], self.settings(lean, [network]))
+        design = DESIGNS.get(self.design) or STAND_INS[self.precision.name]
+        return design.of([network], self.settings(lean, [network]))
+
+    @cached_property
+    def choice(self) -> Choice | None:
+        """The design that is chosen; None where the scene names one.
+
+        Raises
+        ------
+        InputError
+            When no design is fast enough.
+        """
+        return choice_of(self) if self.design == UNDECIDED else None
+
+    @cached_property
+    def chosen(self) -> Scene:
+        """This scene, with the design that is chosen in the place of "auto"; see ``choice``."""
+        return chosen(self, self.choice) if self.choice else self
 
     def twin(self, lean: bool = True) -> Network:
         """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,14 @@ from golden.files import same_file
 from golden.function import Function, by_name, functions_of, read_function, table_names
 from golden.input_error import InputError
 from golden.network_files.network_file import load_network
+from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
-from golden.precision import PRECISIONS
+from golden.precision import EXACT, PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column, with_units
 from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
 from golden.schema import written
+from golden.sizing.choice import UNDECIDED
 from golden.table import read_table, suggest
 
 
@@ -279,13 +281,13 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     InputError
     """
     hardware, arrangement = values["hardware"], values["network"]["arrangement"]
-    design = DESIGNS[hardware["design"]]
-    if arrangement not in design.arrangements:
+    design = DESIGNS.get(hardware["design"])
+    if design and arrangement not in design.arrangements:
         raise InputError(
             f"{path}: network.arrangement: got {arrangement!r} with design {design.block!r}, "
             f"expected {' or '.join(design.arrangements)}"
         )
-    if hardware["precision"] not in design.precisions:
+    if design and hardware["precision"] not in design.precisions:
         raise InputError(
             f"{path}: hardware.precision: got {hardware['precision']!r} with design "
             f"{design.block!r}, expected {' or '.join(design.precisions)}"
@@ -306,7 +308,7 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     check_uart(values, path)
     unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
     check_reload(hardware, [] if "uart" in values else unloaded, path)
-    if design.stream == "serial":
+    if design is None or design.stream == "serial":
         return
     reasons = {
         "front_end": "because the front end sends a stream of samples",
@@ -380,8 +382,12 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
     InputError
         For an option of another design.
     """
+    # Any design may have a limit to its clocks.
+    known = sorted({name for other in DESIGNS.values() for name in other.options} - {"clocks"})
+    if hardware["design"] == UNDECIDED:
+        refuse_choices(hardware, known, path)
+        return {}
     design = DESIGNS[hardware["design"]]
-    known = sorted({name for other in DESIGNS.values() for name in other.options})
     for name in known:
         if hardware[name] and name not in design.options:
             fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
@@ -393,6 +399,23 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
     return {name: hardware[name] for name in design.options if hardware[name]}
 
 
+def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -> None:
+    """Refuse options of a design where the design is to be chosen.
+
+    Raises
+    ------
+    InputError
+    """
+    # In thesis precision the activation is part of what is asked for.
+    own = ["activation", "activation_options"] if hardware["precision"] == EXACT.name else []
+    for name in (*names, *own):
+        if hardware[name]:
+            raise InputError(
+                f"{path}: hardware.{name}: got {written(hardware[name])} with design "
+                f"{UNDECIDED!r}, expected none: it is chosen with the design"
+            )
+
+
 def check_activation(hardware: dict[str, Any], path: Path) -> str:
     """The activation's name; where the scene names none, that of the precision.
 
@@ -402,7 +425,9 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
         For options that the activation does not have, or a precision or a design for which it is
         not made.
     """
-    precision, design = PRECISIONS[hardware["precision"]], DESIGNS[hardware["design"]]
+    precision = PRECISIONS[hardware["precision"]]
+    # Of the design that is to be chosen, nothing is known yet.
+    design = DESIGNS.get(hardware["design"], Design)
     # A design that knows one activation has it without being asked.
     alone = len(design.known_activations) == 1 and precision.name in design.precisions
     usual = design.known_activations if alone else ()

@@ -53,6 +53,8 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
     print(f"{count} files in {folder}, top {design.entity}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")
+    for line in scene.choice.lines() if scene.choice else []:
+        print(f"hardware.design {scene.design}: {line}")
     if scene.front_end:
         print(f"front_end: {scene.front_end.describe()}")
     saturated = hidden_saturations(scene, scene.vectors().codes)

@@ -88,7 +88,7 @@ def area(table: Table) -> str:
     for design, place, size in zip(found, places, sizes, strict=True):
         colour = COLOURS[design.kind]
         body.append(dot(place, size, fill=colour, fill_opacity=0.35, stroke=colour))
-    for letter, (x, y) in zip(letters, _beside(places, sizes), strict=True):
+    for letter, (x, y) in zip(letters, beside(places, sizes), strict=True):
         body.append(text((x, y + 4), letter, text_anchor="middle", font_weight="bold"))
     top = axes.top + axes.height + 58
     heads = ("LUTs", "multipliers", "clocks", "error %")
@@ -123,7 +123,7 @@ def _row(y: float, cells: Sequence[str]) -> list[str]:
     return [text((x, y), cell, text_anchor="end") for x, cell in zip(COLUMNS, cells, strict=True)]
 
 
-def _beside(places: Sequence[Point], sizes: Sequence[float]) -> list[Point]:
+def beside(places: Sequence[Point], sizes: Sequence[float]) -> list[Point]:
     """A place for the letter of each disc, away from other discs and letters."""
     found: list[Point] = []
     for (x, y), size in zip(places, sizes, strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,15 +12,20 @@ from golden import store
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
+from golden.scene.comparison import compared
+from golden.sizing.model import CELLS
+from golden.sizing.routed import ROUTED
 from tb.common.results import left_texts, stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.confusion import confusion_plot
+from tb.report.draw.designs import picture_of, sentence
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.past import past_plots
 from tb.report.draw.pictures import draw
 from tb.report.measure import motions
 from tb.report.measure.classes import accuracy, per_class, wrong_rows
-from tb.report.measure.costs import Costs, blocks, costs
+from tb.report.measure.costs import FAMILY, Costs, blocks, costs
+from tb.report.measure.designs import designs, refused_lines
 from tb.report.measure.disturbance import noise_and_drift
 from tb.report.measure.outcome import (
     Outcome,
@@ -118,6 +123,11 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
         _limits(scene, moved, drawn, tell),
         _pictures(scene, asked("pictures", draw.__module__), tell),
         _resources(scene, design, cost),
+        _designs(
+            scene,
+            asked("designs", designs.__module__, picture_of.__module__, records=[CELLS, ROUTED]),
+            tell,
+        ),
     ]
     if full or (own and scene.reference):
         sections += project.sections(
@@ -203,6 +213,30 @@ def _verified(scene: Scene) -> Section:
     ]
     said += left_texts(results)
     return Section("verified", "Verified", text=said, folded=[table])
+
+
+def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
+    """The section on what other designs of the same networks would cost."""
+
+    def work() -> dict[str, Any]:
+        rows, refused = compared(scene)
+        return {
+            "table": packed(designs(scene, rows, FAMILY)),
+            "svg": picture_of(scene, rows, FAMILY),
+            "sentence": sentence(scene, rows, FAMILY),
+            "refused": refused_lines(refused),
+        }
+
+    found = once(asked, tell, work)
+    title = "Other designs: LUTs against clocks"
+    return Section(
+        "designs",
+        "Other designs",
+        text=[f"make designs SCENE={scene.name} prints this table."],
+        points=found["refused"],
+        pictures=[Picture("designs", title, found["svg"], found["sentence"])],
+        tables=[unpacked(found["table"])],
+    )
 
 
 def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:

@@ -42,6 +42,7 @@ from tb.report.measure.table import Cell, Table
 from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.measure.word_widths import word_widths
+from tb.report.page import designs as compared
 from tb.report.page import left_out as leaving
 from tb.report.page import outside, run_time, stability
 from tb.report.page.markers import put, write
@@ -293,6 +294,10 @@ def pages() -> dict[Path, str]:
         (ROOT / "README.md", "unseen", unseen),
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
+        (docs / "designs.md", "digit", partial(compared.rows, compared.CASCADE)),
+        (docs / "designs.md", "digit-single", partial(compared.rows, compared.SINGLE)),
+        (docs / "designs.md", "ecp5", partial(compared.rows, compared.SINGLE, "ecp5")),
+        (docs / "designs.md", "held-out", compared.spreads),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
@@ -325,6 +330,7 @@ def pages() -> dict[Path, str]:
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "floors.svg"] = picture_of_floors()
+    found[docs / "designs.svg"] = compared.picture()
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
     networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"

@@ -28,14 +28,16 @@ def built(scene: Scene, design: Network) -> list[str]:
     blocks = {part.block for part in entities}
     vectors, unused = scene.vectors(), unused_text(scene)
     saturated = hidden_saturations(scene, vectors.codes)
+    told = [*(scene.choice.lines() if scene.choice else []), *range_lines(scene, saturated)]
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
-        f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.design}, activation "
-        f"{scene.activation_text}, {scene.precision.name} precision. Top entity {design.entity}, "
-        f"{len(entities)} entities of {len(blocks)} blocks, exported as VHDL-93 and as Verilog.",
+        f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.chosen.design}, "
+        f"activation {scene.chosen.activation_text}, {scene.precision.name} precision. Top entity "
+        f"{design.entity}, {len(entities)} entities of {len(blocks)} blocks, exported as "
+        "VHDL-93 and as Verilog.",
         f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
         f"samples saturated.{f' {unused}.' if unused else ''}",
-        *(f"{line[0].upper()}{line[1:]}." for line in range_lines(scene, saturated)),
+        *(f"{line[0].upper()}{line[1:]}." for line in told),
     ]
 
 

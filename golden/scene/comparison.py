@@ -1,0 +1,57 @@
+"""A scene as a task for the designs that are compared (``golden.sizing``)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from golden.cli import naming
+from golden.sizing.candidates import CANDIDATES, Refused, Sized, Task, sized
+
+if TYPE_CHECKING:
+    from golden.scene.scene import Scene
+
+
+def task_of(scene: Scene) -> Task:
+    """The networks of a scene, its settings and its recorded frames.
+
+    Raises
+    ------
+    InputError
+        When the networks or the recordings cannot be read.
+    """
+    around = {
+        "a section [front_end]": scene.front_end is not None,
+        "a section [visualisation]": scene.visualisation is not None,
+        "hardware.interface 'axi_stream'": scene.interface == "axi_stream",
+        "data.window with past samples": not scene.window.plain,
+    }
+    codes = scene.vectors().codes
+    inputs = scene.members[0].inputs
+    with naming(scene.path):
+        return Task(
+            scene.arrangement,
+            scene.networks(),
+            scene.settings(),
+            scene.design,
+            tuple(name for name, there in around.items() if there),
+            scene.argmax,
+            np.asarray(codes)[:, :inputs],
+        )
+
+
+def compared(scene: Scene) -> tuple[list[Sized], list[Refused]]:
+    """Every design of a scene with its costs, and those that cannot be built.
+
+    Raises
+    ------
+    InputError
+        See ``task_of``.
+    """
+    task = task_of(scene)
+    found = [sized(task, candidate) for candidate in CANDIDATES]
+    return (
+        [one for one in found if isinstance(one, Sized)],
+        [one for one in found if isinstance(one, Refused)],
+    )

@@ -1,0 +1,117 @@
+"""How fast a scene's networks must be, and the design that is chosen for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from golden.cli import naming
+from golden.input_error import InputError
+from golden.networks.engine import Engine
+from golden.networks.network import Network
+from golden.scene.comparison import task_of
+from golden.schema import written
+from golden.sizing.candidates import settings_for
+from golden.sizing.choice import UNDECIDED, Choice, Demand, choose
+from golden.sizing.price import DEFAULT, DEVICES, Price, shares_of
+
+if TYPE_CHECKING:
+    from golden.scene.scene import Scene
+
+
+def demand(hardware: dict[str, Any], path: Path) -> Demand:
+    """The limits of a section ``[hardware]``.
+
+    Raises
+    ------
+    InputError
+        For an interval that is given twice, or that is below a clock.
+    """
+    rate, interval = hardware["frames_a_second"], hardware["interval"]
+    if rate:
+        if interval:
+            raise InputError(
+                f"{path}: hardware.frames_a_second: got {rate:g} with interval {interval}, "
+                "expected one of the two"
+            )
+        interval = int(1e6 * hardware["clock_mhz"] / rate)
+        if interval < 1:
+            raise InputError(
+                f"{path}: hardware.frames_a_second: got {rate:g}, expected at most "
+                f"{1e6 * hardware['clock_mhz']:g}, a frame in every clock"
+            )
+    return Demand(hardware["clocks"], interval, rate)
+
+
+def price(hardware: dict[str, Any], path: Path) -> Price:
+    """The prices of a section ``[hardware]``.
+
+    Raises
+    ------
+    InputError
+        Where no design is to be chosen, and for prices that are all 0.
+    """
+    for key in ("device", "prices"):
+        if hardware.get(key) and hardware["design"] != UNDECIDED:
+            raise InputError(
+                f"{path}: hardware.{key}: got {written(hardware[key])} with design "
+                f"{hardware['design']!r}, expected design {UNDECIDED!r}"
+            )
+    found, prices = shares_of(hardware["device"] or DEFAULT), hardware.get("prices")
+    if prices is None:
+        return found
+    if not any(prices.values()):
+        raise InputError(f"{path}: hardware.prices: got 0 for all, expected one above 0")
+    return Price(DEVICES[found.device.name], **prices, shares=False)
+
+
+def choice_of(scene: Scene) -> Choice:
+    """The design that is chosen for a scene whose design is "auto".
+
+    Raises
+    ------
+    InputError
+        See ``choose`` and ``task_of``.
+    """
+    wanted, task = scene.demand, task_of(scene)
+    if scene.front_end and not wanted.clocks:
+        wanted = replace(wanted, clocks=scene.front_end.clocks_left(scene.window))
+    with naming(scene.path):
+        return choose(task, wanted, scene.price)
+
+
+def chosen(scene: Scene, choice: Choice) -> Scene:
+    """The scene as it would be if it named the design that is chosen."""
+    settings = settings_for(task_of(scene), choice.row.candidate)
+    options = dict(settings.options)
+    if choice.row.candidate.design == Engine.block and choice.demand.clocks:
+        options["clocks"] = choice.demand.clocks
+    return replace(
+        scene,
+        design=choice.row.candidate.design,
+        design_options=options,
+        activation=settings.activation,
+        activation_options=dict(settings.activation_options),
+    )
+
+
+def check_demand(scene: Scene, network: Network, framed: Network) -> None:
+    """Refuse a design that is slower than the scene demands.
+
+    Parameters
+    ----------
+    scene : Scene
+    network : Network
+        The networks alone, whose clocks count.
+    framed : Network
+        The same behind the memory of past samples, if there is one, which may take longer from
+        frame to frame.
+
+    Raises
+    ------
+    InputError
+    """
+    with naming(scene.path):
+        scene.demand.refuse(network, f"design {scene.design}")
+        replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

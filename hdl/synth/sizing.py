@@ -1,0 +1,220 @@
+"""``python -m hdl.synth.sizing``: compare estimated cells with recorded ones.
+
+``golden/sizing/cells.csv`` holds the cells of every block of the networks that ``make synth``
+recorded, beside the numbers from which ``golden.sizing.model`` estimates them; ``--record`` writes
+it anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from golden.cli import would
+from golden.files import replace_file
+from golden.input_error import InputError
+from golden.networks.adder_graph import OPTIONS as DEFAULTS
+from golden.networks.network import Network
+from golden.networks.windowed import Windowed
+from golden.scene import Scene, load_scene, scene_names
+from golden.scene.comparison import task_of
+from golden.scene.reading import class_names, comparison_names
+from golden.sizing.candidates import Candidate, build, kind_of
+from golden.sizing.features import Features, features_of, group_of
+from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
+from golden.sizing.routed import COLUMNS as PLACED_COLUMNS
+from golden.sizing.routed import ROUTED, Placed, path_of
+from hdl.export.elaborate import elaborate
+from hdl.export.hierarchy import convert_hierarchy
+from hdl.export.repeatable import run_repeatable
+from hdl.synth.budget import Cells, budget_path, read_budget
+from hdl.synth.cells import synthesise
+from hdl.synth.timing import read_timing, timing_path
+
+FAMILY = "xc2v"
+# The largest output is found beside the networks, which are compared without it.
+LEFT_OUT = ("argmax_tree",)
+
+
+@dataclass(frozen=True)
+class Extra:
+    """A design of a scene's networks that no scene names, and that is synthesised for the model.
+
+    Attributes
+    ----------
+    scene : str
+    candidate : Candidate
+    """
+
+    scene: str
+    candidate: Candidate
+
+    @property
+    def name(self) -> str:
+        """The scene and the design, as text."""
+        return f"{self.scene}, {self.candidate.name}"
+
+
+def _adders(count: int) -> Candidate:
+    return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
+
+
+DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
+SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
+HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
+# The quick ones first. Each design has networks of different weights here, so that all of a network
+# can be held out.
+EXTRAS = (
+    Extra("swing-cascade", DEEP),
+    Extra("classes/wine", DEEP),
+    Extra("classes/digits-fast", SHORT),
+    Extra("swing-single", Candidate("engine", {"multiplier": "serial", "pipeline": "short"})),
+    Extra("digit-load", HYBRID),
+    Extra("swing-single", HYBRID),
+    Extra("swing-cascade", HYBRID),
+    Extra("swing-multiple", HYBRID),
+    Extra("digit-load", PARALLEL),
+    Extra("swing-single", PARALLEL),
+    Extra("classes/wine", _adders(5)),
+    Extra("digit-load", _adders(2)),
+    Extra("swing-single", _adders(1)),
+    Extra("swing-multiple", _adders(5)),
+    Extra("classes/loads", _adders(2)),
+)
+
+
+def synthesised(extra: Extra) -> tuple[Scene, Network, Cells]:
+    """An extra network and its cells, which the store keeps.
+
+    Raises
+    ------
+    InputError
+        When the design does not take the networks; see also ``synthesise``.
+    """
+    scene = load_scene(extra.scene)
+    core = build(task_of(scene), extra.candidate)
+    with tempfile.TemporaryDirectory() as folder:
+        convert_hierarchy(elaborate(core), Path(folder), "verilog")
+        return scene, core, {FAMILY: synthesise(Path(folder), core.entity, FAMILY)}
+
+
+def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
+    """Every recorded network without what stands around it, and the cells of its entities."""
+    for name in [*scene_names(), *class_names(), *comparison_names()]:
+        scene = load_scene(name)
+        path = budget_path(scene.path)
+        if path.is_file() and not scene.design_options.get("reload"):
+            core = scene.twin().core
+            while isinstance(core, Windowed):
+                core = core.network
+            yield name, scene, core, read_budget(path)
+
+
+def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = "") -> list[Recorded]:
+    """The own cells of each entity of a network, beside what its twin says of it.
+
+    ``kind`` is that of the design; without it, that of the scene's.
+    """
+    found = cells[FAMILY]
+    rows = []
+    for block, count in instances(core):
+        if block.block in LEFT_OUT:
+            continue
+        own = {
+            kind: found[block.entity][kind]
+            - sum(found[part.entity][kind] for part in block.parts())
+            for kind in ("LUT", "flip-flop")
+        }
+        rows.append(
+            Recorded(
+                name,
+                scene.weights_paths[0].stem,
+                kind or kind_of(scene.design, scene.design_options),
+                block.entity,
+                group_of(block),
+                count,
+                own["LUT"],
+                own["flip-flop"],
+                features_of(block),
+            )
+        )
+    return rows
+
+
+def placed_row(name: str, scene: Scene) -> Placed:
+    """What ``make synth`` recorded of a network that was placed and routed."""
+    timing, _ = read_timing(timing_path(scene.path))
+    return Placed(
+        name,
+        kind_of(scene.design, scene.design_options),
+        path_of(scene.design, {**DEFAULTS, **scene.design_options}),
+        timing.luts,
+        timing.flip_flops,
+        timing.multipliers,
+        timing.block_rams,
+        timing.clock_mhz,
+    )
+
+
+def record() -> tuple[list[Recorded], list[Placed]]:
+    """The rows of both files. A network with a block that has no model is left out."""
+    rows: list[Recorded] = []
+    placed: list[Placed] = []
+    for name, scene, core, cells in networks():
+        try:
+            rows += rows_of(name, scene, core, cells)
+        except InputError as error:
+            print(f"{name}: left out: {error}")
+            continue
+        if scene.twin() == core and not scene.argmax:
+            placed.append(placed_row(name, scene))
+    for extra in EXTRAS:
+        print(extra.name, flush=True)
+        scene, core, cells = synthesised(extra)
+        kind = kind_of(extra.candidate.design, extra.candidate.options)
+        rows += rows_of(extra.name, scene, core, cells, kind)
+    return rows, placed
+
+
+def write(path: Path, columns: Sequence[str], rows: Sequence[Recorded | Placed]) -> None:
+    """Write rows as a CSV."""
+    with (
+        replace_file(path) as temporary,
+        temporary.open("w", newline="", encoding="utf-8") as handle,
+    ):
+        writer = csv.writer(handle, lineterminator="\n")
+        writer.writerow(columns)
+        for row in rows:
+            writer.writerow([cell for value in vars(row).values() for cell in written(value)])
+
+
+def written(value: object) -> list[str]:
+    """The cells of a value: numbers that belong together stand in one."""
+    if isinstance(value, Features):
+        return [" ".join(map(str, map(int, one))) for one in (value.luts, value.flip_flops)]
+    return [str(value)]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m hdl.synth.sizing", description=__doc__)
+    parser.add_argument("--record", action="store_true")
+    asked = parser.parse_args().record
+    would("synthesise networks and record their cells" if asked else "compare estimated cells")
+    if asked:
+        rows, placed = record()
+        write(CELLS, COLUMNS, rows)
+        write(ROUTED, PLACED_COLUMNS, placed)
+        print(f"wrote {CELLS} and {ROUTED}")
+    print("LUTs of a Virtex-II: recorded, and estimated from networks of other weights")
+    for one in held_out():
+        print(
+            f"{one.network:40}{one.design:16}{one.luts:8}{one.estimated:10.0f}{one.percent:+8.1f} %"
+        )
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.synth.sizing", main)

@@ -1,0 +1,58 @@
+"""The text and the picture of docs/designs.md."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from golden.scene import Scene, load_scene
+from golden.scene.comparison import compared
+from golden.sizing.candidates import Refused, Sized
+from golden.sizing.model import held_out
+from tb.report.draw.designs import picture_of
+from tb.report.measure.designs import designs
+from tb.report.measure.table import Cell, cell_text
+
+# The scenes of the page: the default one, and one whose network every design takes.
+CASCADE, SINGLE = "digit", "digit-single"
+
+
+@cache
+def _compared(name: str) -> tuple[Scene, list[Sized], list[Refused]]:
+    scene = load_scene(name)
+    return scene, *compared(scene)
+
+
+def rows(name: str, family: str = "xc2v") -> str:
+    """What each design of a scene costs, and those that cannot be built."""
+    scene, found, refused = _compared(name)
+    table = designs(scene, found, family)
+    lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
+    lines += [f"| {' | '.join(map(_shown, row))} |" for row in table.rows]
+    if refused:
+        names = ", ".join(f"`{one.candidate.design}`" for one in _first(refused))
+        lines += ["", f"Not possible for this scene: {names}, because of its arrangement."]
+    return "\n".join(lines)
+
+
+def spreads() -> str:
+    """Every recorded network, estimated by a model that does not know it."""
+    lines = ["| network | design | LUTs | estimated | error % |", "|---|---|---|---|---|"]
+    for one in held_out():
+        cells = [f"`{one.network}`", one.design, str(one.luts)]
+        lines.append(f"| {' | '.join(cells)} | {one.estimated:.0f} | {one.percent:+.1f} |")
+    return "\n".join(lines)
+
+
+def picture() -> str:
+    """LUTs against clocks of the scene that every design takes."""
+    scene, found, _ = _compared(SINGLE)
+    return picture_of(scene, found, "xc2v")
+
+
+def _first(refused: list[Refused]) -> list[Refused]:
+    """One for each design."""
+    return list({one.candidate.design: one for one in refused}.values())
+
+
+def _shown(cell: Cell) -> str:
+    return "" if cell in (None, "") else cell_text(cell)

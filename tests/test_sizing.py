@@ -1,0 +1,319 @@
+"""Estimated cells, the comparison of designs, and the choice of the smallest that suffices."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from refused import Desk
+
+from golden.block import walk
+from golden.input_error import InputError
+from golden.networks.network import Network
+from golden.networks.windowed import Windowed
+from golden.precision import SIGNAL
+from golden.rig.check import everything
+from golden.scene import Scene, load_scene
+from golden.scene.comparison import compared
+from golden.sizing.candidates import Sized, front
+from golden.sizing.exact import block_rams, multipliers
+from golden.sizing.features import columns, tree_bits
+from golden.sizing.model import Held, held_out, recorded, size_of
+from golden.sizing.price import Price, shares_of
+from golden.sizing.routed import clock_of, placed
+from hdl.synth.sizing import EXTRAS, networks, rows_of
+from hdl.synth.timing import read_timing, timing_path
+from tb.common.cases import random_mlp, write_scene
+from tb.report.draw.designs import spots
+from tb.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
+from tb.report.page.summary import built
+
+# What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
+MOST = 10.0
+DESIGNS = {"engine", "engine serial", "hybrid", "parallel", "adder_graph"}
+
+
+def core_of(scene: Scene) -> Network:
+    core = scene.twin().core
+    while isinstance(core, Windowed):
+        core = core.network
+    return core
+
+
+@pytest.fixture(scope="module")
+def found() -> tuple[Scene, list[Sized]]:
+    """The designs of a scene that every design takes."""
+    scene = load_scene("digit-single")
+    rows, refused = compared(scene)
+    assert refused == []
+    return scene, rows
+
+
+def auto(folder: Path, lines: str, sections: str = "", shape: tuple[int, ...] = (2, 3, 3)) -> Scene:
+    """A small scene whose design is to be chosen."""
+    networks = [random_mlp(shape, 1.0, 4)]
+    path = write_scene(
+        folder, "small", "exact", networks, design="auto", hardware=lines, sections=sections
+    )
+    kept = [line for line in path.read_text().splitlines() if not line.startswith("activation")]
+    path.write_text("\n".join(kept))
+    return load_scene(str(path))
+
+
+def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> None:
+    entities = placed = 0
+    for name, scene, core, cells in networks():
+        # A block without a model, or whose products nobody counts, is refused; see below.
+        for block in walk(core):
+            with suppress(InputError):
+                size_of(block)
+                counts = multipliers(block), block_rams(block, "xc2v")
+                entity = cells["xc2v"][block.entity]
+                assert counts == (entity["multiplier"], entity["block RAM"]), (name, block.entity)
+                entities += 1
+        if scene.twin() == core and not scene.argmax:
+            with suppress(InputError):
+                size_of(core)
+                counts = multipliers(core), block_rams(core, "ecp5")
+                timing = read_timing(timing_path(scene.path))[0]
+                assert counts == (timing.multipliers, timing.block_rams), name
+                placed += 1
+    assert entities > 300
+    assert placed > 20
+
+
+def test_products_that_nobody_counts_are_refused() -> None:
+    scene = load_scene("comparison/digit-parallel-pade")
+    with pytest.raises(InputError, match="got activation 'pade', whose multipliers depend on what"):
+        multipliers(scene.twin())
+
+
+def test_the_cells_that_are_fitted_are_those_of_the_budgets() -> None:
+    kept = {row.network: [] for row in recorded()}
+    for row in recorded():
+        kept[row.network].append(row)
+    for name, scene, core, cells in networks():
+        if name in kept:
+            assert rows_of(name, scene, core, cells) == kept.pop(name), name
+    assert set(kept) == {extra.name for extra in EXTRAS}
+
+
+@pytest.mark.parametrize("one", held_out(), ids=lambda one: one.network)
+def test_estimates_of_networks_that_were_held_out(one: Held) -> None:
+    assert abs(one.percent) <= MOST, one
+
+
+def test_every_design_was_held_out() -> None:
+    assert {one.design for one in held_out()} == DESIGNS
+
+
+def test_tables_in_luts_share_equal_columns() -> None:
+    # Of the columns 0011, 0101, 0110 and 1111, two are bits of the address and one is constant.
+    assert columns([0b1000, 0b1101, 0b1011, 0b1110], 4, 2) == 1
+
+
+def test_an_adder_tree_adds_a_constant_for_nothing() -> None:
+    assert tree_bits([8, 8, 8], 10, constant=False) == (9 + 10, 9 + 8 + 10)
+    assert tree_bits([8, 8, 8], 10, constant=True) == (9, 9 + 10)
+
+
+def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[Sized]]) -> None:
+    scene, rows = found
+    by_name = {row.candidate.name: row for row in rows}
+    hybrid, codes = by_name["hybrid"], scene.vectors().codes
+    assert (hybrid.clocks, hybrid.interval) == (
+        scene.twin().output_clocks[-1],
+        scene.twin().interval,
+    )
+    real = np.clip(scene.process_real(SIGNAL.to_real(codes)), -1, 1 - 2**-13) * 2**13
+    apart = np.abs(scene.twin().process(codes) - real)
+    assert hybrid.worst == pytest.approx(apart.max())
+    assert hybrid.mean == pytest.approx(apart.mean())
+    serial, engine = (row for row in rows[:2])
+    assert (serial.multipliers, engine.multipliers) == (0, 1)
+    assert serial.clocks > engine.clocks
+
+
+def test_the_front_has_no_design_that_another_one_beats(found: tuple[Scene, list[Sized]]) -> None:
+    _, rows = found
+    worse = replace(rows[1], worst=rows[1].worst + 1)
+    assert front([rows[1], worse], "xc2v") == [True, False]
+    assert front([rows[1], rows[1]], "xc2v") == [True, True]
+    assert any(front(rows, "xc2v"))
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_table_has_a_line_for_each_design(
+    family: str, found: tuple[Scene, list[Sized]]
+) -> None:
+    scene, rows = found
+    table = designs(scene, rows, family)
+    assert [row[1] for row in table.rows] == [row.candidate.name for row in rows]
+    assert FRONT in {row[0] for row in table.rows} <= {FRONT, ""}
+    # Every estimate stands beside its spread.
+    assert None not in {row[3] for row in table.rows}
+
+
+def test_a_clock_is_estimated_between_recorded_ones_alone() -> None:
+    rows = [row for row in placed() if row.design == "adder_graph"]
+    met = [row.clock_mhz for row in rows]
+    clocks = [clock_of(rows, path) for path in range(1, 6)]
+    assert clocks == sorted(clocks, reverse=True)
+    assert min(met) < clocks[-1] < clocks[0] < 1.01 * max(met)
+    assert clock_of(rows, 6) is None
+    one = [row for row in rows if row.network == "digit-fast"]
+    assert clock_of(one, 5) == pytest.approx(one[0].clock_mhz)
+    assert clock_of(one, 1) is None
+
+
+def test_the_picture_has_every_design_and_those_that_the_thesis_prints(
+    found: tuple[Scene, list[Sized]],
+) -> None:
+    scene, rows = found
+    names = {spot.name for spot in spots(scene, rows, "xc2v")}
+    assert names == {row.candidate.name for row in rows} | {"thesis, cascade", "thesis, single"}
+    assert {spot.name for spot in spots(scene, rows, "ecp5")} == {r.candidate.name for r in rows}
+
+
+def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
+    scene = auto(tmp_path, "")
+    rows, _ = compared(scene)
+    prices = {row.candidate.name: scene.price.of(row.cells("xc2v")) for row in rows}
+    for row in rows:
+        limited = auto(tmp_path, f"clocks = {row.clocks}\ninterval = {row.interval}")
+        fit = [o for o in rows if o.clocks <= row.clocks and o.interval <= row.interval]
+        assert limited.choice is not None
+        assert (
+            limited.choice.row.candidate.name
+            == min((prices[one.candidate.name], one.clocks, one.candidate.name) for one in fit)[-1]
+        )
+        assert limited.twin().output_clocks[-1] <= row.clocks
+        assert limited.twin().interval <= row.interval
+
+
+def test_auto_says_what_it_chose_and_what_is_beside_it(tmp_path: Path) -> None:
+    fast = min(compared(auto(tmp_path, ""))[0], key=lambda row: row.clocks)
+    scene = auto(tmp_path, f"clocks = {fast.clocks}")
+    assert scene.choice is not None
+    chosen, smaller, faster = scene.choice.lines()
+    assert chosen.startswith(f"chosen: {fast.candidate.name}: {fast.clocks} clocks, a frame every")
+    assert f"{scene.choice.smaller.clocks - fast.clocks} too many" in smaller
+    assert faster == "next faster: none, no other design is faster"
+    text = "\n".join(map(str, everything(scene, tmp_path / "build")))
+    assert all(f"hardware.design auto: {line}" in text for line in (chosen, smaller, faster))
+    (first, *_, said, _, _) = built(scene, scene.twin())
+    assert f", {fast.candidate.design}, activation" in first
+    assert said.startswith("Chosen: ")
+
+
+def test_a_rate_is_an_interval_at_the_clock(tmp_path: Path) -> None:
+    scene = auto(tmp_path, "clock_mhz = 10\nframes_a_second = 1000000")
+    assert scene.demand.interval == 10
+    assert scene.twin().interval <= 10
+
+
+def test_auto_takes_the_clocks_that_a_scan_leaves(tmp_path: Path) -> None:
+    scene = auto(tmp_path, "", "\n[front_end]\ncounter_width = 8\n")
+    assert scene.choice is not None
+    assert scene.choice.demand.clocks == (1 << 8) // 2 - 1
+    assert scene.choice.row.network.stream == "serial"
+
+
+def test_prices_change_the_choice(tmp_path: Path) -> None:
+    dear = "prices = { lut = 0, multiplier = 1, block_ram = 0 }"
+    cheap = "prices = { lut = 1, multiplier = 0, block_ram = 0 }"
+    first, second = (auto(tmp_path, prices).choice for prices in (dear, cheap))
+    assert first is not None
+    assert second is not None
+    assert (first.cells.multipliers, second.cells.multipliers) == (0, 1)
+
+
+def test_a_share_is_that_of_the_device() -> None:
+    small, large = shares_of("LFE5U-25F"), shares_of("LFE5U-85F")
+    assert small.multiplier / large.multiplier == pytest.approx(156 / 28)
+    assert isinstance(small, Price)
+    assert small.shares
+
+
+def test_the_scene_that_is_chosen_builds_the_same(tmp_path: Path) -> None:
+    scene = auto(tmp_path, "interval = 30")
+    assert scene.chosen.design != "auto"
+    assert scene.chosen.twin() == scene.twin()
+
+
+FASTEST = "expected .* or more, which the nearest design, .*, takes from the last sample"
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ("clocks = 1", f"hardware.clocks: got 1, {FASTEST}"),
+        (
+            "frames_a_second = 1e9",
+            "hardware.frames_a_second: got 1e\\+09, expected at most 6.4e\\+07, a frame in every",
+        ),
+        ("interval = 5\nframes_a_second = 5", "frames_a_second: got 5 with interval 5, expected"),
+        ('pipeline = "deep"', "hardware.pipeline: got 'deep' with design 'auto', expected none"),
+        ("reload = true", "hardware.reload: got true with design 'auto', expected none"),
+        ('device = "XC7"', "hardware.device: got 'XC7', expected one of XC2V3000, LFE5U-12F"),
+        ("prices = { lut = 1 }", "hardware.prices.multiplier: missing, expected a number"),
+        (
+            "prices = { lut = 0, multiplier = 0, block_ram = 0 }",
+            "hardware.prices: got 0 for all, expected one above 0",
+        ),
+    ],
+)
+def test_auto_refuses(tmp_path: Path, lines: str, says: str) -> None:
+    with pytest.raises(InputError, match=rf"small\.toml: .*{says}"):
+        auto(tmp_path, lines).twin()
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ("clocks = 5", "hardware.clocks: got 5, expected \\d+ or more, which design hybrid takes"),
+        (
+            "interval = 1",
+            "hardware.interval: got 1, expected 3 clocks or more, which design hybrid",
+        ),
+        (
+            "frames_a_second = 6.4e7",
+            "hardware.frames_a_second: got 6.4e\\+07, a frame every 1 clocks, expected 3 clocks",
+        ),
+        ('device = "XC2V3000"', "hardware.device: got 'XC2V3000' with design 'hybrid', expected"),
+    ],
+)
+def test_a_design_that_is_too_slow_is_refused(tmp_path: Path, lines: str, says: str) -> None:
+    networks = [random_mlp((2, 3, 3), 1.0, 4)]
+    path = write_scene(tmp_path, "fixed", "exact", networks, activation="precise", hardware=lines)
+    with pytest.raises(InputError, match=rf"fixed\.toml: {says}"):
+        load_scene(str(path)).twin()
+
+
+def test_limits_that_are_met_change_nothing(tmp_path: Path) -> None:
+    networks = [random_mlp((2, 3, 3), 1.0, 4)]
+    scenes = [
+        load_scene(
+            str(write_scene(tmp_path, "s", "exact", networks, activation="precise", hardware=lines))
+        ).twin()
+        for lines in ("", "clocks = 1000\ninterval = 1000")
+    ]
+    assert scenes[0] == scenes[1]
+
+
+def test_the_command_refuses(desk: Desk) -> None:
+    desk.refuses("designs", "mine.toml", "--family=xc7", says="FAMILY=xc7: no such family")
+    desk.refuses("designs", "mine.toml", "--picture=a.png", says="PICTURE=a.png: expected a name")
+    desk.refuses("designs", "no", says="scene 'no': no such scene")
+
+
+def test_a_reason_that_all_options_share_is_told_once() -> None:
+    _, refused = compared(load_scene("digit"))
+    assert refused_lines(refused) == [
+        "parallel: not possible: network.arrangement: got 'cascade', expected single",
+        "adder_graph: not possible: network.arrangement: got 'cascade', expected single or "
+        "multiple",
+    ]
