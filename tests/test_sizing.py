@@ -33,7 +33,7 @@ from tb.report.page.summary import built
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0
-DESIGNS = {"engine", "engine serial", "hybrid", "parallel", "adder_graph"}
+DESIGNS = {"engine", "engine serial", "lanes", "hybrid", "parallel", "adder_graph"}
 
 
 def core_of(scene: Scene) -> Network:

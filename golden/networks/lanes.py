@@ -139,7 +139,7 @@ class Lanes(Engine):
         return (
             self.frame_check,
             self.program_memory,
-            self.operand_memory,
+            *[self.operand_memory] * self.lanes,
             *self.lane_memories,
             *self.accumulators,
             *self.rounds,

@@ -68,6 +68,7 @@ CANDIDATES = (
     Candidate("engine", {"multiplier": "serial", "pipeline": "short"}),
     Candidate("engine", {"multiplier": "dsp", "pipeline": "short"}),
     Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"}),
+    *(Candidate("lanes", {"lanes": count}) for count in (2, 4, 8, 16)),
     Candidate("hybrid"),
     Candidate("parallel"),
     _adders(5),

@@ -11,10 +11,13 @@ from typing import Any
 
 from golden.block import Block
 from golden.input_error import InputError
+from golden.sizing.features import in_logic
 
 # Words of 36 bits in a block RAM of a Virtex-II, and in the two of an ECP5 that have two read ports
 # of 36 bits.
 WORDS = {"xc2v": (512, 1), "ecp5": (1024, 2)}
+# Words of 18 bits in a block RAM of either family.
+HALF_WORDS = 1024
 
 
 def multipliers(top: Block) -> int:
@@ -60,13 +63,23 @@ def _not_counted(block: Block) -> int:
 
 
 def _program(block: Any, words: int, each: int) -> int:
+    if in_logic(block):
+        return 0
+    if not block.table:
+        # One port of 36 bits is what a block RAM of either family has.
+        words, each = WORDS["xc2v"]
     return max(1, (1 << int(block.addr_width)) // words) * each
+
+
+def _weights(block: Any, *_: int) -> int:
+    return max(1, (1 << int(block.addr_width)) // HALF_WORDS)
 
 
 _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
     "grad_eqn": lambda _: 1,
     "gradient_parallel": _not_counted,
     "input_node": lambda _: 1,
+    "lane_accumulate": lambda _: 1,
     "lut": lambda _: 1,
     "multiply_accumulate": lambda _: 1,
     "neuron": _neuron,
@@ -78,6 +91,7 @@ _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
 _MEMORIES: dict[str, Callable[..., int]] = {
     "bipartite": lambda block, *_: 2 * (block.memory == "block_ram"),
     "bipartite_pair": lambda block, *_: 2 * (block.activation.memory == "block_ram"),
+    "lane_memory": _weights,
     "operand_memory": lambda *_: 1,
     "precise": lambda block, *_: int(block.coefficients == "block_ram"),
     "program_memory": _program,

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from golden.block import Block
+from golden.engine.program_memory import ProgramMemory
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_integral import InputIntegral
@@ -21,6 +22,11 @@ from golden.layers.shift_add import Constant, Sum
 
 # The words of 9 bits that a block RAM holds.
 NARROW_WORDS = 2048
+# Up to so many bits of its address, a memory is built of LUTs.
+LOGIC_ADDR_WIDTH = 6
+# Of these the cells are those of one piece. Entity by entity, Yosys packs the choice of the sum
+# that a lane adds into wide multiplexers, and takes up to twice the LUTs.
+IN_ONE_PIECE = ("lanes",)
 # Blocks that differ only in how many nodes they serve have their costs together.
 ALIKE = {"bipartite_pair": "bipartite"}
 
@@ -57,6 +63,11 @@ def features_of(block: Block) -> Features:
     if block.block not in _FEATURES:
         raise InputError(f"{block.entity}: got a block {block.block!r}, whose cells have no model")
     return _FEATURES[block.block](block)
+
+
+def in_logic(program: ProgramMemory) -> bool:
+    """Whether a program is so short, and without a table, that its memory is made of LUTs."""
+    return not program.table and program.addr_width <= LOGIC_ADDR_WIDTH
 
 
 def columns(words: Iterable[int], width: int, addr_width: int) -> int:
@@ -201,6 +212,14 @@ def _input_controller(block: Any) -> Features:
     return _both(1, (block.inputs - 1).bit_length(), block.spacing.bit_length())
 
 
+def _lanes(block: Any) -> Features:
+    program, lanes, looked_up = block.program_memory, block.lanes, block.lanes * block.looks_up
+    words = len(program.words) * in_logic(program)
+    # What chooses between the sums of other lanes.
+    choices = sum(max(0, one.partners - 1) for one in block.accumulators)
+    return Features((1, lanes, looked_up, words, choices), (1, lanes, words))
+
+
 def _program_memory(block: Any) -> Features:
     # Up to so many words, each block RAM has some bits of every word, and nothing is chosen.
     chosen = max(0, (1 << block.addr_width) // NARROW_WORDS - 1)
@@ -225,6 +244,7 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "input_controller": _input_controller,
     "input_integral": _input_integral,
     "input_node": _input_node,
+    "lanes": _lanes,
     "lut": _one,
     "multiple": lambda block: _both(1, len(block.networks)),
     "multiply_accumulate": lambda block: _both(1, block.acc_width),

@@ -19,7 +19,7 @@ import numpy as np
 from golden.block import Block
 from golden.input_error import InputError
 from golden.real import Real
-from golden.sizing.features import Features, Numbers, features_of, group_of
+from golden.sizing.features import IN_ONE_PIECE, Features, Numbers, features_of, group_of
 from golden.table import read_csv_file
 
 CELLS = Path(__file__).with_name("cells.csv")
@@ -178,7 +178,12 @@ def size_of(top: Block) -> Size:
 
 
 def instances(top: Block) -> list[tuple[Block, int]]:
-    """Every entity under ``top`` and itself, with the number of its instances."""
+    """Every entity under ``top`` and itself, with the number of its instances.
+
+    Where a network is synthesised in one piece, it is the only one.
+    """
+    if top.block in IN_ONE_PIECE:
+        return [(top, 1)]
     counts: Counter[str] = Counter()
     blocks: dict[str, Block] = {}
 

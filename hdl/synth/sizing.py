@@ -24,7 +24,7 @@ from golden.scene import Scene, load_scene, scene_names
 from golden.scene.comparison import task_of
 from golden.scene.reading import class_names, comparison_names
 from golden.sizing.candidates import Candidate, build, kind_of
-from golden.sizing.features import Features, features_of, group_of
+from golden.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
 from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
 from golden.sizing.routed import COLUMNS as PLACED_COLUMNS
 from golden.sizing.routed import ROUTED, Placed, path_of
@@ -32,7 +32,7 @@ from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
-from hdl.synth.cells import synthesise
+from hdl.synth.cells import flat_name, synthesise, synthesise_flat
 from hdl.synth.timing import read_timing, timing_path
 
 FAMILY = "xc2v"
@@ -63,6 +63,11 @@ def _adders(count: int) -> Candidate:
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
 
 
+def lanes(count: int) -> Candidate:
+    """The design with so many multipliers side by side."""
+    return Candidate("lanes", {"lanes": count})
+
+
 DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
 SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
 HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
@@ -73,6 +78,11 @@ EXTRAS = (
     Extra("classes/wine", DEEP),
     Extra("classes/digits-fast", SHORT),
     Extra("swing-single", Candidate("engine", {"multiplier": "serial", "pipeline": "short"})),
+    *(Extra("digit-load", lanes(count)) for count in (2, 4, 8)),
+    *(Extra("swing-cascade", lanes(count)) for count in (2, 4)),
+    *(Extra("digit-single", lanes(count)) for count in (2, 8, 16)),
+    *(Extra("classes/digits", lanes(count)) for count in (2, 4, 16)),
+    *(Extra("classes/loads", lanes(count)) for count in (4, 8)),
     Extra("digit-load", HYBRID),
     Extra("swing-single", HYBRID),
     Extra("swing-cascade", HYBRID),
@@ -99,7 +109,11 @@ def synthesised(extra: Extra) -> tuple[Scene, Network, Cells]:
     core = build(task_of(scene), extra.candidate)
     with tempfile.TemporaryDirectory() as folder:
         convert_hierarchy(elaborate(core), Path(folder), "verilog")
-        return scene, core, {FAMILY: synthesise(Path(folder), core.entity, FAMILY)}
+        if core.block in IN_ONE_PIECE:
+            found = {flat_name(core.entity): synthesise_flat(Path(folder), core.entity)}
+        else:
+            found = synthesise(Path(folder), core.entity, FAMILY)
+    return scene, core, {FAMILY: found}
 
 
 def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
@@ -124,9 +138,11 @@ def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = ""
     for block, count in instances(core):
         if block.block in LEFT_OUT:
             continue
+        whole = found[flat_name(block.entity)] if block.block in IN_ONE_PIECE else None
         own = {
-            kind: found[block.entity][kind]
-            - sum(found[part.entity][kind] for part in block.parts())
+            kind: whole[kind]
+            if whole
+            else found[block.entity][kind] - sum(found[part.entity][kind] for part in block.parts())
             for kind in ("LUT", "flip-flop")
         }
         rows.append(
