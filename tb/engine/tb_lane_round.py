@@ -2,7 +2,7 @@
 
 Sweeps: sums at and around both ends of the sum and of the word, around zero, around the places at
 which the result changes, at every power of two, and 4000 random sums of every size; in the first
-lane every sample, in another lane random words of the first one, some of them with zeros.
+lane every sample, in another lane both ends and random words of the first one, some with zeros.
 Drives: a sum and what is given in its place every clock, in random order, with ReLU and without it
 where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears; in the first lane also what the
@@ -58,11 +58,10 @@ async def sums_and_what_is_given(dut):
     twin, rng = bench.twin, bench.rng
     accs, fmt = sums(bench), SIGNAL if twin.leads else WORD
     count = 16384
-    given = (
-        np.arange(fmt.low, fmt.high + 1)
-        if twin.leads
-        else rng.integers(fmt.low, fmt.high + 1, count)
-    )
+    given = np.arange(fmt.low, fmt.high + 1)
+    if not twin.leads:
+        random = rng.integers(fmt.low, fmt.high + 1, count - 2)
+        given = np.concatenate([[fmt.low, fmt.high], random])
     order = rng.permutation(len(accs) + count)
     own = order < len(accs)
     acc, other = rng.choice(accs, len(order)), rng.choice(given, len(order))
