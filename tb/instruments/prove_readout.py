@@ -5,6 +5,8 @@ from tb.sign_off.properties import Property
 
 
 def properties(twin):
+    if not twin.holds:
+        return []
     outputs, width = twin.outputs, SIGNAL.width
     stream = ("result_valid", "result", "result_last")
     words = "\n".join(
