@@ -22,6 +22,8 @@ COLOURS = {
     "adder_graph": "#1b7a3d",
     "printed": "#b34700",
 }
+# In the line of kinds: the width of a letter, and what is between two kinds.
+LETTER, GAP = 7.2, 20.0
 # The places of a letter around its disc, as parts of the distance that depends on its size.
 _BESIDE = [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7)]
 _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.0, 1.9)]
@@ -93,10 +95,10 @@ def area(table: Table) -> str:
     top = axes.top + axes.height + 58
     heads = ("LUTs", "multipliers", "clocks", "error %")
     body += _row(top, heads)
-    body += [
-        text((6 + 78 * n, 38), kind, fill=colour, font_weight="bold")
-        for n, (kind, colour) in enumerate(COLOURS.items())
-    ]
+    left = 6.0
+    for kind, colour in COLOURS.items():
+        body.append(text((left, 38), kind, fill=colour, font_weight="bold"))
+        left += LETTER * len(kind) + GAP
     for n, (letter, design) in enumerate(zip(letters, found, strict=True), 1):
         y = top + n * ROW
         body.append(text((6, y), letter, font_weight="bold"))
