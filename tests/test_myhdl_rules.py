@@ -98,6 +98,7 @@ def elaboration_constants(block: ast.FunctionDef) -> set[str]:
     makers |= {"Words", "Group", "Stream"}
     # Of what is handed over by name, signals have no annotation.
     names = {arg.arg for arg in block.args.kwonlyargs if arg.annotation}
+    signals: set[str] = set()
     for node in block.body:
         if isinstance(node, ast.Assign):
             calls = {
@@ -105,9 +106,17 @@ def elaboration_constants(block: ast.FunctionDef) -> set[str]:
                 for n in ast.walk(node.value)
                 if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)
             }
-            if not calls & makers:
+            made = {n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name)}
+            if calls & makers or one_of(node.value, signals):
+                signals |= made
+            else:
                 names |= {t.id for t in node.targets if isinstance(t, ast.Name)}
     return names
+
+
+def one_of(value: ast.expr, signals: set[str]) -> bool:
+    """Whether a value is an element of several signals."""
+    return isinstance(value, ast.Subscript) and ast.unparse(value.value) in signals
 
 
 def check(source: str) -> list[tuple[int, str]]:

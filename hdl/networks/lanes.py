@@ -63,7 +63,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     coeff = Words(count, lambda: unsigned(WIDTH))
     acc = Words(count, lambda: signed(spec.acc_width))
     high, low = (Words(count, flag) for _ in range(2))
-    first_data, *_ = (data[j] for j in range(count))
+    first_data = data[0]
     source_low, kind_low, opens_low = SOURCE[0], KIND[0], OPENS[0]
     place_top = memories[0].place_width
     source_top, kind_top, opens_top = source_low + spec.addr_width, sum(KIND), sum(OPENS)
