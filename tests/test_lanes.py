@@ -13,7 +13,8 @@ from test_engine import networks, random_codes
 
 from golden.block import walk
 from golden.commands.listing import main
-from golden.engine.lane_groups import CHAIN, gathers
+from golden.engine.graph import Graph
+from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
 from golden.engine.lane_listing import critical_path, lane_listing
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
@@ -137,10 +138,11 @@ def test_the_program_holds_what_was_scheduled() -> None:
 def test_a_word_has_a_place_for_each_field() -> None:
     """Fields do not overlap: each bit of a word alone changes one field of one step."""
     pipeline, seen = LanePipeline(), set()
+    shared = LaneGraph(1, Graph(1, ()), (), ((0,),))
     for bit in range(36):
         words = [0] * 40
         words[20] = 1 << bit
-        program = LaneProgram(1, 9, (), tuple(words), pipeline, (), weights=((0,),))
+        program = LaneProgram(1, 9, (), tuple(words), pipeline, (), shared=shared)
         steps = program.lane_steps
         named = [
             (n, field.name)

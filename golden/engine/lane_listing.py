@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from golden.engine.formats import ONE, coeff_frac
 from golden.engine.graph import Graph, Kind
-from golden.engine.lane_groups import LaneGraph, shared_out
+from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneProgram
 from golden.engine.listing import operand_text
 from golden.engine.pipeline import Pipeline
@@ -17,7 +17,7 @@ _COLUMNS = ("step", "neurons", "operand", "address", "weight of each lane", "the
 
 def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
     """The program as text, with a line for every step, and the path that bounds its clocks."""
-    shared = shared_out(graph, program.lanes)
+    shared = program.shared
     rows: list[Sequence[str]] = [_COLUMNS]
     kept = graph.inputs
     for n, (step, code) in enumerate(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -63,18 +63,20 @@ class LaneProgram(Program):
 
     Parameters
     ----------
-    weights : tuple of tuple of int
-        For each place the weight of each lane.
     shared : LaneGraph
         The groups from which it was assembled.
     """
 
-    weights: tuple[tuple[int, ...], ...] = ()
-    shared: LaneGraph | None = None
+    shared: LaneGraph = field(kw_only=True)
 
     @property
     def lanes(self) -> int:
-        return len(self.weights[0])
+        return self.shared.lanes
+
+    @property
+    def weights(self) -> tuple[tuple[int, ...], ...]:
+        """For each place the weight of each lane."""
+        return self.shared.weights
 
     @cached_property
     def intercepts(self) -> Codes:
@@ -124,7 +126,7 @@ class LaneProgram(Program):
 
     def scheduled(self, graph: Graph) -> list[Step]:
         """The steps of the groups."""
-        return shared_out(graph, self.lanes).schedule(self.pipeline)
+        return self.shared.schedule(self.pipeline)
 
     def execute(self, samples: Codes) -> Codes:
         results = [
@@ -133,16 +135,15 @@ class LaneProgram(Program):
         return np.stack(results, axis=-1)
 
     def stored(self, graph: Graph, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
-        shared = shared_out(graph, self.lanes)
-        order = [step.neuron for step in shared.schedule(self.pipeline) if step.last]
+        order = [step.neuron for step in self.scheduled(graph) if step.last]
         for number, (step, sums, words) in zip(order, self.lanes_run(samples), strict=True):
-            for lane, neuron in enumerate(shared.groups[number].members):
+            for lane, neuron in enumerate(self.shared.groups[number].members):
                 if neuron >= 0:
                     yield neuron, bool(step.relu), sums[lane], words[lane]
 
     def weight_notes(self, graph: Graph, lane: int) -> list[str]:
         """What the words of the table stand for, and behind them the weights of a lane."""
-        shared = shared_out(graph, self.lanes)
+        shared = self.shared
         found = {0: "none"}
         for number, group in zip(shared.groups, shared.graph.neurons, strict=True):
             members = number.members if not (number.joined or number.alike) else ()
@@ -262,7 +263,6 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         pipeline,
         (*_notes(shared, steps), *["fields of steps above"] * (len(words) - len(steps))),
         graph.rectifies,
-        weights=shared.weights,
         shared=shared,
     )
 
