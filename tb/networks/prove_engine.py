@@ -5,6 +5,7 @@ the same for every frame.
 """
 
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import table
 
 # These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
 # case is loaded.
@@ -56,12 +57,6 @@ def built_in(twin, place="place"):
     written = [
         inputs - (clock < 2) + sum(n + 4 <= clock for n in stores) for clock in range(twin.busy + 2)
     ]
-    held, held_next = (
-        " : ".join(
-            [*(f"since == {n - ahead} ? {c}" for n, c in enumerate(written) if n >= ahead), last]
-        )
-        for ahead, last in ((0, "0"), (1, str(written[-1])))
-    )
     outputs = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
     watch = f"""
         // Clocks since the last sample of a frame that is computed; 0: there is none.
@@ -89,9 +84,10 @@ def built_in(twin, place="place"):
             fetched_from <= u_program_memory_0.counter;
             if (write) operands <= write_addr == 0 ? 1 : write_addr + 1;
         end
-        wire [15:0] held = {held};
-        wire [15:0] held_next = {held_next};
+        wire [15:0] held = held_at(since);
+        wire [15:0] held_next = held_at(since + 1);
     """
+    watch += table("held_at", written, 16)
     helps = (
         "run == (since != 0)",
         f"since <= {twin.busy} && {place} < {inputs} && (since == 0 || {place} == 0)",

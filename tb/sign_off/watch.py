@@ -208,33 +208,8 @@ def network(
     ]
 
 
-# Words of a table in one choice; with more, Yosys runs out of stack.
-MOST_WORDS = 512
-
-
 def table(name: str, words: Sequence[int], width: int) -> str:
-    """``name(n)`` is word n of a table; behind the last word it is the last word.
-
-    Yosys calls itself once for each word of a choice, so a long table is a choice between tables.
-    """
-    if len(words) > MOST_WORDS:
-        starts = range(0, len(words), MOST_WORDS)
-        parts = [
-            table(f"{name}_{number}", words[start : start + MOST_WORDS], width)
-            for number, start in enumerate(starts)
-        ]
-        rows = "\n".join(
-            f"{number}: {name} = {name}_{number}(n % {MOST_WORDS});" for number in range(len(parts))
-        )
-        chosen = f"""
-            function [{width - 1}:0] {name}(input [31:0] n);
-                case (n / {MOST_WORDS})
-                    {rows}
-                    default: {name} = {width}'d{words[-1]};
-                endcase
-            endfunction
-        """
-        return "\n".join([*parts, chosen])
+    """``name(n)`` is word n of a table; behind the last word it is the last word."""
     lines = "\n".join(f"{n}: {name} = {width}'d{word};" for n, word in enumerate(words))
     return f"""
         function [{width - 1}:0] {name}(input [31:0] n);
