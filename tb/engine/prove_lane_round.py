@@ -15,24 +15,31 @@ def properties(twin):
     if twin.rectifies:
         with_relu = " With relu a sum below 0 becomes 0."
         relu = ((r"relu && ", ""), (r"&& \(!relu\)", ""))
-    if not twin.leads:
-        return [of_another(least, with_relu, relu)]
+    states = ["!after_reset || $signed(word) == expected"]
+    if twin.leads:
+        given = f"the word is {1 << SAMPLE_SHIFT} times the sample. In the clock before, next_word "
+        given += "is the same, except that its lowest 17 bits are still to become 0 where next_low "
+        given += "is high."
+        states.append("$signed(next_low ? next_word & 18'h20000 : next_word) == now")
+        name, value = "eightfold", f"$signed(sample) * 32'sd{1 << SAMPLE_SHIFT}"
+        wrong = (r"wide << 3", "wide << 2")
+    else:
+        given = "the word is that of the first lane, whose lowest 17 bits are 0 where other_low is "
+        given += "high."
+        name, value = "passed", "$signed(other_low ? other & 18'h20000 : other)"
+        wrong = (r"low_now = other_low", "low_now = 0")
     return [
         Property(
             name="word",
             sentence=f"One clock later the word is the sum without its lowest {DROPPED} bits, or "
-            f"the end of the word's range where that lies beyond it.{with_relu} Without own the "
-            f"word is {1 << SAMPLE_SHIFT} times the sample. In the clock before, next_word is the "
-            "same, except that its lowest 17 bits are still to become 0 where next_low is high.",
-            states=(
-                "!after_reset || $signed(word) == expected",
-                "$signed(next_low ? next_word & 18'h20000 : next_word) == now",
-            ),
+            f"the end of the word's range where that lies beyond it.{with_relu} Without own "
+            f"{given}",
+            states=tuple(states),
             watch=f"""
                 wire signed [63:0] sum = $signed(acc);
                 wire signed [63:0] cut = sum >>> {DROPPED};
-                wire signed [31:0] eightfold = $signed(sample) * 32'sd{1 << SAMPLE_SHIFT};
-                wire signed [31:0] now = !own ? eightfold
+                wire signed [31:0] {name} = {value};
+                wire signed [31:0] now = !own ? {name}
                     : cut < {least} ? {least} : cut > {high} ? {high} : cut;
                 reg signed [31:0] expected;
                 always @(posedge clk) expected <= now;
@@ -47,7 +54,7 @@ def properties(twin):
             ),
             refuted_by=(
                 (r"kept = 131071", "kept = 131070"),
-                (r"wide << 3", "wide << 2"),
+                wrong,
                 (r"if \(low_now\)", "if (0)"),
                 *relu,
             ),
@@ -55,37 +62,3 @@ def properties(twin):
             induction=2,
         ),
     ]
-
-
-def of_another(least, with_relu, relu):
-    """The property of a lane that is not the first one and is given a word in two parts."""
-    low, high = WORD.low, WORD.high
-    return Property(
-        name="word",
-        sentence=f"One clock later the word is the sum without its lowest {DROPPED} bits, or the "
-        f"end of the word's range where that lies beyond it.{with_relu} Without own the word is "
-        "that of the first lane, whose lowest 17 bits are 0 where other_low is high.",
-        states=("!after_reset || $signed(word) == expected",),
-        watch=f"""
-            wire signed [63:0] sum = $signed(acc);
-            wire signed [63:0] cut = sum >>> {DROPPED};
-            wire signed [17:0] passed = other_low ? other & 18'h20000 : other;
-            wire signed [31:0] now = !own ? passed
-                : cut < {least} ? {least} : cut > {high} ? {high} : cut;
-            reg signed [31:0] expected;
-            always @(posedge clk) expected <= now;
-        """,
-        assumes={
-            "high and low say whether the sum is above or below every word.": "high == (cut > "
-            f"{high}) && low == (cut < {low})"
-        },
-        reached=(f"after_reset && expected == {low}", f"after_reset && expected == {high}"),
-        refuted_by=(
-            (r"kept = 131071", "kept = 131070"),
-            (r"low_now = other_low", "low_now = 0"),
-            (r"if \(low_now\)", "if (0)"),
-            *relu,
-        ),
-        clocks=3,
-        induction=2,
-    )

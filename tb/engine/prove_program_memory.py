@@ -7,62 +7,46 @@ from tb.sign_off.watch import pipe, table
 
 def properties(twin):
     width, words, late = twin.addr_width, len(twin.contents), twin.latency
-    if not twin.table:
-        return [counted(twin, words), counted_words(twin, words)]
-    looked = twin.look_up_latency
+    sentence = f"Each of the {words} addresses gives the twin's word. The counter's word comes "
+    sentence += f"{late} clock{'s' * (late > 1)} later."
+    states = [f"!there[{late - 1}] || word == contents(here_{late - 1})"]
+    reached = [f"there[{late - 1}] && here_{late - 1} == {words - 1}"]
+    refuted_by = [(r"(memory\[0\] <= \S+);", r"\1 ^ 1;")]
+    watch, latest = f"wire [{width}:0] here = counter;", late
+    passed = pipe("here", late, width + 1)
+    if twin.table:
+        looked = latest = twin.look_up_latency
+        sentence += f" The segment's word comes {looked} clock{'s' * (looked > 1)} later, or 0 "
+        sentence += "where none is looked up."
+        states.append(
+            f"!there[{looked - 1}] || table_word == "
+            f"(asked_{looked - 1} ? contents(low_{looked - 1}) : 0)"
+        )
+        reached.append(f"there[{looked - 1}] && asked_{looked - 1} && low_{looked - 1} == 1")
+        refuted_by += [
+            (r"(memory\[\d\d\d\] <= \S+);", r"\1 ^ 1;"),
+            (r"if \(look_up\)", "if (1)"),
+        ]
+        watch = f"""
+                wire [{width}:0] here = counter, low = segment;
+                wire [1:0] asked = look_up;
+            """
+        passed += pipe("low", looked, width + 1, also=looked > late)
+        passed += pipe("asked", looked, 2, also=False)
     return [
         counted(twin, words),
         Property(
             name="words",
-            sentence=f"Each of the {words} addresses gives the twin's word. The counter's word "
-            f"comes {late} clock{'s' * (late > 1)} later. The segment's word comes {looked} "
-            f"clock{'s' * (looked > 1)} later, or 0 where none is looked up.",
-            states=(
-                f"!there[{late - 1}] || word == contents(here_{late - 1})",
-                f"!there[{looked - 1}] || table_word == "
-                f"(asked_{looked - 1} ? contents(low_{looked - 1}) : 0)",
-            ),
-            watch=f"""
-                wire [{width}:0] here = counter, low = segment;
-                wire [1:0] asked = look_up;
-            """
-            + pipe("here", late, width + 1)
-            + pipe("low", looked, width + 1, also=looked > late)
-            + pipe("asked", looked, 2, also=False)
-            + table("contents", twin.contents, WORD_WIDTH),
+            sentence=sentence,
+            states=tuple(states),
+            watch=watch + passed + table("contents", twin.contents, WORD_WIDTH),
             free=("counter",),
-            reached=(
-                f"there[{late - 1}] && here_{late - 1} == {words - 1}",
-                f"there[{looked - 1}] && asked_{looked - 1} && low_{looked - 1} == 1",
-            ),
-            refuted_by=(
-                (r"(memory\[0\] <= \S+);", r"\1 ^ 1;"),
-                (r"(memory\[\d\d\d\] <= \S+);", r"\1 ^ 1;"),
-                (r"if \(look_up\)", "if (1)"),
-            ),
-            clocks=looked + 2,
-            induction=looked + 1,
+            reached=tuple(reached),
+            refuted_by=tuple(refuted_by),
+            clocks=latest + 2,
+            induction=latest + 1,
         ),
     ]
-
-
-def counted_words(twin, words):
-    """The words of a memory without a table."""
-    late = twin.latency
-    return Property(
-        name="words",
-        sentence=f"Each of the {words} addresses gives the twin's word, {late} "
-        f"clock{'s' * (late > 1)} after the counter.",
-        states=(f"!there[{late - 1}] || word == contents(here_{late - 1})",),
-        watch=f"wire [{twin.addr_width}:0] here = counter;\n"
-        + pipe("here", late, twin.addr_width + 1)
-        + table("contents", twin.contents, WORD_WIDTH),
-        free=("counter",),
-        reached=(f"there[{late - 1}] && here_{late - 1} == {words - 1}",),
-        refuted_by=((r"(memory\[0\] <= \S+);", r"\1 ^ 1;"),),
-        clocks=late + 2,
-        induction=late + 1,
-    )
 
 
 def counted(twin, words):

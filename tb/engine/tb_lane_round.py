@@ -13,13 +13,12 @@ Does not prove: that every sum is right.
 import cocotb
 import numpy as np
 
-from golden.engine.formats import DROPPED
 from golden.engine.lane_accumulate import beyond
 from golden.engine.operand_memory import WORD
-from golden.fixed import Fix
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LANES
+from tb.common.stimulus import sums_to_round
 
 CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes")}
 # It has ReLU.
@@ -32,21 +31,6 @@ FAULTS = [
 ]
 
 
-def sums(bench):
-    """Codes of the sum for which an error shows in the result."""
-    fmt = Fix(bench.twin.acc_width, 0)
-    steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
-    marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
-    powers = 1 << np.arange(fmt.width - 1)
-    marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
-    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
-    random = bench.rng.integers(fmt.low, fmt.high + 1, 4000) >> bench.rng.integers(
-        0, fmt.width - 1, 4000
-    )
-    codes = np.concatenate([near, random])
-    return codes[(codes >= fmt.low) & (codes <= fmt.high)]
-
-
 def shown(word, zeros):
     """A word, with its lowest 17 bits 0 where ``zeros`` says so."""
     return np.where(zeros, np.where(word < 0, WORD.low, 0), word)
@@ -56,7 +40,7 @@ def shown(word, zeros):
 async def sums_and_what_is_given(dut):
     bench = Bench(dut)
     twin, rng = bench.twin, bench.rng
-    accs, fmt = sums(bench), SIGNAL if twin.leads else WORD
+    accs, fmt = sums_to_round(rng, twin.acc_width), SIGNAL if twin.leads else WORD
     count = 16384
     given = np.arange(fmt.low, fmt.high + 1)
     if not twin.leads:

@@ -12,12 +12,10 @@ Does not prove: that every sum is right.
 import cocotb
 import numpy as np
 
-from golden.engine.formats import DROPPED
-from golden.engine.operand_memory import WORD
-from golden.fixed import Fix
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES, LAYERED
+from tb.common.stimulus import sums_to_round
 
 WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
 CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
@@ -32,32 +30,10 @@ FAULTS = [
 ]
 
 
-def sums(bench):
-    """Codes of the sum for which an error shows in the result."""
-    fmt = Fix(bench.twin.acc_width, 0)
-    steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
-    marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
-    if bench.twin.cut:
-        # These sums lie half way between two codes of the result, or have a single one of the bits
-        # below that. There are enough of them that some come with ReLU.
-        unit = bench.twin.cut + DROPPED
-        halves = (steps >> bench.twin.cut) << unit
-        alone = (1 << unit) + (1 << np.arange(unit).repeat(10))
-        marks = np.concatenate([marks, halves, alone])
-    powers = 1 << np.arange(fmt.width - 1)
-    marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
-    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
-    random = bench.rng.integers(fmt.low, fmt.high + 1, 4000) >> bench.rng.integers(
-        0, fmt.width - 1, 4000
-    )
-    codes = np.concatenate([near, random])
-    return codes[(codes >= fmt.low) & (codes <= fmt.high)]
-
-
 @cocotb.test()
 async def sums_and_samples(dut):
     bench = Bench(dut)
-    accs = sums(bench)
+    accs = sums_to_round(bench.rng, bench.twin.acc_width, bench.twin.cut)
     samples = np.arange(SIGNAL.low, SIGNAL.high + 1)
     order = bench.rng.permutation(len(accs) + len(samples))
     run = order < len(accs)
