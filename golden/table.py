@@ -8,7 +8,7 @@ import io
 import math
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -226,6 +226,12 @@ def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
         wanted = ", ".join(f"{name} = {value:g}" for name, value in where.items())
         raise InputError(f"{path}: no row has {wanted}, expected one or more")
     return np.flatnonzero(kept)
+
+
+def write_csv_file(path: Path, rows: Iterable[Iterable[object]]) -> None:
+    """Write the rows of a CSV, the names of its columns first."""
+    with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as out:
+        csv.writer(out, lineterminator="\n").writerows(rows)
 
 
 def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals: int) -> None:

@@ -11,7 +11,6 @@ remain if only gain and offset have changed.
 
 from __future__ import annotations
 
-import csv
 import re
 import tomllib
 from collections.abc import Sequence
@@ -30,7 +29,7 @@ from golden.scene import Scene
 from golden.scene.converter_scale import codes_of
 from golden.scene.scale import Scale, on_readings, on_signals, readings, signals
 from golden.scene.trained_scale import story
-from golden.table import read_csv_file, read_table
+from golden.table import read_csv_file, read_table, write_csv_file
 
 # Number of digits of a reading. They are two more than a code of fourteen bits can need.
 DIGITS = 9
@@ -135,8 +134,7 @@ def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> N
     for row, values in zip(rows, now.tolist(), strict=True):
         for column, value in zip(at, values, strict=True):
             row[column] = f"{value:.{DIGITS}g}"
-    with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as out:
-        csv.writer(out, lineterminator="\n").writerows([found.names, *rows])
+    write_csv_file(path, [found.names, *rows])
 
 
 def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:

@@ -58,22 +58,32 @@ class Candidate:
 LEFT_OUT = ("clocks", "reload", "program_words", "operand_words", "table_blocks")
 
 
-def _adders(count: int) -> Candidate:
+def adders(count: int) -> Candidate:
+    """A graph with at most so many adders between two registers."""
     # One run of the search takes a moment; more of them save some per cent of the adders.
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
 
 
+def lanes(count: int) -> Candidate:
+    """An engine with so many multipliers side by side."""
+    return Candidate("lanes", {"lanes": count})
+
+
+SERIAL = Candidate("engine", {"multiplier": "serial", "pipeline": "short"})
+SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
+DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
+HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
 # A design more is a line here.
 CANDIDATES = (
-    Candidate("engine", {"multiplier": "serial", "pipeline": "short"}),
-    Candidate("engine", {"multiplier": "dsp", "pipeline": "short"}),
-    Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"}),
-    *(Candidate("lanes", {"lanes": count}) for count in (2, 4, 8, 16)),
-    Candidate("hybrid"),
-    Candidate("parallel"),
-    _adders(5),
-    _adders(2),
-    _adders(1),
+    SERIAL,
+    SHORT,
+    DEEP,
+    *map(lanes, (2, 4, 8, 16)),
+    HYBRID,
+    PARALLEL,
+    adders(5),
+    adders(2),
+    adders(1),
 )
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 from golden.block import walk
-from golden.files import replace_file
 from golden.input_error import InputError
 from golden.networks.network import Network
-from golden.table import read_csv_file
+from golden.table import read_csv_file, write_csv_file
 from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
 
@@ -37,16 +35,12 @@ def budget_path(scene: Path) -> Path:
 
 def write_budget(path: Path, found: Cells) -> None:
     """Record the cells that were found."""
-    with (
-        replace_file(path) as temporary,
-        temporary.open("w", newline="", encoding="utf-8") as handle,
-    ):
-        writer = csv.writer(handle, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for family, entities in found.items():
-            for entity in sorted(entities):
-                cells = entities[entity]
-                writer.writerow([family, entity, *(cells[name] for name in COLUMNS[2:])])
+    rows = [
+        [family, entity, *(entities[entity][name] for name in COLUMNS[2:])]
+        for family, entities in found.items()
+        for entity in sorted(entities)
+    ]
+    write_csv_file(path, [COLUMNS, *rows])
 
 
 def read_budget(path: Path) -> Cells:

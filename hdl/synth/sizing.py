@@ -8,14 +8,13 @@ it anew.
 from __future__ import annotations
 
 import argparse
-import csv
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from golden.block import Block
 from golden.cli import would
-from golden.files import replace_file
 from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
@@ -23,11 +22,23 @@ from golden.networks.windowed import Windowed
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.comparison import task_of
 from golden.scene.reading import class_names, comparison_names
-from golden.sizing.candidates import Candidate, build, kind_of
+from golden.sizing.candidates import (
+    DEEP,
+    HYBRID,
+    PARALLEL,
+    SERIAL,
+    SHORT,
+    Candidate,
+    adders,
+    build,
+    kind_of,
+    lanes,
+)
 from golden.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
 from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
 from golden.sizing.routed import COLUMNS as PLACED_COLUMNS
 from golden.sizing.routed import ROUTED, Placed, path_of
+from golden.table import write_csv_file
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from hdl.export.repeatable import run_repeatable
@@ -59,25 +70,13 @@ class Extra:
         return f"{self.scene}, {self.candidate.name}"
 
 
-def _adders(count: int) -> Candidate:
-    return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
-
-
-def lanes(count: int) -> Candidate:
-    """The design with so many multipliers side by side."""
-    return Candidate("lanes", {"lanes": count})
-
-
-DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
-SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
-HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
 # The quick ones first. Each design has networks of different weights here, so that all of a network
 # can be held out.
 EXTRAS = (
     Extra("swing-cascade", DEEP),
     Extra("classes/wine", DEEP),
     Extra("classes/digits-fast", SHORT),
-    Extra("swing-single", Candidate("engine", {"multiplier": "serial", "pipeline": "short"})),
+    Extra("swing-single", SERIAL),
     *(Extra("digit-load", lanes(count)) for count in (2, 4, 8)),
     *(Extra("swing-cascade", lanes(count)) for count in (2, 4)),
     *(Extra("digit-single", lanes(count)) for count in (2, 8, 16)),
@@ -89,11 +88,11 @@ EXTRAS = (
     Extra("swing-multiple", HYBRID),
     Extra("digit-load", PARALLEL),
     Extra("swing-single", PARALLEL),
-    Extra("classes/wine", _adders(5)),
-    Extra("digit-load", _adders(2)),
-    Extra("swing-single", _adders(1)),
-    Extra("swing-multiple", _adders(5)),
-    Extra("classes/loads", _adders(2)),
+    Extra("classes/wine", adders(5)),
+    Extra("digit-load", adders(2)),
+    Extra("swing-single", adders(1)),
+    Extra("swing-multiple", adders(5)),
+    Extra("classes/loads", adders(2)),
 )
 
 
@@ -138,13 +137,7 @@ def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = ""
     for block, count in instances(core):
         if block.block in LEFT_OUT:
             continue
-        whole = found[flat_name(block.entity)] if block.block in IN_ONE_PIECE else None
-        own = {
-            kind: whole[kind]
-            if whole
-            else found[block.entity][kind] - sum(found[part.entity][kind] for part in block.parts())
-            for kind in ("LUT", "flip-flop")
-        }
+        luts, flip_flops = (own_cells(found, block, cell) for cell in ("LUT", "flip-flop"))
         rows.append(
             Recorded(
                 name,
@@ -153,12 +146,19 @@ def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = ""
                 block.entity,
                 group_of(block),
                 count,
-                own["LUT"],
-                own["flip-flop"],
+                luts,
+                flip_flops,
                 features_of(block),
             )
         )
     return rows
+
+
+def own_cells(found: dict[str, dict[str, int]], block: Block, cell: str) -> int:
+    """How many cells of a kind an entity has without its parts, or as a whole in one piece."""
+    if block.block in IN_ONE_PIECE:
+        return found[flat_name(block.entity)][cell]
+    return found[block.entity][cell] - sum(found[part.entity][cell] for part in block.parts())
 
 
 def placed_row(name: str, scene: Scene) -> Placed:
@@ -196,16 +196,9 @@ def record() -> tuple[list[Recorded], list[Placed]]:
     return rows, placed
 
 
-def write(path: Path, columns: Sequence[str], rows: Sequence[Recorded | Placed]) -> None:
-    """Write rows as a CSV."""
-    with (
-        replace_file(path) as temporary,
-        temporary.open("w", newline="", encoding="utf-8") as handle,
-    ):
-        writer = csv.writer(handle, lineterminator="\n")
-        writer.writerow(columns)
-        for row in rows:
-            writer.writerow([cell for value in vars(row).values() for cell in written(value)])
+def cells_of(row: Recorded | Placed) -> list[str]:
+    """A row of a CSV."""
+    return [cell for value in vars(row).values() for cell in written(value)]
 
 
 def written(value: object) -> list[str]:
@@ -222,8 +215,8 @@ def main() -> None:
     would("synthesise networks and record their cells" if asked else "compare estimated cells")
     if asked:
         rows, placed = record()
-        write(CELLS, COLUMNS, rows)
-        write(ROUTED, PLACED_COLUMNS, placed)
+        write_csv_file(CELLS, [COLUMNS, *map(cells_of, rows)])
+        write_csv_file(ROUTED, [PLACED_COLUMNS, *map(cells_of, placed)])
         print(f"wrote {CELLS} and {ROUTED}")
     print("LUTs of a Virtex-II: recorded, and estimated from networks of other weights")
     for one in held_out():
