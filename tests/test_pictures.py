@@ -446,13 +446,21 @@ def test_every_disc_of_area_has_a_letter_of_its_own_and_a_row() -> None:
     assert len(set(places)) == len(places)
 
 
-def test_axes_are_logarithmic() -> None:
-    axes = Axes(10, 20, 100, 200, (1, 100), (0.1, 1000))
+@pytest.mark.parametrize(
+    "width, across",
+    [
+        (200, ["1", "2", "5", "10", "20", "50", "100"]),
+        # No room for two digits between 10 and 100.
+        (100, ["1", "2", "5", "10", "100"]),
+    ],
+)
+def test_axes_are_logarithmic(width: float, across: list[str]) -> None:
+    axes = Axes(10, 20, width, 200, (1, 100), (0.1, 1000))
     assert axes.at(1, 0.1) == (10, 220)
-    assert axes.at(10, 1000) == (60, 20)
-    assert axes.at(100, 10) == pytest.approx((110, 120))
+    assert axes.at(10, 1000) == (10 + width / 2, 20)
+    assert axes.at(100, 10) == pytest.approx((10 + width, 120))
     assert words(parse(f'<svg xmlns="{SVG[1:-1]}">{"".join(axes.drawn("x", "y"))}</svg>')) == [
-        *("1", "2", "5", "10", "20", "50", "100"),
+        *across,
         *("0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100", "200", "500", "1000"),
         *("x", "y"),
     ]

@@ -8,6 +8,9 @@ from math import floor, log10
 
 from tb.report.draw.drawing import FAINT, INK, Point, line, text
 
+# Wider than a digit of a number at an axis.
+CHARACTER = 7.0
+
 
 @dataclass(frozen=True)
 class Axes:
@@ -41,7 +44,11 @@ class Axes:
         for value in _steps(self.across):
             x, _ = self.at(value, self.up[0])
             yield line([(x, self.top), (x, bottom)], stroke=FAINT, stroke_width=0.4)
-            yield text((x, bottom + 14), f"{value:g}", text_anchor="middle")
+            label = f"{value:g}"
+            # Numbers next to each other are at least this far apart.
+            room = self.width * _part(self.across[0] * 2, self.across)
+            if label[0] == "1" or room >= CHARACTER * (len(label) + 1):
+                yield text((x, bottom + 14), label, text_anchor="middle")
         for value in _steps(self.up):
             _, y = self.at(self.across[0], value)
             end = self.left + self.width

@@ -9,7 +9,7 @@ from golden.scene.comparison import compared
 from golden.sizing.candidates import Refused, Sized
 from golden.sizing.model import held_out
 from tb.report.draw.designs import picture_of
-from tb.report.measure.designs import designs
+from tb.report.measure.designs import designs, refused_lines
 from tb.report.measure.table import Cell, cell_text
 
 # The scenes of the page: the default one, and one whose network every design takes.
@@ -28,9 +28,7 @@ def rows(name: str, family: str = "xc2v") -> str:
     table = designs(scene, found, family)
     lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
     lines += [f"| {' | '.join(map(_shown, row))} |" for row in table.rows]
-    if refused:
-        names = ", ".join(f"`{one.candidate.design}`" for one in _first(refused))
-        lines += ["", f"Not possible for this scene: {names}, because of its arrangement."]
+    lines += ["", *(f"- {line}" for line in refused_lines(refused))] if refused else []
     return "\n".join(lines)
 
 
@@ -47,11 +45,6 @@ def picture() -> str:
     """LUTs against clocks of the scene that every design takes."""
     scene, found, _ = _compared(SINGLE)
     return picture_of(scene, found, "xc2v")
-
-
-def _first(refused: list[Refused]) -> list[Refused]:
-    """One for each design."""
-    return list({one.candidate.design: one for one in refused}.values())
 
 
 def _shown(cell: Cell) -> str:
