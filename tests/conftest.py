@@ -68,14 +68,6 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ.pop(name, None)
 
 
-def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:
-    """Put the tests of each case or scene together, because the first of them makes its exports.
-
-    Otherwise a worker with one of these tests would wait while another worker exports.
-    """
-    return grouped(items, scene_of)
-
-
 def scene_of(item: pytest.Item) -> str:
     """The case or the scene of a test, or its own name."""
     parameters = item.callspec.params if hasattr(item, "callspec") else {}
@@ -104,7 +96,9 @@ def long_first(
     early = {id(item) for group in drawn for item in group}
     others = [item for item in items if id(item) not in early]
     modules = {name: [i for i in others if i.path.stem == name] for name in LONG}
-    benches = by_scene(modules.pop("test_benches"))
+    # The first test of a case or scene makes its exports. Apart, a worker with another of its tests
+    # would wait while the first worker exports.
+    benches = grouped(modules.pop("test_benches"), scene_of)
     short = [item for item in others if item.path.stem not in LONG]
     found: list[pytest.Item] = []
     for worker in range(workers):
