@@ -447,7 +447,7 @@ def test_every_disc_of_area_has_a_letter_of_its_own_and_a_row() -> None:
 
 
 @pytest.mark.parametrize(
-    "width, across",
+    ("width", "across"),
     [
         (200, ["1", "2", "5", "10", "20", "50", "100"]),
         # No room for two digits between 10 and 100.
