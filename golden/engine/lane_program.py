@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
+from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import SEGMENT_WIDTH
 from golden.engine.graph import Graph, Kind
@@ -16,7 +17,6 @@ from golden.engine.lane_groups import LaneGraph, gathers, shared_out
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.line_table import LineTable
 from golden.engine.listing import operand_text
-from golden.engine.operand_memory import WORD
 from golden.engine.program import Program
 from golden.engine.schedule import Step
 from golden.fixed import Codes
@@ -176,7 +176,7 @@ class LaneProgram(Program):
                 sums = [zero + start_of(step.opens, lane) for lane in lanes]
             sums = [total + value for total, value in zip(sums, added, strict=True)]
             if step.store:
-                words = [_word(total, step.relu) for total in sums]
+                words = [word_of(total, step.relu, self.cut, self.even) for total in sums]
                 if step.together:
                     words = [words[0] for _ in lanes]
                 for memory, word in zip(memories, words, strict=True):
@@ -206,10 +206,6 @@ def start_of(opens: int, lane: int) -> int:
     if opens == OWN:
         return half
     return 0 if lane else half << (OUTPUT_SHIFT if opens == JOINED_OUTPUT else 0)
-
-
-def _word(total: Codes, relu: int) -> Codes:
-    return np.asarray(np.clip(total >> DROPPED, 0 if relu else WORD.low, WORD.high))
 
 
 def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LaneProgram:
@@ -263,6 +259,8 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         pipeline,
         (*_notes(shared, steps), *["fields of steps above"] * (len(words) - len(steps))),
         graph.rectifies,
+        graph.cut,
+        graph.even,
         shared=shared,
     )
 

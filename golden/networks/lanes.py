@@ -63,11 +63,6 @@ class Lanes(Engine):
                 f"network.activations: got {names} with design 'lanes', which has the table of "
                 "tanh alone, expected design 'engine'"
             )
-        if graph.cut:
-            raise InputError(
-                "network: got quantisers with design 'lanes', whose words are not cut, expected "
-                "design 'engine'"
-            )
         looked_up = any(neuron.looks_up for neuron in graph.neurons)
         table = joined(graph.functions, width)
         if settings.lean:
@@ -130,6 +125,8 @@ class Lanes(Engine):
                 self.acc_width,
                 self.rectifies,
                 name == "lead",
+                self.program.cut,
+                self.program.even,
                 variant=f"{self.variant}_{name}" if self.variant else name,
             )
             for name in names

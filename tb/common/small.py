@@ -237,6 +237,23 @@ LANES = {
     "flat-lanes": replace(
         LANE, shapes=[(2, 3, 5, 2)], activations=("hard_tanh", "linear"), spread=1.5
     ),
+    # These are quantised. The first has a zero point and rounds halves to even; the second rounds
+    # down.
+    "exact-lanes": replace(
+        LANE,
+        shapes=[(3, 5, 3, 2)],
+        activations=("linear", "linear"),
+        spread=1.5,
+        quantiser=Quantiser(2.0**-3, 2, 0, 15),
+    ),
+    "floor-lanes": replace(
+        LANE,
+        shapes=[(2, 3, 3, 1)],
+        activations=("relu", "relu"),
+        hardware="lanes = 2",
+        spread=1.5,
+        quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
+    ),
 }
 # These functions are computed without a library, so that every machine has the same tables. The
 # first is odd, and the second needs words for negative sums too.
