@@ -22,6 +22,7 @@ from golden.engine.quantise import integer_networks
 from golden.fixed import Codes
 from golden.function import Function
 from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from tb.common.cases import random_network
@@ -75,6 +76,14 @@ def test_every_engine_computes_the_network_in_whole_numbers(network: Trained, le
     for options in OPTIONS:
         engine = Engine.of([network], Settings(options=options, lean=lean))
         assert np.array_equal(engine.process(frames), expected)
+
+
+@settings(max_examples=30)
+@given(network=quantised(), lanes=st.integers(2, 9), lean=st.booleans())
+def test_so_do_lanes(network: Trained, lanes: int, lean: bool) -> None:
+    frames = frames_of(network.shape[0])
+    many = Lanes.of([network], Settings(options={"lanes": lanes}, lean=lean))
+    assert np.array_equal(many.process(frames), evaluate(many.integers, frames))
 
 
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])

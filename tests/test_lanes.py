@@ -12,8 +12,11 @@ from hypothesis import strategies as st
 from test_engine import networks, random_codes
 
 from golden.block import walk
+from golden.dense import Quantiser
 from golden.commands.listing import main
+from golden.engine.formats import WIDTH
 from golden.engine.graph import Graph
+from golden.engine.integer_network import evaluate
 from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
 from golden.engine.lane_listing import critical_path, lane_listing
 from golden.engine.lane_pipeline import LanePipeline
@@ -33,8 +36,8 @@ SHIPPED = {
     "comparison/digit-lanes4": (130, 4),
     "comparison/digits-lanes8": (397, 8),
 }
-# Several hidden layers, without quantisers and without functions of a user.
-DEEP = ("layers-engine", "steep-engine", "ranged-engine")
+# Several hidden layers, without functions of a user. The last two are quantised.
+DEEP = ("layers-engine", "steep-engine", "ranged-engine", "exact-engine", "floor-engine")
 
 
 def lanes_of(name: str, lanes: int, lean: bool = True) -> tuple[Lanes, Engine]:
@@ -155,12 +158,25 @@ def test_a_word_has_a_place_for_each_field() -> None:
     assert seen == {field.name for field in fields(LaneInstruction)}
 
 
-@pytest.mark.parametrize("name", ["rails-lanes", "relu-lanes", "layers-lanes"])
+@pytest.mark.parametrize("name", ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes"])
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
     many = LANES[name].scene(tmp_path, name).twin()
     codes = random_codes(many.inputs, 6)
     results, _ = simulate(many, codes)
     assert np.array_equal(results, many.process(codes))
+
+
+@pytest.mark.parametrize("design", [Engine, Lanes])
+def test_codes_of_one_bit(design: type[Engine]) -> None:
+    """A code has no bit above its lowest one, which is 0 half way between two codes."""
+    case = LANES["exact-lanes"]
+    wide = replace(case, activations=("relu", "relu"), quantiser=Quantiser(1.0, 0, 0, 1))
+    twin = design.of(wide.networks())
+    assert twin.graph.cut == WIDTH - 2
+    codes = random_codes(twin.inputs, 12) >> 12 << 12
+    results, _ = simulate(twin, codes)
+    assert np.array_equal(results, evaluate(twin.integers, codes))
+    assert len(np.unique(results)) > 2
 
 
 def test_no_more_lanes_than_a_layer_has_nodes() -> None:
@@ -213,8 +229,6 @@ def test_options_that_it_does_not_have(options: dict, message: str) -> None:
 def test_layers_that_it_does_not_have() -> None:
     with pytest.raises(InputError, match=r"network\.activations: got 'table:bell', 'table:soft'"):
         Lanes.of(TABLES["small-tables-engine"].networks())
-    with pytest.raises(InputError, match="network: got quantisers with design 'lanes'"):
-        Lanes.of(LAYERED["exact-engine"].networks())
 
 
 def test_a_scene_with_too_many_weights_is_refused() -> None:

@@ -216,7 +216,9 @@ def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
     """
     sign = WIDTH - 1
     above = bits + (even_now is not None)
-    fine, code, last = unsigned(bits), unsigned(sign - above), flag()
+    # A code of one bit has none above its lowest one.
+    alone = above == sign
+    fine, code, last = unsigned(bits), unsigned(1 if alone else sign - above), flag()
 
     @always(clk.posedge)
     def keep_fine():
@@ -225,12 +227,14 @@ def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
         else:
             fine.next = taken[bits:]
 
-    @always(clk.posedge)
-    def keep_code():
-        if low_now:
-            code.next = 0
-        else:
-            code.next = taken[sign:above]
+    if not alone:
+
+        @always(clk.posedge)
+        def keep_code():
+            if low_now:
+                code.next = 0
+            else:
+                code.next = taken[sign:above]
 
     if even_now is None:
 
@@ -246,6 +250,14 @@ def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
             last.next = False
         else:
             last.next = taken[bits]
+
+    if alone:
+
+        @always_comb
+        def join():
+            below.next = concat(last, fine)
+
+        return keep_fine, keep_last, join
 
     @always_comb
     def join():
