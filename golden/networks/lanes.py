@@ -16,7 +16,6 @@ from golden.engine.lane_round import LaneRound
 from golden.engine.neurons import graph_of
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.quantise import integer_networks
-from golden.function import TANH
 from golden.input_error import InputError
 from golden.networks.engine import LEAST_ACC_WIDTH, WHOLE_ACC_WIDTH, Engine
 from golden.networks.settings import Settings
@@ -57,12 +56,6 @@ class Lanes(Engine):
             raise InputError(f"hardware.lanes: got {lanes}, expected 2 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
         graph = graph_of(integers, settings.lean)
-        if graph.functions != (TANH,):
-            names = ", ".join(f"'table:{function.name}'" for function in graph.functions)
-            raise InputError(
-                f"network.activations: got {names} with design 'lanes', which has the table of "
-                "tanh alone, expected design 'engine'"
-            )
         looked_up = any(neuron.looks_up for neuron in graph.neurons)
         table = joined(graph.functions, width)
         if settings.lean:
@@ -102,6 +95,7 @@ class Lanes(Engine):
                 program.table,
                 program.segment_width,
                 tuple(program.weight_notes(self.graph, lane)),
+                program.blocks,
                 variant=f"{self.variant}_{lane}" if self.variant else str(lane),
             )
             for lane in range(self.lanes)
@@ -144,4 +138,4 @@ class Lanes(Engine):
 
     def facts(self) -> tuple[str, ...]:
         spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
-        return f"{self.lanes} multipliers", spent
+        return f"{self.lanes} multipliers", spent, *self.function_facts
