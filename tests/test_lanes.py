@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from test_engine import networks, random_codes
 
 from golden.block import walk
-from golden.dense import Quantiser
 from golden.commands.listing import main
+from golden.dense import Quantiser
 from golden.engine.formats import WIDTH
-from golden.engine.graph import Graph
+from golden.engine.function_table import codes_of
+from golden.engine.graph import LOOKED_UP, Graph
 from golden.engine.integer_network import evaluate
 from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
 from golden.engine.lane_listing import critical_path, lane_listing
@@ -36,13 +37,16 @@ SHIPPED = {
     "comparison/digit-lanes4": (130, 4),
     "comparison/digits-lanes8": (397, 8),
 }
-# Several hidden layers, without functions of a user. The last two are quantised.
-DEEP = ("layers-engine", "steep-engine", "ranged-engine", "exact-engine", "floor-engine")
+# Several hidden layers. Two are quantised, and the last ones have functions of a user.
+DEEP = (
+    *("layers-engine", "steep-engine", "ranged-engine", "exact-engine", "floor-engine"),
+    *("tables-engine", "deep-tables-engine"),
+)
 
 
 def lanes_of(name: str, lanes: int, lean: bool = True) -> tuple[Lanes, Engine]:
     """A case of the benches of the engine with several multipliers and with one."""
-    case = (ENGINES | LAYERED)[name]
+    case = (ENGINES | LAYERED | TABLES)[name]
     found = case.networks()
     many = Lanes.of(found, Settings(options={"lanes": lanes}, lean=lean), case.arrangement)
     return many, Engine.of(found, Settings(lean=lean), case.arrangement)
@@ -158,7 +162,9 @@ def test_a_word_has_a_place_for_each_field() -> None:
     assert seen == {field.name for field in fields(LaneInstruction)}
 
 
-@pytest.mark.parametrize("name", ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes"])
+@pytest.mark.parametrize(
+    "name", ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes", "tables-lanes"]
+)
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
     many = LANES[name].scene(tmp_path, name).twin()
     codes = random_codes(many.inputs, 6)
@@ -226,9 +232,36 @@ def test_options_that_it_does_not_have(options: dict, message: str) -> None:
     assert message in str(error.value)
 
 
-def test_layers_that_it_does_not_have() -> None:
-    with pytest.raises(InputError, match=r"network\.activations: got 'table:bell', 'table:soft'"):
-        Lanes.of(TABLES["small-tables-engine"].networks())
+@pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
+def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
+    """A step names one function, so the nodes of a group have the same, and it is the one named."""
+    many = LANES[name].scene(tmp_path, name).twin()
+    program, neurons = many.program, many.graph.neurons
+    named = dict.fromkeys(many.graph.functions, 0)
+    for step, code in zip(program.scheduled(many.graph), program.lane_steps, strict=True):
+        if step.neuron >= 0 and code.kind in LOOKED_UP:
+            members = [n for n in program.shared.groups[step.neuron].members if n >= 0]
+            (function,) = {neurons[n].function for n in members}
+            assert code.place == codes_of(many.graph.functions)[function]
+            named[function] += len(members)
+    assert named == {
+        function: sum(2 * (n.looks_up and n.function == function) for n in neurons)
+        for function in named
+    }
+
+
+def test_tables_that_take_too_much_memory_are_refused() -> None:
+    functions = tuple((f"bell{n}", f"1 / ({n} + x * x)") for n in range(1, 10))
+    names = ",".join(name for name, _ in functions)
+    wide = replace(
+        LANES["bell-lanes"],
+        shapes=[(2, 9, 1)],
+        activations=(f"table:{names}",),
+        functions=functions,
+        spread=20.0,
+    ).networks()
+    with pytest.raises(InputError, match="functions: got 18432 words"):
+        Lanes.of(wide, Settings(options={"segment_width": 7}, lean=False))
 
 
 def test_a_scene_with_too_many_weights_is_refused() -> None:

@@ -18,7 +18,7 @@ HARDWARE = KeyTable(
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
             "`precise`. [lanes](blocks/lanes.md) is an engine with 2 to 16 multipliers, which "
-            "takes fewer clocks; it has tanh, ReLU and linear layers. "
+            "takes fewer clocks for the same networks. "
             "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
