@@ -216,7 +216,9 @@ def start_of(opens: int, lane: int) -> int:
     return 0 if lane else half << (OUTPUT_SHIFT if opens == JOINED_OUTPUT else 0)
 
 
-def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LaneProgram:
+def assemble_lanes(
+    graph: Graph, table: LineTable | None, lanes: int, pipeline: LanePipeline
+) -> LaneProgram:
     """The program of a graph.
 
     Parameters
@@ -225,6 +227,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
     table : LineTable or None
         That of the graph's functions; None where no neuron looks anything up.
     lanes : int
+    pipeline : LanePipeline
 
     Raises
     ------
@@ -232,7 +235,6 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         When there are more values or weights than the words of the program can address, and for
         tables that take too much memory.
     """
-    pipeline = LanePipeline()
     if table:
         check_words(table)
     shared = shared_out(graph, lanes)

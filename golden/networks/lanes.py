@@ -11,6 +11,7 @@ from golden.dense import Trained
 from golden.engine.function_table import SEGMENT_WIDTH, joined
 from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_memory import LaneMemory
+from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
 from golden.engine.neurons import graph_of
@@ -40,7 +41,7 @@ class Lanes(Engine):
     """
 
     block = "lanes"
-    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width")
+    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width", "pipeline")
     program: LaneProgram
     asked: int = LANES
 
@@ -60,9 +61,10 @@ class Lanes(Engine):
         table = joined(graph.functions, width)
         if settings.lean:
             table = table.within(graph.reach(table))
+        pipeline = LanePipeline(int(settings.options.get("pipeline") == "deep"))
         least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
         return cls(
-            assemble_lanes(graph, table if looked_up else None, lanes),
+            assemble_lanes(graph, table if looked_up else None, lanes, pipeline),
             max(least, graph.sum_bits(table)),
             integers,
             graph,
@@ -83,7 +85,9 @@ class Lanes(Engine):
 
     @property
     def program_memory(self) -> ProgramMemory:
-        return ProgramMemory((), self.program.words, self.program.notes, 1)
+        program = self.program
+        registers = program.pipeline.memory_registers
+        return ProgramMemory((), program.words, program.notes, 1, registers)
 
     @property
     def lane_memories(self) -> tuple[LaneMemory, ...]:

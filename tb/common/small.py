@@ -257,6 +257,14 @@ LANES = {
         spread=1.5,
         quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
     ),
+    # There are registers behind the memories.
+    "deep-lanes": replace(
+        LANE,
+        shapes=[(3, 5, 3, 2)],
+        activations=("tanh", "relu"),
+        hardware='lanes = 4\npipeline = "deep"',
+        spread=4.0,
+    ),
     # Nodes of one layer have different functions, in front of a layer of tanh. The second case has
     # one function, which needs two blocks of few segments.
     "tables-lanes": replace(
