@@ -44,11 +44,14 @@ DEEP = (
 )
 
 
-def lanes_of(name: str, lanes: int, lean: bool = True) -> tuple[Lanes, Engine]:
+def lanes_of(
+    name: str, lanes: int, lean: bool = True, pipeline: str = "short"
+) -> tuple[Lanes, Engine]:
     """A case of the benches of the engine with several multipliers and with one."""
     case = (ENGINES | LAYERED | TABLES)[name]
     found = case.networks()
-    many = Lanes.of(found, Settings(options={"lanes": lanes}, lean=lean), case.arrangement)
+    options = {"lanes": lanes, "pipeline": pipeline}
+    many = Lanes.of(found, Settings(options=options, lean=lean), case.arrangement)
     return many, Engine.of(found, Settings(lean=lean), case.arrangement)
 
 
@@ -98,11 +101,24 @@ def test_sums_of_lanes_are_added_once() -> None:
 
 
 @pytest.mark.parametrize("lanes", [2, 3, 8])
+@pytest.mark.parametrize("name", DEEP)
+def test_registers_behind_the_memories_change_no_result(name: str, lanes: int) -> None:
+    deep, one = lanes_of(name, lanes, pipeline="deep")
+    codes = random_codes(one.inputs, 100)
+    assert np.array_equal(deep.process(codes), one.process(codes))
+    assert deep.latency > lanes_of(name, lanes)[0].latency
+    assert deep.program_memory.registers == deep.operand_memory.registers == 1
+
+
+@pytest.mark.parametrize("pipeline", ["short", "deep"])
+@pytest.mark.parametrize("lanes", [2, 3, 8])
 @pytest.mark.parametrize("name", ["chain-engine", "three-engine", "huge-engine", "layers-engine"])
-def test_no_operand_is_read_before_it_is_stored_in_its_lane(name: str, lanes: int) -> None:
+def test_no_operand_is_read_before_it_is_stored_in_its_lane(
+    name: str, lanes: int, pipeline: str
+) -> None:
     """Every term is computed once: by the lane that holds its operand, or by one lane of those."""
-    many, _ = lanes_of(name, lanes)
-    program, pipeline, shared = many.program, many.program.pipeline, many.program.shared
+    many, _ = lanes_of(name, lanes, pipeline=pipeline)
+    program, shared = many.program, many.program.shared
     assert shared is not None
     steps = program.scheduled(many.graph)
     at = {step.neuron: n for n, step in enumerate(steps) if step.last}
@@ -110,7 +126,7 @@ def test_no_operand_is_read_before_it_is_stored_in_its_lane(name: str, lanes: in
     for n, (step, code) in enumerate(zip(steps, program.lane_steps, strict=True)):
         source = step.term.source - many.inputs
         if step.neuron >= 0 and source >= 0 and not code.gather:
-            assert n >= at[source] + pipeline.result_ready
+            assert n >= at[source] + program.pipeline.result_ready
         if step.neuron >= 0:
             products.append(program.weights[code.place])
     terms = [t for neuron in many.graph.neurons for t in neuron.terms if t.weight]
@@ -163,7 +179,8 @@ def test_a_word_has_a_place_for_each_field() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes", "tables-lanes"]
+    "name",
+    ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes", "tables-lanes", "deep-lanes"],
 )
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
     many = LANES[name].scene(tmp_path, name).twin()
@@ -221,9 +238,14 @@ def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
     [
         ({"lanes": 17}, "hardware.lanes: got 17, expected 2 to 16"),
         ({"lanes": 1}, "hardware.lanes: got 1, expected 2 to 16"),
-        ({"reload": True}, "lanes: hardware: got 'reload', expected lanes or segment_width"),
-        ({"multiplier": "serial"}, "lanes: hardware: got 'multiplier', expected lanes or"),
-        ({"pipeline": "deep"}, "lanes: hardware: got 'pipeline', expected lanes or"),
+        (
+            {"reload": True},
+            "lanes: hardware: got 'reload', expected lanes or segment_width or pipeline",
+        ),
+        (
+            {"multiplier": "serial"},
+            "lanes: hardware: got 'multiplier', expected lanes or segment_width or",
+        ),
     ],
 )
 def test_options_that_it_does_not_have(options: dict, message: str) -> None:

@@ -89,8 +89,8 @@ HARDWARE = KeyTable(
         "pipeline": Key(
             Text(("short", "deep")),
             "",
-            "Only for `engine`. `deep` puts a register behind each of its memories. The clock can "
-            "then be faster, and a frame takes some clocks more.",
+            "Only for `engine` and `lanes`. `deep` puts registers behind their memories. The clock "
+            "can then be faster, and a frame takes some clocks more.",
             "`short`",
         ),
         "lanes": Key(
