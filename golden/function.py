@@ -14,6 +14,7 @@ from golden.expression import evaluate
 from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL
 from golden.real import Real
+from golden.spline_basis import DEGREE, Basis
 from golden.table import suggest
 
 # An activation that is a table begins with this text. The name of a function follows, or a name for
@@ -21,6 +22,7 @@ from golden.table import suggest
 TABLE = "table:"
 # The format of the sum that a function takes. Sums beyond it saturate.
 FMT = EXACT.hidden_fmt
+LARGEST = 2.0 ** (FMT.width - 1 - FMT.frac)
 LOW, HIGH = float(FMT.to_real(FMT.low)), float(FMT.to_real(FMT.high))
 _STEP = 2.0**-FMT.frac
 TANH_TEXT = "tanh(x)"
@@ -29,7 +31,7 @@ NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 @dataclass(frozen=True)
 class Function:
-    """A function of a hidden sum q, given by an expression or by points.
+    """A function of a hidden sum q, given by an expression, by points or by a spline.
 
     Sums saturate at the ends of their format, -8 and 8. Beyond these ends the function keeps the
     value that it has there.
@@ -39,10 +41,17 @@ class Function:
     name : str
         Letters, digits and underscores.
     expression : str
-        An expression of x; see ``golden.expression``. Empty where there are points.
+        An expression of x; see ``golden.expression``. Empty where there are points or a spline.
     points : tuple of pairs of float
         Points that are joined by straight lines, from left to right. Beyond the first and the last
         of them the function is level.
+    spline : tuple of float
+        The ends of a range of equal intervals, and then the coefficients of their cubic B-splines;
+        see ``golden.spline_basis``. Beyond its range the function goes straight on.
+    frac : int or None
+        Fraction bits of the function's values in hardware; None for those with the least error.
+    end : float
+        Beyond -end and end the function keeps its value; 8 at most.
 
     Raises
     ------
@@ -54,11 +63,21 @@ class Function:
     name: str
     expression: str = ""
     points: tuple[tuple[float, float], ...] = ()
+    spline: tuple[float, ...] = ()
+    frac: int | None = None
+    end: float = LARGEST
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
             raise InputError(f"got the name {self.name!r}, expected letters, digits and _")
-        if not self.expression:
+        if self.spline:
+            low, high, *coefficients = self.spline
+            if not (np.isfinite(self.spline).all() and low < high and len(coefficients) > DEGREE):
+                raise InputError(
+                    f"got a spline of {self.spline}, expected two ends that rise and {DEGREE + 1} "
+                    "coefficients or more, all finite"
+                )
+        elif not self.expression:
             places = [x for x, _ in self.points]
             if len(places) < 2 or not all(a < b for a, b in pairwise(places)):
                 raise InputError(f"x: got {places}, expected two or more numbers that rise")
@@ -80,9 +99,13 @@ class Function:
 
     def value(self, q: Real) -> Real:
         """The function at each sum."""
-        x = np.clip(q, LOW, HIGH)
+        x = np.clip(q, max(LOW, -self.end), min(HIGH, self.end))
         if self.expression:
             return evaluate(self.expression, x)
+        if self.spline:
+            low, high, *coefficients = self.spline
+            basis = Basis(low, high, len(coefficients) - DEGREE)
+            return basis.function(x, np.array(coefficients))
         places, values = zip(*self.points, strict=True)
         return np.asarray(np.interp(x, places, values), dtype=np.float64)
 
@@ -102,6 +125,8 @@ class Function:
 
 
 TANH = Function("tanh", TANH_TEXT)
+# The function of a node that gives its sum as it is.
+ITSELF = Function("itself", spline=(-8.0, 8.0, *Basis(-8.0, 8.0, 1).centres.tolist()))
 
 
 def functions_of(

@@ -147,7 +147,7 @@ def test_a_sum_is_rounded_as_its_layer_says(rounding: LayerRounding, expected: l
 
 def test_a_code_is_clipped_and_moved_to_its_place() -> None:
     layer = IntegerLayer(((1,), (-2,)), (5, 6), RESULT, shift=1, low=0, high=15, cut=13)
-    sums = layer.sums([9])
+    sums = layer.sums([9], 9)
     assert sums == [14, -12]
     assert [layer.code(total) for total in sums] == [7, 0]
     assert [layer.code(total) for total in (29, 40)] == [15, 15]

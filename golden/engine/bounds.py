@@ -77,6 +77,13 @@ def error_bounds(
             off += np.dot(halves, reached) + 2.0 ** -(coeff_frac(result, ONE) + 1)
             frac = SIGNAL.frac if exact.output else result.frac
             off += 2.0 ** -(frac + 1)
+            off += [
+                sum(
+                    _steepest(function) * errors[word] + table_of(function, segment_width).error
+                    for word, function in layer.added_to(node)
+                )
+                for node in range(layer.nodes)
+            ]
             if layer.functions:
                 tables = [table_of(function, segment_width).error for function in layer.functions]
                 off = off * [_steepest(function) for function in layer.functions] + tables

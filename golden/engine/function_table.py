@@ -31,7 +31,7 @@ import numpy as np
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
 from golden.engine.line_table import LineTable
-from golden.engine.tanh_table import tanh_table
+from golden.engine.tanh_table import ENDS, tanh_table
 from golden.fixed import Codes, Fix
 from golden.function import TANH, Function
 from golden.input_error import InputError
@@ -40,6 +40,8 @@ from golden.real import Real
 # Bits of q within a segment, where hardware chooses none. The binary point of a function is always
 # chosen with this width, so that it does not depend on what hardware chooses.
 SEGMENT_WIDTH = 9
+# Functions other than tanh may have wider segments, so that many of them have room.
+LEAST_WIDTH, MOST_WIDTH = min(ENDS), 12
 # Steps of the search for the best slope, each of which leaves two thirds of an interval.
 _STEPS = 30
 # The places in a segment at which the search looks at a line, besides the segment's end.
@@ -99,7 +101,11 @@ def table_of(function: Function, width: int) -> FunctionTable:
         lines = tanh_table(width)
         words = np.array(lines.intercepts), np.array(lines.slopes)
         return _measured(function, width, RESULT, False, words)
-    tanh_table(width)  # It refuses other widths.
+    if not LEAST_WIDTH <= width <= MOST_WIDTH:
+        raise InputError(
+            f"segment_width: got {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} for functions "
+            "other than tanh"
+        )
     return _fitted(function, width, format_of(function))
 
 
@@ -116,6 +122,8 @@ def format_of(function: Function) -> Fix:
     """
     if function == TANH:
         return RESULT
+    if function.frac is not None:
+        return Fix(WIDTH, function.frac)
     reach = np.abs(_values(function, both=True)).max()
     most = RESULT.frac
     while reach * 2.0**most > _MOST + 1:
@@ -133,6 +141,14 @@ def format_of(function: Function) -> Fix:
         _fitted(function, SEGMENT_WIDTH, Fix(WIDTH, frac)) for frac in range(most, least - 1, -1)
     ]
     return min(tables, key=lambda table: table.error).result
+
+
+@lru_cache
+def fits(function: Function, frac: int) -> bool:
+    """Whether values with so many fraction bits hold a function, and words its slopes."""
+    values = function.value(HIDDEN.to_real(np.arange(HIDDEN.low, HIDDEN.high + 1))) * 2.0**frac
+    steepest = np.abs(np.diff(values)).max() * 2.0**DROPPED
+    return bool(np.abs(values).max() <= _MOST and steepest <= _MOST)
 
 
 def codes_of(functions: Sequence[Function]) -> dict[Function, int]:

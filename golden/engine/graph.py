@@ -29,6 +29,8 @@ class Kind(IntEnum):
     ONE = 3
 
 
+# The largest magnitude of the word of a sample.
+LARGEST_SAMPLE = -SIGNAL.low << (SAMPLE.frac - SIGNAL.frac)
 # The kinds for which the coefficient comes from a table.
 LOOKED_UP = (Kind.INTERCEPT, Kind.DISTANCE)
 
@@ -50,11 +52,14 @@ class Term:
         none.
     weight : int
         Code of 18 bits; 0 where the coefficient comes from a table.
+    function : Function
+        The function from whose table the coefficient comes, where it does.
     """
 
     kind: Kind
     source: int
     weight: int
+    function: Function = TANH
 
 
 @dataclass(frozen=True)
@@ -76,8 +81,6 @@ class Neuron:
         The number of the word's lowest bits that are 0; only a ReLU has any.
     even : bool
         Where bits are cut: whether a sum half way between two words becomes the even one.
-    function : Function
-        The function that it looks up, if it looks up one.
     """
 
     name: str
@@ -87,7 +90,6 @@ class Neuron:
     relu: bool = False
     cut: int = 0
     even: bool = False
-    function: Function = TANH
 
     @property
     def constant(self) -> bool:
@@ -96,8 +98,13 @@ class Neuron:
 
     @property
     def looks_up(self) -> bool:
-        """Whether it is a function of another neuron, such as its tanh."""
+        """Whether it takes functions of other words, such as the tanh of another neuron."""
         return any(term.kind is Kind.INTERCEPT for term in self.terms)
+
+    @property
+    def function(self) -> Function:
+        """The function that it looks up first; tanh where it looks up none."""
+        return next((term.function for term in self.terms if term.kind in LOOKED_UP), TANH)
 
     @property
     def start(self) -> int:
@@ -150,7 +157,12 @@ class Graph:
     @property
     def functions(self) -> tuple[Function, ...]:
         """The functions that neurons look up, each once; tanh where there are none."""
-        found = dict.fromkeys(neuron.function for neuron in self.neurons if neuron.looks_up)
+        found = dict.fromkeys(
+            term.function
+            for neuron in self.neurons
+            for term in neuron.terms
+            if term.kind in LOOKED_UP
+        )
         return tuple(found) or (TANH,)
 
     @property
@@ -181,8 +193,7 @@ class Graph:
             return max(map(abs, table.slopes)) << (table.width - 1)
         if term.kind is Kind.ONE:
             return abs(term.weight) << DROPPED
-        low = -SIGNAL.low << (SAMPLE.frac - SIGNAL.frac)
-        reach = low if term.source < self.inputs else 1 << (WIDTH - 1)
+        reach = LARGEST_SAMPLE if term.source < self.inputs else 1 << (WIDTH - 1)
         return abs(term.weight) * reach
 
     def bound(self, neuron: Neuron, table: LineTable) -> int:
@@ -194,7 +205,14 @@ class Graph:
         return max(self.bound(neuron, table) for neuron in self.neurons).bit_length() + 1
 
     def reach(self, table: LineTable) -> int:
-        """The largest magnitude of the codes of sums that a function takes; 0 for none."""
-        sums = {n.terms[0].source - self.inputs for n in self.neurons if n.looks_up}
-        bounds = [self.bound(self.neurons[place], table) >> DROPPED for place in sums]
+        """The largest magnitude of the codes that a function takes; 0 for none."""
+        sources = {
+            term.source for n in self.neurons for term in n.terms if term.kind is Kind.INTERCEPT
+        }
+        bounds = [
+            LARGEST_SAMPLE
+            if source < self.inputs
+            else self.bound(self.neurons[source - self.inputs], table) >> DROPPED
+            for source in sources
+        ]
         return min(max(bounds, default=0), -HIDDEN.low)

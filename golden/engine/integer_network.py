@@ -55,6 +55,9 @@ class IntegerLayer:
         Whether each node gives two words: its own, and 0 instead of a negative one.
     functions : tuple of Function
         The function of each node, whose value is the word that the node gives; empty for none.
+    added : tuple of tuples of pairs of int and Function
+        For each node the functions of words that are added to its sum; empty for none. Their values
+        have the format of ``result``.
     range : Range or None
         The range of a layer in which saturation would be an error.
     """
@@ -69,6 +72,7 @@ class IntegerLayer:
     cut: int = 0
     leaky: bool = False
     functions: tuple[Function, ...] = ()
+    added: tuple[tuple[tuple[int, Function], ...], ...] = ()
     range: Range | None = None
 
     @property
@@ -80,11 +84,23 @@ class IntegerLayer:
         """Whether a sum below 0 becomes 0."""
         return self.low == 0
 
-    def sums(self, words: Sequence[int]) -> list[int]:
+    def added_to(self, node: int) -> tuple[tuple[int, Function], ...]:
+        """The functions of words that are added to the sum of a node."""
+        return self.added[node] if self.added else ()
+
+    @property
+    def every_function(self) -> tuple[Function, ...]:
+        """The functions that its nodes look up, and those that are added to its sums."""
+        added = (function for node in self.added for _, function in node)
+        return tuple(dict.fromkeys((*self.functions, *added)))
+
+    def sums(self, words: Sequence[int], segment_width: int) -> list[int]:
         """The sum of each node."""
         return [
-            start + sum(map(mul, row, words))
-            for start, row in zip(self.starts, self.weights, strict=True)
+            start
+            + sum(map(mul, row, words))
+            + sum(line_at(function, segment_width, words[k]) for k, function in self.added_to(j))
+            for j, (start, row) in enumerate(zip(self.starts, self.weights, strict=True))
         ]
 
     def rounded(self, total: int) -> int:
@@ -134,7 +150,7 @@ class IntegerNetwork:
     def run(self, words: Sequence[int]) -> Iterator[tuple[list[int], list[int]]]:
         """The sums and the codes of each layer, for the words of one frame."""
         for layer in self.layers:
-            sums = layer.sums(words)
+            sums = layer.sums(words, self.segment_width)
             codes = [layer.code(total) for total in sums]
             yield sums, codes
             words = layer.words_for_next_layer(codes, self.segment_width)
@@ -172,11 +188,16 @@ def evaluate(networks: Sequence[IntegerNetwork], frames: Codes) -> Codes:
 
 def looked_up(function: Function, segment_width: int, q: int) -> int:
     """The word of a function of the word q, from its table."""
+    total = line_at(function, segment_width, q)
+    return max(RESULT.low, min(RESULT.high, (total + (1 << (DROPPED - 1))) >> DROPPED))
+
+
+def line_at(function: Function, segment_width: int, q: int) -> int:
+    """The line of a function's table at the word q, in units of a product."""
     table = table_of(function, segment_width)
     span, segments = 1 << segment_width, len(table.slopes) // (1 + table.both)
     segment = min((q if q >= 0 else -q - 1) // span, segments - 1)
     if table.both and q < 0:
         segment += segments
     one = 1 << DROPPED if q >= 0 else -(1 << DROPPED)
-    total = table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
-    return max(RESULT.low, min(RESULT.high, (total + (1 << (DROPPED - 1))) >> DROPPED))
+    return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)

@@ -255,7 +255,7 @@ def assemble_lanes(
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
-        put(words, n + pipeline.place, PLACE, weight_of(term, neuron, codes))
+        put(words, n + pipeline.place, PLACE, weight_of(term, codes))
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
         put(words, n + pipeline.start, OPENS, opens if step.first else NO_SUM)
         put(words, n + pipeline.gather, GATHER, 1 << -left if adds else 0)

@@ -7,12 +7,15 @@ from dataclasses import replace
 
 from golden.engine.formats import DROPPED, RESULT, WIDTH, coeff_frac
 from golden.engine.function_table import format_of
-from golden.engine.graph import Graph, Kind, Neuron, Term, start_of
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term, start_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
+from golden.function import Function
 from golden.input_error import InputError
 
 _MOST = (1 << (WIDTH - 1)) - 1
+# The term of a sum that has no other.
+NOTHING = Term(Kind.ONE, -1, 0)
 # A weight that does not fit in a word is as many terms as it takes, up to this number. No program
 # has more words than four times this.
 _MOST_TERMS = 1 << 16
@@ -78,6 +81,12 @@ def graph_of(networks: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
                 if rest:
                     weights = [(samples, rest), *weights]
                 terms = _terms(bias, weights, lean)
+                added = layer.added_to(j)
+                for word, function in added:
+                    terms += _looked_up(taken[word], function)
+                # Whatever is added starts the sum as well.
+                if added and lean and terms[0] == NOTHING:
+                    terms = terms[1:]
                 last = samples + len(neurons)
                 firsts.append(len(neurons))
                 made = [*_node(name, layer, terms, last, output, j)]
@@ -157,9 +166,7 @@ def _node(
     elif layer.functions:
         function = layer.functions[node]
         yield Neuron(f"{name} sum", layer.result, terms)
-        looked_up = (Term(Kind.INTERCEPT, place, 0), Term(Kind.DISTANCE, place, 0))
-        result = format_of(function)
-        yield Neuron(f"{name} {function.name}", result, looked_up, function=function)
+        yield Neuron(f"{name} {function.name}", format_of(function), _looked_up(place, function))
     elif layer.leaky:
         yield Neuron(f"{name} sum", layer.result, terms)
         itself = Term(Kind.WORD, place, 1 << coeff_frac(layer.result, layer.result))
@@ -167,6 +174,11 @@ def _node(
     else:
         even = layer.rounding is LayerRounding.EVEN
         yield Neuron(name, layer.result, terms, False, layer.rectifies, layer.cut, even)
+
+
+def _looked_up(source: int, function: Function) -> tuple[Term, ...]:
+    """The terms of a function of a word: the intercept of its segment, and the slope."""
+    return tuple(Term(kind, source, 0, function) for kind in LOOKED_UP)
 
 
 def _used(layers: Sequence[IntegerLayer], lean: bool) -> list[list[int]]:
@@ -178,7 +190,9 @@ def _used(layers: Sequence[IntegerLayer], lean: bool) -> list[list[int]]:
     for n in range(len(layers) - 1, 0, -1) if lean else ():
         rows = [layers[n].weights[j] for j in found[n]]
         per = 1 + layers[n - 1].leaky
-        found[n - 1] = sorted({k // per for row in rows for k, code in enumerate(row) if code})
+        words = {k for row in rows for k, code in enumerate(row) if code}
+        words |= {word for j in found[n] for word, _ in layers[n].added_to(j)}
+        found[n - 1] = sorted({word // per for word in words})
     return found
 
 
@@ -187,7 +201,7 @@ def _terms(bias: int, weights: Sequence[tuple[int, int]], lean: bool) -> tuple[T
     for source, weight in weights:
         found += [Term(Kind.WORD, source, part) for part in _parts(weight)]
     kept = [term for term in found if term.weight] if lean else found
-    return tuple(kept or [Term(Kind.ONE, -1, 0)])
+    return tuple(kept or [NOTHING])
 
 
 def _parts(code: int) -> Iterator[int]:

@@ -12,7 +12,7 @@ from golden.engine.fields import get, put, signed_code
 from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import check_words, codes_of
-from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Term
 from golden.engine.line_table import LineTable
 from golden.engine.listing import text_of
 from golden.engine.pipeline import Pipeline
@@ -240,9 +240,9 @@ def weight_place(pipeline: Pipeline, names_blocks: bool) -> int:
     return pipeline.operand if names_blocks else pipeline.weight
 
 
-def weight_of(term: Term, neuron: Neuron, codes: Mapping[Function, int]) -> int:
+def weight_of(term: Term, codes: Mapping[Function, int]) -> int:
     """What the field of a step's weight holds: the weight, or the code of the table."""
-    return codes[neuron.function] if term.kind in LOOKED_UP else term.weight
+    return codes[term.function] if term.kind in LOOKED_UP else term.weight
 
 
 def assemble(
@@ -283,7 +283,7 @@ def assemble(
         output = step.neuron >= 0 and neuron.output
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + operand, KIND, int(term.kind))
-        put(words, n + weight_at, WEIGHT, weight_of(term, neuron, codes))
+        put(words, n + weight_at, WEIGHT, weight_of(term, codes))
         if rectifies:
             put(words, n + mark, RELU, step.last and neuron.relu)
         else:

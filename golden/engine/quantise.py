@@ -23,6 +23,7 @@ from fractions import Fraction
 
 from golden.cli import naming
 from golden.dense import Trained, layers_of
+from golden.engine.exact_layer import Exact, Value
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -37,8 +38,9 @@ from golden.engine.function_table import SEGMENT_WIDTH, format_of
 from golden.engine.grid import OR_NEAREST, Grid, grid_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import ENOUGH, Range, frac_of
+from golden.engine.sums_of_functions import added_up
 from golden.fixed import Fix
-from golden.function import TANH, Function
+from golden.function import TANH
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 
@@ -46,60 +48,6 @@ from golden.precision import SIGNAL
 _LOW, _HIGH = RESULT.low, RESULT.high
 # Half a unit of an output, in units of a product.
 _HALF_OUTPUT = 1 << (DROPPED + OUTPUT_SHIFT - 1)
-
-
-@dataclass(frozen=True)
-class Value:
-    """A word that a layer takes as an operand.
-
-    Parameters
-    ----------
-    node : int
-        The input of the layer to which it belongs. A node with leaky ReLU has two words.
-    factor : Fraction
-        The factor by which the weights of that input are multiplied.
-    fmt : Fix
-    low, high : int
-        The least and the largest code.
-    earlier : bool
-        Whether it is an output of an earlier network.
-    """
-
-    node: int
-    factor: Fraction
-    fmt: Fix
-    low: int
-    high: int
-    earlier: bool = False
-
-
-@dataclass(frozen=True)
-class Exact:
-    """One layer of a network, with numbers that are not rounded.
-
-    Parameters
-    ----------
-    activation : str
-        "table", "relu", "leaky_relu", "hard_tanh" or "linear".
-    leak : Fraction
-    weights : list of list of Fraction
-        A list for each node, with a weight for each node of the layer before.
-    biases : list of Fraction
-    grid : Grid or None
-        The grid of a layer with a quantiser.
-    functions : tuple of Function
-        Of a "table", the function of each node.
-    output : bool
-        Whether it is the last layer.
-    """
-
-    activation: str
-    leak: Fraction
-    weights: list[list[Fraction]]
-    biases: list[Fraction]
-    grid: Grid | None
-    functions: tuple[Function, ...]
-    output: bool
 
 
 @dataclass(frozen=True)
@@ -158,7 +106,9 @@ def exact_layers(network: Trained) -> list[Exact]:
             functions = (TANH,) * layer.nodes
         kind = "table" if functions else layer.activation
         output = number == len(layers)
-        found.append(Exact(kind, Fraction(layer.leak), weights, biases, grid, functions, output))
+        found.append(
+            Exact(number, kind, Fraction(layer.leak), weights, biases, grid, functions, output)
+        )
     return found
 
 
@@ -182,9 +132,10 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
         When the sums of a layer are too large for any format, and see ``grid_of`` and ``_codes``.
     """
     found: list[PlannedLayer] = []
-    for number, exact in enumerate(exact_layers(network), start=1):
-        with naming(f"layer {number}"):
-            layer = _layer(exact, values, met[number - 1] if met and not exact.output else 0.0)
+    for exact in added_up(exact_layers(network), values):
+        with naming(f"layer {exact.number}"):
+            reached = met[exact.number - 1] if met and not exact.output else 0.0
+            layer = _layer(exact, values, reached)
         values = _values_for_next_layer(exact, layer, values)
         found.append(PlannedLayer(exact, layer, values))
     return found
@@ -227,7 +178,7 @@ def _layer(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
     """One layer, in the format that its activation and its operands ask for."""
     if exact.grid:
         return _coded(exact, exact.grid.result, values)
-    if exact.functions:
+    if exact.functions or exact.activation == "sums":
         return _coded(exact, HIDDEN, values)
     if exact.output or exact.activation == "hard_tanh":
         return _coded(exact, RESULT, values)
@@ -291,6 +242,7 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
         moved = sum(code for code, value in zip(row, values, strict=True) if value.earlier)
         half = moved << (OUTPUT_SHIFT - 1)
         begun.append(_near((start - half) / unit) * unit + _HALF_OUTPUT * exact.output)
+    word_of = {value.node: word for word, value in enumerate(values)}
     layer = IntegerLayer(
         codes,
         tuple(begun),
@@ -299,6 +251,9 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
         low=0 if exact.activation == "relu" else _LOW,
         leaky=exact.activation == "leaky_relu",
         functions=exact.functions,
+        added=tuple(
+            tuple((word_of[node], function) for node, function in added) for added in exact.added
+        ),
     )
     return layer if grid is None else _on_grid(layer, grid)
 
@@ -341,8 +296,10 @@ def _near(value: Fraction) -> int:
 def _ends(layer: IntegerLayer, values: Sequence[Value]) -> tuple[list[int], list[int]]:
     """The least and the largest code of each node, if codes had unlimited width."""
     low, high = [], []
-    for start, codes in zip(layer.starts, layer.weights, strict=True):
+    for node, (start, codes) in enumerate(zip(layer.starts, layer.weights, strict=True)):
         both = [(c * v.low, c * v.high) for c, v in zip(codes, values, strict=True)]
+        reach = (_HIGH + 1) << DROPPED
+        both += [(-reach, reach)] * len(layer.added_to(node))
         low.append(layer.rounded(start + sum(map(min, both))))
         high.append(layer.rounded(start + sum(map(max, both))))
     if layer.rectifies:

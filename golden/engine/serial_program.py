@@ -118,7 +118,7 @@ def assemble_serial(graph: Graph, table: LineTable, pipeline: SerialPipeline) ->
         replay = replay_of(graph, terms)
         output = graph.neurons[number].output
         for k, term in enumerate(terms, start=place):
-            put(words, k, WEIGHT, weight_of(term, graph.neurons[number], codes))
+            put(words, k, WEIGHT, weight_of(term, codes))
             put(words, k, SOURCE, addresses[term.source])
             put(words, k, KIND, int(term.kind))
             put(words, k, OF_OUTPUT, output)

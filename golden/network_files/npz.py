@@ -11,6 +11,7 @@ import numpy as np
 from golden.cli import naming
 from golden.dense import Quantiser, Trained, layers_of
 from golden.files import reading
+from golden.function import Function
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.network_files.held import Held
@@ -25,6 +26,8 @@ ACTIVATIONS, LEAKS = "activations", "leaks"
 # of the rounding in ``ROUNDINGS``, and whether it comes before the zero; zeros where there is none.
 QUANTISERS = "quantisers"
 ROUNDINGS = ("even", "away", "floor")
+# Before the name of a function that is a spline: its numbers, as ``Function`` has them.
+SPLINE = "spline_"
 
 
 def read(path: Path) -> Held:
@@ -43,6 +46,12 @@ def read(path: Path) -> Held:
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
     if named is None:
         return Held(numbers)
+    splines = {name: numbers.pop(name) for name in list(numbers) if name.startswith(SPLINE)}
+    with naming(f"{path}"):
+        functions = tuple(
+            Function(name.removeprefix(SPLINE), spline=tuple(array.ravel().tolist()))
+            for name, array in splines.items()
+        )
     if named.ndim != 1 or named.dtype.kind != "U":
         raise InputError(
             f"{path}: {ACTIVATIONS}: got {named.dtype} of shape {named.shape}, expected a text for "
@@ -61,7 +70,8 @@ def read(path: Path) -> Held:
         )
     with naming(f"{path}: {QUANTISERS}"):
         found = tuple(map(_quantiser, rows.tolist()))
-    return Held(numbers, tuple(named.tolist()), tuple(leaks.tolist()), found)
+    texts, slopes = tuple(named.tolist()), tuple(leaks.tolist())
+    return Held(numbers, texts, slopes, found, functions=functions)
 
 
 def _quantiser(row: list[float]) -> Quantiser | None:
@@ -95,6 +105,10 @@ def write(path: Path, network: Trained) -> None:
     if not isinstance(network, Mlp):
         arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]], dtype=np.str_)
         arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
+        for layer in layers:
+            for function in layer.functions:
+                if function.spline:
+                    arrays[SPLINE + function.name] = np.array(function.spline)
         if network.quantised:
             rows = [_row(layer.quantiser) for layer in layers[:-1]]
             arrays[QUANTISERS] = np.array(rows, dtype=np.float64)

@@ -57,6 +57,11 @@ class Lanes(Engine):
             raise InputError(f"hardware.lanes: got {lanes}, expected 2 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
         graph = graph_of(integers, settings.lean)
+        if any(layer.added for network in integers for layer in network.layers):
+            raise InputError(
+                "network: got sums of functions with design 'lanes', which looks up one function "
+                "in a sum, expected design 'engine'"
+            )
         looked_up = any(neuron.looks_up for neuron in graph.neurons)
         table = joined(graph.functions, width)
         if settings.lean:

@@ -261,7 +261,7 @@ class _Step:
     chosen: Chosen
 
     def __post_init__(self) -> None:
-        names = sorted({function.name for function in self.layer.functions if function != TANH})
+        names = sorted({one.name for one in self.layer.every_function if one != TANH})
         if names:
             raise InputError(
                 f"hardware.design: got 'adder_graph' with the functions {', '.join(names)}, "

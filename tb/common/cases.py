@@ -16,6 +16,7 @@ import numpy as np
 
 from golden.dense import Dense, Quantiser, Trained, network_of
 from golden.function import Function, by_name, functions_of
+from golden.learned import Edge, Learned
 from golden.mlp import Mlp
 from golden.window import Window
 
@@ -112,6 +113,29 @@ def random_network(
     return network_of(layers)
 
 
+def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: int) -> Learned:
+    """A network of random functions, of which the last edge of each sum is straight.
+
+    ``spread`` is about how far the functions of samples reach.
+    """
+    inputs, hidden, outputs = shape
+    rng = np.random.default_rng(seed)
+
+    def edges(count: int, size: float, end: float) -> list[Edge]:
+        curves: list[Edge] = [
+            (-end, end, *rng.normal(0, size, 6).tolist()) for _ in range(count - 1)
+        ]
+        return [*curves, float(rng.normal(0, size))]
+
+    return Learned(
+        [edges(inputs, spread / inputs, 0.8) for _ in range(hidden)],
+        [edges(hidden, 0.5 / hidden, 2.0) for _ in range(outputs)],
+        rng.normal(0, 0.1, outputs).tolist(),
+        [3.0] * hidden,
+        earlier,
+    )
+
+
 def write_scene(
     folder: Path,
     name: str,
@@ -150,7 +174,8 @@ def write_scene(
     lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
     layers = [list(network.shape[1:-1]) for network in networks]
-    hidden = layers[0] if len(networks) == 1 else [nodes for (nodes,) in layers]
+    several = len(networks) > 1
+    hidden = layers[0] if not several else [one[0] if len(one) == 1 else 0 for one in layers]
     weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(networks)))]
     text = TEMPLATE.format(
         name=name,
@@ -198,7 +223,8 @@ class Case:
     layer. If a single network has several hidden
     nodes, the last of them has no weights. If there are ``activations``, there is one network with
     a hidden layer for each of them and with ``quantiser`` behind each hidden layer. ``functions``
-    holds name and expression of each function that the activations name.
+    holds name and expression of each function that the activations name. ``learned`` gives random
+    networks of learned functions, whose shapes are those of sums.
     """
 
     shapes: list[tuple[int, ...]]
@@ -216,8 +242,15 @@ class Case:
     activations: tuple[str, ...] = ()
     quantiser: Quantiser | None = None
     functions: tuple[tuple[str, str], ...] = ()
+    learned: bool = False
 
     def networks(self) -> list[Trained]:
+        if self.learned:
+            samples = self.shapes[0][0]
+            return [
+                random_learned(shape, shape[0] - samples, self.spread, self.seed + i).layers()
+                for i, shape in enumerate(self.shapes)
+            ]
         if self.activations or len(self.shapes[0]) == 2:
             (shape,) = self.shapes
             more = self.quantiser, self._functions()

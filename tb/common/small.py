@@ -324,6 +324,21 @@ TABLES = {
         SMALL_TABLES, shapes=[(2, 3, 1)], hardware="reload = true\nprogram_words = 2048"
     ),
 }
+# Learned functions, which are added up. In the second case a network takes the output of another
+# one, and there are registers behind the memories.
+LEARNED = {
+    "learned-engine": replace(
+        ENGINE, shapes=[(3, 3, 2)], learned=True, hardware="segment_width = 10", spread=1.0
+    ),
+    "learned-chain": replace(
+        ENGINE,
+        shapes=[(2, 2, 1), (3, 2, 1)],
+        arrangement="cascade",
+        learned=True,
+        hardware='segment_width = 12\npipeline = "deep"',
+        spread=1.0,
+    ),
+}
 # Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
 # network; the second has registers behind the memories, and sums that leave the word; the third has
 # no multiplier; the fourth has a range from the data, which other frames leave.

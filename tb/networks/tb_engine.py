@@ -38,12 +38,12 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import ENGINES, LAYERED, RELOADED, SERIAL_ENGINES, TABLES
+from tb.common.small import ENGINES, LAYERED, LEARNED, RELOADED, SERIAL_ENGINES, TABLES
 from tb.common.stimulus import random_resets, spread
 
 # Without a multiplier the block of the sum is another one. All other blocks are the same.
 SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
-CASES = RELOADED | ENGINES | LAYERED | TABLES | SERIAL
+CASES = RELOADED | ENGINES | LAYERED | TABLES | LEARNED | SERIAL
 # Their program is part of the hardware. The first has a layer of ReLU and one of tanh, and steps of
 # the second name the tables of two functions. What quantised networks add is in round_saturate
 # alone, which has records of these.

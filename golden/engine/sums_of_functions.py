@@ -1,0 +1,157 @@
+"""Finds layers whose nodes are sums of functions, which an engine adds up without words between.
+
+A network of learned functions, y = sum over i of f_i(x_i), is a network of layers: the nodes of one
+layer take one value each and look up its function, and the next layer adds them up with weights of
+1. Compiled node by node, a function would take a product that copies its value, two that look it
+up, and one that adds it. An engine needs only the two in the middle: the intercept and the slope of
+the segment are products of the sum itself, and the word of the value is read as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from golden.engine.exact_layer import Exact, Value
+from golden.engine.formats import HIDDEN, RESULT
+from golden.engine.function_table import fits
+from golden.function import ITSELF, TANH
+from golden.precision import SIGNAL
+
+
+def added_up(layers: Sequence[Exact], values: Sequence[Value]) -> list[Exact]:
+    """The layers, where those that only add up functions take them as their own.
+
+    Parameters
+    ----------
+    layers : sequence of Exact
+    values : sequence of Value
+        The operands of the first layer.
+    """
+    found: list[Exact] = []
+    for layer in layers:
+        before = found[-1] if found else None
+        copies = before is not None and len(found) == 1 and _copies(before, values)
+        if before and copies:
+            before = _within_reach(before, values)
+        if before and _adds(before, layer):
+            layer = _taken(before, layer)
+            if copies:
+                found = []
+                layer = _from_inputs(before, layer)
+            else:
+                found[-1], layer = _each_once(before, layer)
+        found.append(layer)
+    return found
+
+
+def _adds(before: Exact, layer: Exact) -> bool:
+    """Whether a layer does nothing with the functions of the one before but add them up."""
+    target = _target(layer)
+    if not before.functions or TANH in before.functions or target is None:
+        return False
+    return all(
+        function == ITSELF
+        or (fits(function, target) and all(row[k] in (0, 1) for row in layer.weights))
+        for k, function in enumerate(before.functions)
+    )
+
+
+def _target(layer: Exact) -> int | None:
+    """The fraction bits of a layer's sums, if these do not depend on its weights."""
+    if layer.grid or not (layer.functions or layer.output):
+        return None
+    return HIDDEN.frac if layer.functions else RESULT.frac
+
+
+def _taken(before: Exact, layer: Exact) -> Exact:
+    """A layer with the functions of the one before, which gives it its sums."""
+    target = _target(layer)
+    products = [function == ITSELF for function in before.functions]
+    weights = [
+        [weight * product for weight, product in zip(row, products, strict=True)]
+        for row in layer.weights
+    ]
+    added = [
+        [
+            (k, replace(function, frac=target))
+            for k, function in enumerate(before.functions)
+            if row[k] and not products[k]
+        ]
+        for row in layer.weights
+    ]
+    return replace(layer, weights=weights, added=added)
+
+
+def _each_once(before: Exact, layer: Exact) -> tuple[Exact, Exact]:
+    """The layer before as sums alone, equal ones once, and the layer with their new places."""
+    sums = [
+        (tuple(row), bias, tuple(added))
+        for row, bias, added in zip(
+            before.weights, before.biases, before.added or [[]] * len(before.weights), strict=True
+        )
+    ]
+    place = {one: n for n, one in enumerate(dict.fromkeys(sums))}
+    kept = [sums.index(one) for one in place]
+    weights = [[Fraction(0)] * len(kept) for _ in layer.weights]
+    for made, row in zip(weights, layer.weights, strict=True):
+        for k, weight in enumerate(row):
+            made[place[sums[k]]] += weight
+    before = replace(
+        before,
+        activation="sums",
+        functions=(),
+        weights=[before.weights[k] for k in kept],
+        biases=[before.biases[k] for k in kept],
+        added=[before.added[k] for k in kept] if before.added else [],
+    )
+    added = [[(place[sums[k]], function) for k, function in node] for node in layer.added]
+    return before, replace(layer, weights=weights, added=added)
+
+
+def _copies(layer: Exact, values: Sequence[Value]) -> bool:
+    """Whether the sum of every node of the first layer is the word of one operand, as it is."""
+    for row, bias in zip(layer.weights, layer.biases, strict=True):
+        if sum(weight != 0 for weight in row) != 1:
+            return False
+        value = values[_only(row)]
+        weight = Fraction(2) ** (value.fmt.frac - HIDDEN.frac)
+        # An earlier output comes with half a unit of its last place added.
+        half = weight / (2 << SIGNAL.frac) if value.earlier else Fraction(0)
+        if (row[_only(row)], bias) != (weight, half):
+            return False
+    return True
+
+
+def _within_reach(layer: Exact, values: Sequence[Value]) -> Exact:
+    """A layer of copies whose functions keep their values where no word of an operand is."""
+    ends = [
+        max(-value.low, value.high) * 2.0**-HIDDEN.frac
+        for value in (values[_only(row)] for row in layer.weights)
+    ]
+    functions = tuple(
+        function if function in (ITSELF, TANH) else replace(function, end=end)
+        for function, end in zip(layer.functions, ends, strict=True)
+    )
+    return replace(layer, functions=functions)
+
+
+def _only(row: Sequence[Fraction]) -> int:
+    return next(k for k, weight in enumerate(row) if weight)
+
+
+def _from_inputs(before: Exact, layer: Exact) -> Exact:
+    """A layer that takes the operands themselves in the place of copies."""
+    inputs = len(before.weights[0])
+    sources = [_only(row) for row in before.weights]
+    weights = [[Fraction(0)] * inputs for _ in layer.weights]
+    for made, row in zip(weights, layer.weights, strict=True):
+        for k, weight in enumerate(row):
+            made[sources[k]] += weight * before.weights[k][sources[k]]
+    biases = [
+        bias + sum((w * b for w, b in zip(row, before.biases, strict=True)), Fraction(0))
+        for bias, row in zip(layer.biases, layer.weights, strict=True)
+    ]
+    added = [[(sources[k], function) for k, function in node] for node in layer.added]
+    return replace(layer, weights=weights, biases=biases, added=added)

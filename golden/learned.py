@@ -1,0 +1,128 @@
+"""Networks of learned functions as layers: each edge is a function, each node adds up its edges.
+
+        s_h = sum over i of f_hi(x_i)        y_o = b_o + sum over h of g_oh(s_h)
+
+As layers, the nodes of the first one take an input each and look up a function f of it; those of
+the second add them up and look up a function g of each sum; the last adds these up. So every
+program that takes a network of layers takes this one. An engine recognises it and adds the
+functions up without words between (``golden.engine.sums_of_functions``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.dense import Dense, DenseNetwork
+from golden.function import ITSELF, TABLE, Function
+from golden.precision import SIGNAL
+from golden.real import Real
+
+# A sample as a sum q that is its word as it is, and an output of an earlier network likewise.
+SAMPLE_SCALE, EARLIER_SCALE = 4.0, 8.0
+# An earlier output comes with half a unit of its last place added.
+HALF_UNIT = 2.0 ** -(SIGNAL.frac + 1)
+
+# A spline of the input as in ``Function``, the slope of a straight edge, or None for none.
+Edge = tuple[float, ...] | float | None
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A network of learned functions.
+
+    Attributes
+    ----------
+    first : sequence of sequences of Edge
+        For each hidden sum an edge for each input.
+    second : sequence of sequences of Edge
+        For each output an edge for each hidden sum.
+    biases : sequence of float
+        The constants of the outputs.
+    scales : sequence of float
+        By what each hidden sum is multiplied in hardware, where sums from -8 to 8 have room.
+    earlier : int
+        How many of the inputs, at the end, are outputs of earlier networks.
+    """
+
+    first: Sequence[Sequence[Edge]]
+    second: Sequence[Sequence[Edge]]
+    biases: Sequence[float]
+    scales: Sequence[float]
+    earlier: int = 0
+
+    def layers(self) -> DenseNetwork:
+        """The network as three layers."""
+        inputs = len(self.first[0])
+        samples = inputs - self.earlier
+        copies = _Layer(inputs)
+        places: list[list[tuple[int, float]]] = [[] for _ in self.first]
+        for h, (edges, scale) in enumerate(zip(self.first, self.scales, strict=True)):
+            for i, edge in enumerate(edges):
+                if edge is None:
+                    continue
+                later = i >= samples
+                into = EARLIER_SCALE if later else SAMPLE_SCALE
+                offset = into * HALF_UNIT * later
+                row = np.zeros(inputs)
+                row[i] = into
+                place, weight = copies.add(f"f{h + 1}_{i + 1}", row, offset, edge, into, scale)
+                places[h].append((place, weight))
+        sums = _Layer(copies.nodes)
+        last = np.zeros((len(self.second), 0))
+        for o, edges in enumerate(self.second):
+            for h, edge in enumerate(edges):
+                if edge is None:
+                    continue
+                row = np.zeros(copies.nodes)
+                for place, weight in places[h]:
+                    row[place] = weight
+                _, weight = sums.add(f"g{o + 1}_{h + 1}", row, 0.0, edge, self.scales[h], 1.0)
+                column = np.zeros((len(self.second), 1))
+                column[o] = weight
+                last = np.concatenate([last, column], axis=1)
+        output = Dense(last, np.array(self.biases, dtype=np.float64))
+        return DenseNetwork((copies.dense(), sums.dense(), output))
+
+
+class _Layer:
+    """A layer to which one node after the other is added."""
+
+    def __init__(self, inputs: int) -> None:
+        self.inputs = inputs
+        self.rows: list[Real] = []
+        self.biases: list[float] = []
+        self.functions: list[Function] = []
+
+    @property
+    def nodes(self) -> int:
+        return len(self.rows)
+
+    def add(
+        self, name: str, row: Real, offset: float, edge: Edge, into: float, scale: float
+    ) -> tuple[int, float]:
+        """Add a node, and return its place and the weight that the next layer gives it.
+
+        The node's sum is ``into`` times the edge's input, and ``offset`` more. The next layer is to
+        get ``scale`` times the edge.
+        """
+        self.rows.append(row)
+        self.biases.append(offset)
+        if isinstance(edge, tuple):
+            low, high, *coefficients = edge
+            ends = into * low + offset, into * high + offset
+            spline = *ends, *(scale * c for c in coefficients)
+            self.functions.append(Function(name, spline=spline))
+            return self.nodes - 1, 1.0
+        assert edge is not None
+        self.functions.append(ITSELF)
+        return self.nodes - 1, scale * edge / into
+
+    def dense(self) -> Dense:
+        """The layer."""
+        names = TABLE + ",".join(function.name for function in self.functions)
+        rows = np.array(self.rows).reshape(self.nodes, self.inputs)
+        biases = np.array(self.biases)
+        return Dense(rows, biases, names, functions=tuple(self.functions))

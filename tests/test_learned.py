@@ -1,0 +1,162 @@
+"""Networks of learned functions, as layers and on engines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.dense import DenseNetwork
+from golden.engine.bounds import error_bounds
+from golden.engine.graph import Kind
+from golden.engine.integer_network import evaluate
+from golden.function import ITSELF, Function
+from golden.input_error import InputError
+from golden.learned import Edge, Learned
+from golden.network_files.network_file import load_network, save_network
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
+from golden.networks.settings import Settings
+from golden.precision import SIGNAL
+from golden.spline_basis import Basis
+from tb.common.cases import random_learned
+
+# One edge of each kind reaches every sum.
+STRAIGHT, NONE = 0.25, None
+WIDE = {"segment_width": 12}
+FORMS = [{}, *(WIDE | form for form in ({"pipeline": "deep"}, {"multiplier": "serial"}))]
+FORMS.append({"reload": True, "segment_width": 11, "program_words": 2048})
+
+
+def codes(inputs: int, seed: int = 1, frames: int = 200) -> np.ndarray:
+    """Frames of random codes, the ends of the range among them."""
+    found = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (frames, inputs))
+    found[0], found[1] = SIGNAL.low, SIGNAL.high
+    return found
+
+
+def three_kinds() -> Learned:
+    """Three sums of three samples, with curved and straight edges, and some that are left out."""
+    made = random_learned((3, 3, 2), 0, 1.0, 3)
+    first = [list(edges) for edges in made.first]
+    second = [list(edges) for edges in made.second]
+    first[0][1], first[1][0], second[0][1] = NONE, STRAIGHT, NONE
+    return replace(made, first=first, second=second)
+
+
+def value(edge: Edge, x: np.ndarray) -> np.ndarray:
+    """An edge by its definition."""
+    if edge is None:
+        return np.zeros_like(x)
+    if isinstance(edge, float):
+        return edge * x
+    low, high, *coefficients = edge
+    values, _ = Basis(low, high, len(coefficients) - 3).at(x)
+    return np.asarray(values @ np.array(coefficients))
+
+
+def by_definition(network: Learned, x: np.ndarray) -> np.ndarray:
+    sums = [sum(value(e, x[:, i]) for i, e in enumerate(row)) for row in network.first]
+    outputs = [sum(value(e, sums[h]) for h, e in enumerate(row)) for row in network.second]
+    return np.stack(outputs, axis=-1) + np.array(network.biases)
+
+
+@pytest.mark.parametrize("network", [three_kinds(), random_learned((2, 2, 1), 0, 1.0, 5)])
+def test_layers_are_what_the_sums_say(network: Learned) -> None:
+    x = codes(len(network.first[0])) / 2.0**SIGNAL.frac
+    assert np.allclose(network.layers().process(x), by_definition(network, x), atol=1e-12)
+
+
+def test_a_function_that_is_itself() -> None:
+    q = np.linspace(-9, 9, 1000)
+    assert np.allclose(ITSELF.value(q), np.clip(q, -8, 8), atol=2.0**-13)
+
+
+@pytest.mark.parametrize("options", FORMS, ids=str)
+def test_every_engine_adds_functions_up(options: dict) -> None:
+    """Each has the results of the whole numbers, and these are within the bound of the errors."""
+    network = three_kinds().layers()
+    engine = Engine.of([network], Settings(options=options))
+    frames = codes(3)
+    found = engine.process(frames)
+    assert np.array_equal(found, evaluate(engine.integers, frames))
+    assert len(engine.integers[0].layers) == 2
+    off = np.abs(found / 2.0**SIGNAL.frac - network.process(frames / 2.0**SIGNAL.frac))
+    bounds = error_bounds(network, engine.program.segment_width, 3)
+    assert (off.max(axis=0) <= bounds).all()
+    assert bounds.max() < 0.05
+
+
+def test_an_edge_is_two_steps_and_a_straight_one_is_one() -> None:
+    network = three_kinds()
+    engine = Engine.of([network.layers()], Settings(options=WIDE))
+    terms = [term for neuron in engine.graph.neurons for term in neuron.terms]
+    edges = [edge for row in (*network.first, *network.second) for edge in row]
+    curved = sum(isinstance(edge, tuple) for edge in edges)
+    assert sum(term.kind is Kind.INTERCEPT for term in terms) == curved
+    assert sum(term.kind is Kind.DISTANCE for term in terms) == curved
+    assert sum(term.kind is Kind.WORD for term in terms) == sum(isinstance(e, float) for e in edges)
+    # A sum is computed once, whatever outputs take it.
+    assert len(engine.graph.neurons) == len(network.first) + len(network.second)
+
+
+def test_a_later_network_takes_the_output_of_an_earlier_one() -> None:
+    networks = [random_learned((2 + n, 2, 1), n, 1.0, n).layers() for n in range(3)]
+    engine = Engine.of(networks, Settings(options={"segment_width": 10}), "cascade")
+    frames = codes(2)
+    found = engine.process(frames)
+    assert np.array_equal(found, evaluate(engine.integers, frames))
+    assert [len(one.layers) for one in engine.integers] == [2, 2, 2]
+    x = frames / 2.0**SIGNAL.frac
+    for network in networks:
+        x = np.concatenate([x, network.process(x)], axis=1)
+    assert np.abs(found / 2.0**SIGNAL.frac - x[:, 2:]).max() < 4 / 2.0**SIGNAL.frac
+
+
+@pytest.mark.parametrize("change", ["weight", "bias", "copy"])
+def test_other_layers_keep_their_words(change: str) -> None:
+    """A weight that is not 1 and a sum that is no copy are computed as they always were."""
+    first, second, last = random_learned((2, 2, 1), 0, 1.0, 5).layers().layers
+    weights, biases, sums = first.weights.copy(), first.biases.copy(), second.weights.copy()
+    if change == "weight":
+        sums[0, 0] = 0.5
+    elif change == "bias":
+        biases[0] = 0.25
+    else:
+        weights[0] *= 0.5
+    layers = replace(first, weights=weights, biases=biases), replace(second, weights=sums), last
+    network = DenseNetwork(layers)
+    engine = Engine.of([network])
+    frames = codes(2)
+    assert len(engine.integers[0].layers) == 3
+    found = engine.process(frames)
+    assert np.array_equal(found, evaluate(engine.integers, frames))
+    real = network.process(frames / 2.0**SIGNAL.frac)
+    assert np.abs(found / 2.0**SIGNAL.frac - real).max() < 4 / 2.0**SIGNAL.frac
+
+
+def test_a_file_holds_the_functions(tmp_path: Path) -> None:
+    network = three_kinds().layers()
+    path = tmp_path / "network.npz"
+    save_network(path, network, {"scene": "none"})
+    read = load_network(path, network.shape)
+    assert [layer.functions for layer in read.layers] == [l.functions for l in network.layers]
+    x = codes(3) / 2.0**SIGNAL.frac
+    assert np.array_equal(read.process(x), network.process(x))
+
+
+@pytest.mark.parametrize("spline", [(0.0, 1.0, 1.0), (1.0, 0.0, *[1.0] * 4), (0.0, 1.0, *[np.nan] * 4)])
+def test_a_spline_that_is_none_is_refused(spline: tuple[float, ...]) -> None:
+    with pytest.raises(InputError, match="got a spline of"):
+        Function("bent", spline=spline)
+
+
+def test_designs_without_tables_of_functions() -> None:
+    network = three_kinds().layers()
+    with pytest.raises(InputError, match="network: got sums of functions with design 'lanes'"):
+        Lanes.of([network])
+    with pytest.raises(InputError, match="got 'adder_graph' with the functions f1_"):
+        AdderGraph.of([network], Settings(activation="bipartite"))
