@@ -143,12 +143,14 @@ def test_a_file_holds_the_functions(tmp_path: Path) -> None:
     path = tmp_path / "network.npz"
     save_network(path, network, {"scene": "none"})
     read = load_network(path, network.shape)
-    assert [layer.functions for layer in read.layers] == [l.functions for l in network.layers]
+    assert [layer.functions for layer in read.layers] == [one.functions for one in network.layers]
     x = codes(3) / 2.0**SIGNAL.frac
     assert np.array_equal(read.process(x), network.process(x))
 
 
-@pytest.mark.parametrize("spline", [(0.0, 1.0, 1.0), (1.0, 0.0, *[1.0] * 4), (0.0, 1.0, *[np.nan] * 4)])
+@pytest.mark.parametrize(
+    "spline", [(0.0, 1.0, 1.0), (1.0, 0.0, *[1.0] * 4), (0.0, 1.0, *[np.nan] * 4)]
+)
 def test_a_spline_that_is_none_is_refused(spline: tuple[float, ...]) -> None:
     with pytest.raises(InputError, match="got a spline of"):
         Function("bent", spline=spline)
