@@ -273,8 +273,7 @@ def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
             (function,) = {neurons[n].function for n in members}
             assert code.place == codes_of(many.graph.functions)[function]
             found[function] += code.kind == Kind.DISTANCE
-    # No group of one function has a node more than lanes, and none but its last has fewer. A joined
-    # tanh is a group of its own.
+    # The nodes of a function are in as few groups as there can be; a tanh of all lanes is alone.
     nodes = Counter(n.function for n in neurons if n.looks_up)
     assert found == {
         function: count if function == TANH else -(-count // many.lanes)
