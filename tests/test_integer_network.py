@@ -79,7 +79,7 @@ def test_every_engine_computes_the_network_in_whole_numbers(network: Trained, le
 
 
 @settings(max_examples=60)
-@given(network=st.one_of(floating(), quantised()), lanes=st.integers(2, 9), lean=st.booleans())
+@given(network=st.one_of(floating(), quantised()), lanes=st.integers(1, 9), lean=st.booleans())
 def test_so_do_lanes(network: Trained, lanes: int, lean: bool) -> None:
     frames = frames_of(network.shape[0])
     many = Lanes.of([network], Settings(options={"lanes": lanes}, lean=lean))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.transcendental import tanh_floors
+from tb.report.measure.tanh_rounding import cut, rounded, slopes, with_line, with_words
 from tb.report.measure.tanh_words import tanh_words
 
 WIDTHS = (7, 8, 9)
@@ -29,6 +31,8 @@ CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
 # The number of fraction bits of the reference.
 FRAC = 40
+# So fine a part of a code is enough to find a line for four codes or fewer, if there is one.
+GRID = 24
 
 
 def results(width: int) -> Codes:
@@ -123,6 +127,41 @@ def test_the_figures_of_every_table_are_those_of_its_integers(floors: Codes) -> 
         assert largest == errors(width, floors).max() / unit
     assert {row[-1] for row in found.values()} == {"no"}
     assert all(words == end * 2 ** (14 - width) for (width, end), (words, *_) in found.items())
+
+
+def test_a_line_is_found_where_there_is_one() -> None:
+    """The limits of the slope say the same as every line of a fine grid, for each short segment."""
+    segments = np.array([[0, *rest] for rest in product(range(-1, 3), repeat=3)])
+    for width in (2, 3, 4):
+        part = np.unique(segments[:, :width], axis=0)
+        climb = np.arange(1 - GRID, 2 * GRID)[:, np.newaxis] * np.arange(width)
+        # The first code is 0. Half a code below a code is rounded to it.
+        start = np.arange(-GRID // 2, GRID // 2)[:, np.newaxis, np.newaxis]
+        codes = (start + climb + GRID // 2) // GRID
+        drawn = {tuple(line) for line in codes.reshape(-1, width).tolist()}
+        asked = {tuple(line) for line in part.tolist()}
+        assert {tuple(line) for line in part[with_line(part)].tolist()} == drawn & asked
+        assert (asked <= drawn) == (width == 2)
+
+
+def test_words_of_a_segment_are_those_of_an_engine() -> None:
+    """Where words were found, an engine's arithmetic with some words gives every code."""
+    segments = cut(rounded(), 5)
+    good = with_words(segments)
+    lines = with_line(segments)
+    assert set(good) < set(lines)
+    shift, x = RESULT.frac - SIGNAL.frac, np.arange(-16, 16)
+    half, half_word = 1 << (shift - 1), 1 << (DROPPED - 1)
+    for n in (*good[:3], good[len(good) // 2], good[-1]):
+        below, above = (float(limit[0]) for limit in slopes(segments[n : n + 1]))
+        step = 1 << (shift + DROPPED)
+        middle = int(segments[n][16]) << shift
+        words = (
+            ((i << DROPPED) + s * x + half_word) >> DROPPED
+            for s in range(int(below * step) | 1, min(int(above * step), (1 << 17) - 1) + 1, 2)
+            for i in range(middle - 24, middle + 25)
+        )
+        assert any(np.array_equal((word + half) >> shift, segments[n]) for word in words)
 
 
 @pytest.mark.parametrize("width", [6, 10])

@@ -53,8 +53,8 @@ class Lanes(Engine):
         width = settings.options.get("segment_width", SEGMENT_WIDTH)
         assert isinstance(lanes, int)
         assert isinstance(width, int)
-        if not 2 <= lanes <= MOST_LANES:
-            raise InputError(f"hardware.lanes: got {lanes}, expected 2 to {MOST_LANES}")
+        if not 1 <= lanes <= MOST_LANES:
+            raise InputError(f"hardware.lanes: got {lanes}, expected 1 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
         graph = graph_of(integers, settings.lean)
         if any(layer.added for network in integers for layer in network.layers):

@@ -17,7 +17,7 @@ HARDWARE = KeyTable(
             Text((*DESIGNS, UNDECIDED)),
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
-            "`precise`. [lanes](blocks/lanes.md) is an engine with 2 to 16 multipliers, which "
+            "`precise`. [lanes](blocks/lanes.md) is an engine with 1 to 16 multipliers, which "
             "takes fewer clocks for the same networks. "
             "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
@@ -96,7 +96,7 @@ HARDWARE = KeyTable(
         "lanes": Key(
             Whole(absent=True),
             0,
-            "Only for `lanes`. The number of multipliers, 2 to 16. The results are those of an "
+            "Only for `lanes`. The number of multipliers, 1 to 16. The results are those of an "
             "engine with one.",
             "2",
         ),

@@ -78,7 +78,7 @@ CANDIDATES = (
     SERIAL,
     SHORT,
     DEEP,
-    *map(lanes, (2, 4, 8, 16)),
+    *map(lanes, (1, 2, 4, 8, 16)),
     HYBRID,
     PARALLEL,
     adders(5),

@@ -95,9 +95,11 @@ def lane_round(
         keep = (
             zero(own, relu, other_cut, cut_now),
             connect(cut_now, next_cut) if spec.leads else (),
-            halve(own, acc, high, relu, other_even, even_now, bits=spec.cut) if spec.even else (),
+            halve(acc, high=high, relu=relu, own=own, given=other_even, now=even_now, bits=spec.cut)
+            if spec.even
+            else (),
             connect(even_now, next_even) if spec.leads and spec.even else (),
-            keep_codes(clk, taken, below, low_now, cut_now, even_now, bits=spec.cut),
+            keep_codes(clk, taken, below, low=low_now, cut=cut_now, even=even_now, bits=spec.cut),
         )
     else:
 
@@ -188,7 +190,7 @@ def zero(own, here, given, now):
 
 
 @block
-def halve(own, acc, high, relu, given, now, *, bits: int):
+def halve(acc, *, high, relu, own, given, now, bits: int):
     """``now`` says that a code becomes the even one; see ``zero``.
 
     A sum beyond the word lies between no two words, whatever its lowest bits are.
@@ -208,21 +210,22 @@ def halve(own, acc, high, relu, given, now, *, bits: int):
 
 
 @block
-def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
+def keep_codes(clk, taken, below, *, low, cut, even, bits: int):
     """``below`` is ``taken``, one clock later, without what becomes 0.
 
-    Bits that become 0 together have a reset of their own: the lowest ``bits`` bits, which a code of
-    a quantiser has not; with ``even_now`` the lowest bit of the code; and those above.
+    Bits that become 0 together have a reset of their own: with ``low`` all bits, with ``cut`` the
+    lowest ``bits`` ones, which a code of a quantiser has not, and with ``even``, which may be None,
+    the lowest bit of the code.
     """
     sign = WIDTH - 1
-    above = bits + (even_now is not None)
+    above = bits + (even is not None)
     # A code of one bit has none above its lowest one.
     alone = above == sign
     fine, code, last = unsigned(bits), unsigned(1 if alone else sign - above), flag()
 
     @always(clk.posedge)
     def keep_fine():
-        if low_now or cut_now:
+        if low or cut:
             fine.next = 0
         else:
             fine.next = taken[bits:]
@@ -231,12 +234,12 @@ def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
 
         @always(clk.posedge)
         def keep_code():
-            if low_now:
+            if low:
                 code.next = 0
             else:
                 code.next = taken[sign:above]
 
-    if even_now is None:
+    if even is None:
 
         @always_comb
         def join():
@@ -246,7 +249,7 @@ def keep_codes(clk, taken, below, low_now, cut_now, even_now, *, bits: int):
 
     @always(clk.posedge)
     def keep_last():
-        if low_now or even_now:
+        if low or even:
             last.next = False
         else:
             last.next = taken[bits]

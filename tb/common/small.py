@@ -212,6 +212,7 @@ LANE = replace(ENGINE, shapes=[(3, 5, 3)], design="lanes", hardware="lanes = 3")
 LANES = {
     "rails-lanes": LANE,
     "least-lanes": replace(LANE, shapes=[(1, 1, 1)], hardware="lanes = 2", spread=1.0),
+    "alone-lanes": replace(LANE, hardware="lanes = 1"),
     "huge-lanes": replace(LANE, shapes=[(4, 3, 2)], hardware="lanes = 2", spread=100.0),
     "chain-lanes": replace(
         LANE,

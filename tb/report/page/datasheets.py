@@ -26,7 +26,7 @@ COMMAND = "python -m tb.report.page.datasheets"
 COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
     *("digit-fast-clock", "digit-fast-full", "digit-fast-ternary"),
-    *("digit-lanes2", "digit-lanes4", "digits-lanes8"),
+    *("digit-lanes1", "digit-lanes2", "digit-lanes4", "digits-lanes8"),
     *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
 ]
 COLUMNS = [*KINDS, DEPTH]
