@@ -284,7 +284,22 @@ class Found:
 
 
 def found(arrangement: str, kind: Kind, seed: int, candidates: int) -> Found:
-    """Train the networks of an arrangement, and measure them.
+    """Train the networks of an arrangement, and measure them; see ``trained``."""
+    given = lesson(seed)
+    networks = trained(arrangement, kind, seed, candidates, given)
+    means = {
+        name: networks.means(networks.written if "all" in name else networks.tested, measured)
+        for name, measured in given.measured.items()
+    }
+    return Found(
+        sum(model.parameters for model in networks.written),
+        sum(model.steps for model in networks.written),
+        means,
+    )
+
+
+def trained(arrangement: str, kind: Kind, seed: int, candidates: int, given: Lesson) -> Networks:
+    """Train the networks of an arrangement.
 
     Parameters
     ----------
@@ -293,8 +308,9 @@ def found(arrangement: str, kind: Kind, seed: int, candidates: int) -> Found:
     seed : int
         Of the split, the noise and the starts.
     candidates : int
+    given : Lesson
+        That of the seed.
     """
-    given = lesson(seed)
     networks = Networks(arrangement)
     for number, outputs in enumerate(ARRANGEMENTS[arrangement]):
 
@@ -320,15 +336,7 @@ def found(arrangement: str, kind: Kind, seed: int, candidates: int) -> Found:
         networks.chosen.append(best)
         networks.tested.append(tested)
         networks.written.append(written)
-    means = {
-        name: networks.means(networks.written if "all" in name else networks.tested, measured)
-        for name, measured in given.measured.items()
-    }
-    return Found(
-        sum(model.parameters for model in networks.written),
-        sum(model.steps for model in networks.written),
-        means,
-    )
+    return networks
 
 
 def learned_functions(seed: int) -> Table:
@@ -388,7 +396,7 @@ def learned_functions(seed: int) -> Table:
 
 def _shipped(arrangement: str, scene: Scene, outputs: Sequence[str]) -> list[list[Cell]]:
     """The rows of the networks of a scene."""
-    held_out = held_out_means(scene) or [None] * len(outputs)
+    held_out: Sequence[float | None] = held_out_means(scene) or [None] * len(outputs)
     noisy = disturbed_errors(scene, Disturbance(noise=NOISE))
     networks = scene.networks()
     size = [sum(map(len, map(packed, networks))), sum(map(steps_of, networks))]

@@ -30,6 +30,7 @@ from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
 from tb.report.measure import (
     convergence,
+    function_tables,
     honest,
     learned_functions,
     outside,
@@ -50,6 +51,7 @@ RECORDED = {
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
     "learned_functions": (learned_functions, splines),
+    "function_tables": (function_tables, learned_functions, splines),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }
