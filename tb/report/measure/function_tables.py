@@ -9,6 +9,8 @@ import numpy as np
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene import load_scene
+from golden.splines.basis import Basis
+from golden.splines.edges import CURVED, FLAT, STRAIGHT
 from golden.splines.tables import TableNetwork, tabulated
 from golden.splines.training import Learned
 from golden.training.objective import Rows
@@ -22,6 +24,7 @@ from tb.report.measure.learned_functions import (
 )
 from tb.report.measure.table import Cell, Table
 
+KIND_NAMES = {FLAT: "flat", STRAIGHT: "straight", CURVED: "curved"}
 ARRANGEMENT, NODES = "cascade", 3
 SEGMENTS = (4, 8, 16, 32, 64, 128)
 
@@ -32,7 +35,13 @@ NOTES = {
     "table of straight lines, segments by the upper bits of a word; an intercept and a slope of 18 "
     "bits are a word of 36. Inputs and outputs have 14 bits, hidden sums 18, sums are exact and "
     "are rounded once. 'Float' is the same network with its splines.",
+    "learned_curves": "The functions of the same cascade, trained on with all rows, each at "
+    "equal steps over the range that it has on these rows, from which its mean is subtracted; and "
+    "the part of the rows in each of equal steps. A straight function is a product on an engine, "
+    "and a flat one is nothing.",
 }
+# The points of a curve, and the steps over which rows are counted.
+POINTS, BINS = 25, 24
 
 
 def function_tables(seed: int) -> Table:
@@ -58,6 +67,46 @@ def function_tables(seed: int) -> Table:
         rows,
         NOTES["function_tables"],
     )
+
+
+def learned_curves(seed: int) -> Table:
+    """Every function of the cascade, and where the rows lie."""
+    given = lesson(seed)
+    kind = learned(NODES, pruned=True)
+    networks = trained(ARRANGEMENT, kind, seed, CANDIDATES[ARRANGEMENT], given)
+    scene = load_scene(SCENE)
+    vectors = scene.vectors()
+    every = Rows(SIGNAL.to_real(vectors.codes), vectors.targets, vectors.scale)
+    rows: list[list[Cell]] = []
+    for number, (output, model) in enumerate(zip(scene.outputs, networks.written, strict=True)):
+        assert isinstance(model, Learned)
+        inputs = networks.rows(networks.written[:number], every, ()).inputs
+        names = [*scene.sensors, *scene.outputs[:number]]
+        network, edges = model.network, model.edges
+        sums = network.sums(network.spread(inputs))
+        for h in range(NODES):
+            for i, name in enumerate(names):
+                form = KIND_NAMES[int(edges.first[h, i])]
+                curve = _curve(network.bases[i], network.first[h, i], inputs[:, i])
+                rows.append([output, h + 1, name, form, *curve])
+            form = KIND_NAMES[int(edges.second[0, h])]
+            curve = _curve(network.hidden, network.second[0, h], sums[:, h])
+            rows.append([output, h + 1, "sum", form, *curve])
+    columns = [
+        *("network", "node", "of", "form", "low", "high"),
+        *(f"value {n + 1}" for n in range(POINTS)),
+        *(f"rows {n + 1}" for n in range(BINS)),
+    ]
+    return Table("learned_curves", columns, rows, NOTES["learned_curves"])
+
+
+def _curve(basis: Basis, coefficients: Real, x: Real) -> list[Cell]:
+    """The range of x, the values of a function over it, and the part of x in each step of it."""
+    low, high = float(x.min()), float(x.max())
+    values = basis.at(np.linspace(low, high, POINTS))[0] @ coefficients
+    mean = float((basis.at(x)[0] @ coefficients).mean())
+    counts = np.histogram(x, BINS, (low, high))[0] / len(x)
+    return [low, high, *map(float, values - mean), *map(float, counts)]
 
 
 def _rows(name: str, words: int, outputs: Sequence[str], found: Sequence[Real]) -> list[list[Cell]]:

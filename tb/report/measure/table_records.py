@@ -52,6 +52,7 @@ RECORDED = {
     "hidden_nodes": (sensors_dropped, sensors_needed),
     "learned_functions": (learned_functions, splines),
     "function_tables": (function_tables, learned_functions, splines),
+    "learned_curves": (function_tables, learned_functions, splines),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

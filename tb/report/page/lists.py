@@ -28,6 +28,7 @@ from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.floors import picture_of_floors
+from tb.report.draw.learned import learned_curves
 from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
@@ -335,6 +336,7 @@ def pages() -> dict[Path, str]:
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
+    found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"))
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
