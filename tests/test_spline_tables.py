@@ -9,7 +9,7 @@ import pytest
 
 from golden.input_error import InputError
 from golden.precision import SIGNAL
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 from golden.splines.edges import CURVED, STRAIGHT, Edges
 from golden.splines.network import starting
 from golden.splines.tables import tabulated

@@ -9,7 +9,7 @@ from scipy.interpolate import BSpline
 
 from golden.input_error import InputError
 from golden.real import Real
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from golden import layer_training, store
+from golden import layer_training, spline_training, store
 from golden.cli import run, would
 from golden.closure import code
 from golden.dense import Trained
@@ -36,6 +36,7 @@ from golden.scene import Scene, load_scene
 from golden.scene.schema import FEWEST
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
+from golden.spline_training import SplineStages
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
@@ -53,11 +54,13 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     refused = 0
     member = task.scene.members[task.number]
     name = task.scene.classes or ", ".join(member.outputs)
-    results: Iterator[Result] = (
-        layer_training.search(task, workers)
-        if has_layers(task.scene)
-        else search(task, record, workers)
-    )
+    results: Iterator[Result]
+    if has_layers(task.scene):
+        results = layer_training.search(task, workers)
+    elif task.scene.training.functions:
+        results = spline_training.search(task, workers)
+    else:
+        results = search(task, record, workers)
     with Progress(name, len(tried(task)), "candidates") as progress:
         for result in results:
             refused += bool(result.refused)
@@ -111,7 +114,11 @@ def has_layers(scene: Scene) -> bool:
 
 def tried(task: Task) -> Sequence[tuple[Any, int]]:
     """The hidden nodes, or those of each layer, and the number of the start of every candidate."""
-    return layer_training.candidates(task) if has_layers(task.scene) else candidates(task)
+    if has_layers(task.scene):
+        return layer_training.candidates(task)
+    if task.scene.training.functions:
+        return spline_training.candidates(task)
+    return candidates(task)
 
 
 def check_layers(scene: Scene) -> None:
@@ -150,7 +157,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    stages: Any = LayerStages(scene) if has_layers(scene) else Stages(scene)
+    made = LayerStages if has_layers(scene) else SplineStages if settings.functions else Stages
+    stages: Any = made(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
@@ -164,6 +172,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
             networks = getattr(stages, stage)
             errors |= errors_of(stages.task(networks, number), networks[number], part)
         few = digits_story(stages, number) if settings.digits else {}
+        if settings.functions:
+            few = {"functions": settings.functions, **stages.edges[number]}
         stories.append(
             {
                 "scene": scene.name,

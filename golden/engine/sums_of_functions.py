@@ -19,6 +19,10 @@ from golden.engine.function_table import fits
 from golden.function import ITSELF, TANH
 from golden.precision import SIGNAL
 
+ONE = Fraction(1)
+# What is left of a weight that was multiplied by a scale and divided by it.
+ROUNDING = Fraction(1, 1 << 40)
+
 
 def added_up(layers: Sequence[Exact], values: Sequence[Value]) -> list[Exact]:
     """The layers, where those that only add up functions take them as their own.
@@ -53,7 +57,7 @@ def _adds(before: Exact, layer: Exact) -> bool:
         return False
     return all(
         function == ITSELF
-        or (fits(function, target) and all(row[k] in (0, 1) for row in layer.weights))
+        or (fits(function, target) and all(not row[k] or _near(row[k], ONE) for row in layer.weights))
         for k, function in enumerate(before.functions)
     )
 
@@ -119,9 +123,14 @@ def _copies(layer: Exact, values: Sequence[Value]) -> bool:
         weight = Fraction(2) ** (value.fmt.frac - HIDDEN.frac)
         # An earlier output comes with half a unit of its last place added.
         half = weight / (2 << SIGNAL.frac) if value.earlier else Fraction(0)
-        if (row[_only(row)], bias) != (weight, half):
+        if not (_near(row[_only(row)], weight) and abs(bias - half) < ROUNDING):
             return False
     return True
+
+
+def _near(found: Fraction, wanted: Fraction) -> bool:
+    """Whether a weight is what it was before a file with scales rounded it."""
+    return abs(found - wanted) < ROUNDING * wanted
 
 
 def _within_reach(layer: Exact, values: Sequence[Value]) -> Exact:

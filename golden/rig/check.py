@@ -21,6 +21,7 @@ from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
 from golden.function import by_name, functions_of
+from golden.function_network import of_parabolas
 from golden.network_files.classes import file_labels, stand_for_order
 from golden.network_files.network_file import check_targets, held_in, write_network
 from golden.precision import SIGNAL
@@ -289,6 +290,13 @@ def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
             if not hiddens and (settings.layers or not scene.labels):
                 hiddens = hidden
             widths = (member.inputs, *hiddens, len(member.outputs))
+            path = Path(folder) / f"{number}.npz"
+            scales = scene.scales_of(number)
+            members.append(replace(member, weights_path=path))
+            if settings.functions:
+                bent = of_parabolas(widths, member.inputs - scene.members[0].inputs)
+                write_network(path, on_readings(bent.layers(), *scales))
+                continue
             kinds = (*(member.activations or [settings.activation] * len(hiddens)), "linear")
             known = by_name(member.functions)
             layers = [
@@ -300,7 +308,5 @@ def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
                 )
                 for taken, nodes, kind in zip(widths, widths[1:], kinds, strict=False)
             ]
-            path = Path(folder) / f"{number}.npz"
-            write_network(path, on_readings(network_of(layers), *scene.scales_of(number)))
-            members.append(replace(member, weights_path=path))
+            write_network(path, on_readings(network_of(layers), *scales))
         yield replace(scene, members=tuple(members))

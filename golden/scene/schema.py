@@ -154,6 +154,20 @@ TRAINING = KeyTable(
             "tanh",
             "Only with `layers`: the activation of every hidden layer.",
         ),
+        "functions": Key(
+            Text(("spline",)),
+            "",
+            "`spline` trains [networks of learned functions](learned-functions.md) in the place of "
+            "networks of tanh: `hidden` is then the number of hidden sums. The design must be "
+            "`engine`, and the weights are NPZ files.",
+            "none",
+        ),
+        "intervals": Key(
+            List(Whole(Span(above=0, most=32)), "whole numbers from 1 to 32", "a list of whole numbers"),
+            [2, 4],
+            "Only with `functions`: the numbers of intervals that the splines of an input may have. "
+            "Each is tried.",
+        ),
         "seed": Key(
             Whole(Span(0)),
             1,

@@ -37,13 +37,16 @@ class Training:
     chosen network is trained further, on all rows. ``digits`` and ``digits_tolerance`` are those of
     ``golden.training.few_digits``. ``disturbance`` is the expected disturbance of the readings by
     the sensors. ``layers``, where it is not empty, and ``activation`` are those of
-    ``golden.layer_training``.
+    ``golden.layer_training``. ``functions``, where it is not empty, and ``intervals`` are those of
+    ``golden.spline_training``.
     """
 
     optimiser: str
     hidden: tuple[int, int]
     layers: tuple[int, ...]
     activation: str
+    functions: str
+    intervals: tuple[int, ...]
     seed: int
     restarts: int
     weight_decay: float
@@ -189,6 +192,7 @@ def training(values: dict[str, Any], path: Path) -> Training:
     read = {
         "hidden": tuple(values["hidden"]),
         "layers": tuple(values.get("layers", ())),
+        "intervals": tuple(values["intervals"]),
         "split_by": _split_by(values, path),
         "disturbance": Disturbance(values["noise"], **values["drift"]),
     }

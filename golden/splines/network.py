@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.real import Real
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 
 # The range of the splines of hidden sums. Training makes the sums fit it.
 HIDDEN_RANGE = (-1.0, 1.0)

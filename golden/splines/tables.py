@@ -11,7 +11,7 @@ from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 from golden.splines.edges import CURVED, STRAIGHT
 from golden.splines.training import Learned
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.real import Real
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting

@@ -16,7 +16,7 @@ import numpy as np
 
 from golden.dense import Dense, Quantiser, Trained, network_of
 from golden.function import Function, by_name, functions_of
-from golden.learned import Edge, Learned
+from golden.function_network import Edge, FunctionNetwork
 from golden.mlp import Mlp
 from golden.window import Window
 
@@ -113,7 +113,7 @@ def random_network(
     return network_of(layers)
 
 
-def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: int) -> Learned:
+def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: int) -> FunctionNetwork:
     """A network of random functions, of which the last edge of each sum is straight.
 
     ``spread`` is about how far the functions of samples reach.
@@ -127,7 +127,7 @@ def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: in
         ]
         return [*curves, float(rng.normal(0, size))]
 
-    return Learned(
+    return FunctionNetwork(
         [edges(inputs, spread / inputs, 0.8) for _ in range(hidden)],
         [edges(hidden, 0.5 / hidden, 2.0) for _ in range(outputs)],
         rng.normal(0, 0.1, outputs).tolist(),

@@ -9,7 +9,7 @@ import numpy as np
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene import load_scene
-from golden.splines.basis import Basis
+from golden.spline_basis import Basis
 from golden.splines.edges import CURVED, FLAT, STRAIGHT
 from golden.splines.tables import TableNetwork, tabulated
 from golden.splines.training import Learned

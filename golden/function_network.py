@@ -1,6 +1,6 @@
 """Networks of learned functions as layers: each edge is a function, each node adds up its edges.
 
-        s_h = sum over i of f_hi(x_i)        y_o = b_o + sum over h of g_oh(s_h)
+        s_h = a_h + sum over i of f_hi(x_i)        y_o = b_o + sum over h of g_oh(s_h)
 
 As layers, the nodes of the first one take an input each and look up a function f of it; those of
 the second add them up and look up a function g of each sum; the last adds these up. So every
@@ -30,7 +30,7 @@ Edge = tuple[float, ...] | float | None
 
 
 @dataclass(frozen=True)
-class Learned:
+class FunctionNetwork:
     """A network of learned functions.
 
     Attributes
@@ -45,6 +45,8 @@ class Learned:
         By what each hidden sum is multiplied in hardware, where sums from -8 to 8 have room.
     earlier : int
         How many of the inputs, at the end, are outputs of earlier networks.
+    offsets : sequence of float
+        The constants of the hidden sums; empty where there are none.
     """
 
     first: Sequence[Sequence[Edge]]
@@ -52,6 +54,7 @@ class Learned:
     biases: Sequence[float]
     scales: Sequence[float]
     earlier: int = 0
+    offsets: Sequence[float] = ()
 
     def layers(self) -> DenseNetwork:
         """The network as three layers."""
@@ -65,10 +68,11 @@ class Learned:
                     continue
                 later = i >= samples
                 into = EARLIER_SCALE if later else SAMPLE_SCALE
-                offset = into * HALF_UNIT * later
+                shift = into * HALF_UNIT * later
                 row = np.zeros(inputs)
                 row[i] = into
-                place, weight = copies.add(f"f{h + 1}_{i + 1}", row, offset, edge, into, scale)
+                copies.start(row, shift)
+                place, weight = copies.end(f"f{h + 1}_{i + 1}", edge, into, shift, scale)
                 places[h].append((place, weight))
         sums = _Layer(copies.nodes)
         last = np.zeros((len(self.second), 0))
@@ -79,12 +83,22 @@ class Learned:
                 row = np.zeros(copies.nodes)
                 for place, weight in places[h]:
                     row[place] = weight
-                _, weight = sums.add(f"g{o + 1}_{h + 1}", row, 0.0, edge, self.scales[h], 1.0)
+                scale = self.scales[h]
+                sums.start(row, scale * self.offsets[h] if self.offsets else 0.0)
+                _, weight = sums.end(f"g{o + 1}_{h + 1}", edge, scale, 0.0, 1.0)
                 column = np.zeros((len(self.second), 1))
                 column[o] = weight
                 last = np.concatenate([last, column], axis=1)
         output = Dense(last, np.array(self.biases, dtype=np.float64))
         return DenseNetwork((copies.dense(), sums.dense(), output))
+
+
+def of_parabolas(shape: Sequence[int], earlier: int) -> FunctionNetwork:
+    """A network all of whose functions are the same small parabola."""
+    inputs, hidden, outputs = shape
+    parabola = -1.0, 1.0, 0.2, 0.0, 0.0, 0.2
+    first, second = [[parabola] * inputs] * hidden, [[parabola] * hidden] * outputs
+    return FunctionNetwork(first, second, [0.0] * outputs, [2.0] * hidden, earlier)
 
 
 class _Layer:
@@ -100,19 +114,22 @@ class _Layer:
     def nodes(self) -> int:
         return len(self.rows)
 
-    def add(
-        self, name: str, row: Real, offset: float, edge: Edge, into: float, scale: float
-    ) -> tuple[int, float]:
-        """Add a node, and return its place and the weight that the next layer gives it.
+    def start(self, row: Real, bias: float) -> None:
+        """Add the sum of a node."""
+        self.rows.append(row)
+        self.biases.append(bias)
 
-        The node's sum is ``into`` times the edge's input, and ``offset`` more. The next layer is to
+    def end(
+        self, name: str, edge: Edge, into: float, shift: float, scale: float
+    ) -> tuple[int, float]:
+        """Add the function of a node; return its place and the weight that the next layer gives it.
+
+        The node's sum is ``into`` times the edge's input, and ``shift`` more. The next layer is to
         get ``scale`` times the edge.
         """
-        self.rows.append(row)
-        self.biases.append(offset)
         if isinstance(edge, tuple):
             low, high, *coefficients = edge
-            ends = into * low + offset, into * high + offset
+            ends = into * low + shift, into * high + shift
             spline = *ends, *(scale * c for c in coefficients)
             self.functions.append(Function(name, spline=spline))
             return self.nodes - 1, 1.0

@@ -14,7 +14,7 @@ from golden.engine.graph import Kind
 from golden.engine.integer_network import evaluate
 from golden.function import ITSELF, Function
 from golden.input_error import InputError
-from golden.learned import Edge, Learned
+from golden.function_network import Edge, FunctionNetwork
 from golden.network_files.network_file import load_network, save_network
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
@@ -38,7 +38,7 @@ def codes(inputs: int, seed: int = 1, frames: int = 200) -> np.ndarray:
     return found
 
 
-def three_kinds() -> Learned:
+def three_kinds() -> FunctionNetwork:
     """Three sums of three samples, with curved and straight edges, and some that are left out."""
     made = random_learned((3, 3, 2), 0, 1.0, 3)
     first = [list(edges) for edges in made.first]
@@ -58,14 +58,14 @@ def value(edge: Edge, x: np.ndarray) -> np.ndarray:
     return np.asarray(values @ np.array(coefficients))
 
 
-def by_definition(network: Learned, x: np.ndarray) -> np.ndarray:
+def by_definition(network: FunctionNetwork, x: np.ndarray) -> np.ndarray:
     sums = [sum(value(e, x[:, i]) for i, e in enumerate(row)) for row in network.first]
     outputs = [sum(value(e, sums[h]) for h, e in enumerate(row)) for row in network.second]
     return np.stack(outputs, axis=-1) + np.array(network.biases)
 
 
 @pytest.mark.parametrize("network", [three_kinds(), random_learned((2, 2, 1), 0, 1.0, 5)])
-def test_layers_are_what_the_sums_say(network: Learned) -> None:
+def test_layers_are_what_the_sums_say(network: FunctionNetwork) -> None:
     x = codes(len(network.first[0])) / 2.0**SIGNAL.frac
     assert np.allclose(network.layers().process(x), by_definition(network, x), atol=1e-12)
 

@@ -1,0 +1,135 @@
+"""``make train`` for networks of learned functions: the search, the choice and pruning.
+
+A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
+functions, and a random start (``golden.splines``). The one with the least bit-true error on the
+validation rows is chosen. Then edges become straight, or are left out, where that costs next to
+nothing, and with ``training.refit`` the network is trained on with more rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from golden.dense import DenseNetwork, Trained
+from golden.input_error import InputError
+from golden.scene import Scene
+from golden.scene.scale import on_readings, on_signals
+from golden.splines import training as splines
+from golden.splines.layers import function_network
+from golden.splines.training import Learned, Settings
+from golden.training.objective import Rows
+from golden.training.search import Result, bit_true_errors, shift_biases
+from golden.training.task import Frames, Task, task_for
+
+# Intervals of the splines of a hidden sum, and the penalties on bends that are tried.
+HIDDEN_INTERVALS = 4
+BENDS = (0.01, 0.03, 0.1)
+
+
+def candidates(task: Task) -> list[tuple[int, int]]:
+    """The hidden sums and the number of every candidate, the smallest networks first."""
+    settings = task.scene.training
+    hidden = task.scene.members[task.number].hidden
+    low, high = (hidden, hidden) if hidden else settings.hidden
+    return [(h, n) for h in range(low, high + 1) for n in range(len(choices(task.scene)))]
+
+
+def choices(scene: Scene) -> list[tuple[int, float, int]]:
+    """Intervals of an input, penalty and random start of each candidate with the same sums."""
+    settings = scene.training
+    return list(product(settings.intervals, BENDS, range(settings.restarts)))
+
+
+def train(task: Task, hidden: int, number: int) -> Learned:
+    """The network of one candidate."""
+    intervals, bend, start = choices(task.scene)[number]
+    rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, start])
+    settings = Settings(hidden, intervals, HIDDEN_INTERVALS, bend)
+    return splines.trained(settings, rng, task.training, task.validation)
+
+
+def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
+    """A network for hardware, with the constants of its outputs as these frames want them.
+
+    Raises
+    ------
+    InputError
+        When the hardware cannot compute it.
+    """
+    earlier = frames.inputs.shape[1] - task.scene.members[0].inputs
+    network = function_network(learned, frames.inputs, earlier).layers()
+    return shift_biases(task, network, frames)
+
+
+def measured(task: Task, hidden: int, number: int) -> Result:
+    """Train one candidate and measure its bit-true errors."""
+    try:
+        network = as_layers(task, train(task, hidden, number), task.training)
+        validation, test = bit_true_errors(task, network)
+    except InputError as error:
+        return Result(hidden, number, float("inf"), float("inf"), str(error))
+    return Result(hidden, number, validation, test)
+
+
+def search(task: Task, workers: int = -1) -> Iterator[Result]:
+    """The results of all candidates, in order, each as soon as it is known."""
+    jobs = (delayed(measured)(task, *candidate) for candidate in candidates(task))
+    yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
+
+
+@dataclass
+class SplineStages:
+    """The stages in which training makes a scene's networks; see ``golden.training.stages``."""
+
+    scene: Scene
+    chosen: list[Trained] = field(default_factory=list)
+    tested: list[Trained] = field(default_factory=list)
+    written: list[Trained] = field(default_factory=list)
+    files: list[Trained] = field(default_factory=list)
+    edges: list[dict[str, int]] = field(default_factory=list)
+
+    def task(self, earlier: list[Trained], number: int) -> Task:
+        """The task of a network that follows the earlier ones of a stage."""
+        return task_for(self.scene, self.scene.vectors(), earlier[:number])
+
+    def add(self, hidden: int, number: int) -> None:
+        """Add the next network, from the candidate that was chosen.
+
+        Raises
+        ------
+        InputError
+            When the hardware cannot compute it.
+        """
+        task = self.task(self.chosen, len(self.chosen))
+        found = train(task, hidden, number)
+        found = splines.pruned(found, task.training, task.validation, _rms)
+        stages = [(self.chosen, found, task.training, task)]
+        if self.scene.training.refit:
+            for networks, part in ((self.tested, "known"), (self.written, "every")):
+                own = self.task(networks, len(self.chosen))
+                frames = getattr(own, part)
+                stages.append((networks, splines.refitted(found, frames), frames, own))
+        else:
+            stages += [(self.tested, *stages[0][1:]), (self.written, *stages[0][1:])]
+        made = [self._as_read(as_layers(own, one, frames)) for _, one, frames, own in stages]
+        for (networks, *_), (_, read) in zip(stages, made, strict=True):
+            networks.append(read)
+        self.files.append(made[-1][0])
+        kinds = found.edges.kinds.tolist()
+        self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})
+
+    def _as_read(self, network: DenseNetwork) -> tuple[Trained, Trained]:
+        """The network as a file holds it, and as it is read from the file."""
+        scales = self.scene.scales_of(len(self.files))
+        file = on_readings(network, *scales)
+        return file, on_signals(file, *scales)
+
+
+def _rms(learned: Learned, rows: Rows) -> float:
+    errors = (learned.process(rows.inputs) - rows.targets) / rows.scale
+    return float(np.sqrt((errors**2).mean()))
