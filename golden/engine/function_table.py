@@ -77,6 +77,7 @@ class FunctionTable:
     error: float
 
 
+@lru_cache
 def is_odd(function: Function) -> bool:
     """Whether the function of -q is minus the function of q."""
     if function == TANH:

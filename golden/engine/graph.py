@@ -166,6 +166,11 @@ class Graph:
         return tuple(found) or (TANH,)
 
     @property
+    def looks_up(self) -> bool:
+        """Whether any neuron takes a function."""
+        return any(neuron.looks_up for neuron in self.neurons)
+
+    @property
     def first_sums(self) -> list[Neuron]:
         """The hidden sums that see nothing but samples and outputs."""
         return [

@@ -132,7 +132,10 @@ class Engine(Design):
             )
         integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
         graph = graph_of(integers, lean)
-        table = joined(graph.functions, chosen["segment_width"])
+        # Straight functions alone need no table, so the width of its segments is any.
+        table = joined(
+            graph.functions, chosen["segment_width"] if graph.looks_up else SEGMENT_WIDTH
+        )
         if lean and not reload:
             table = table.within(graph.reach(table))
         pipeline = Pipeline(int(depth == "deep"))

@@ -62,7 +62,7 @@ class Lanes(Engine):
                 "network: got sums of functions with design 'lanes', which looks up one function "
                 "in a sum, expected design 'engine'"
             )
-        looked_up = any(neuron.looks_up for neuron in graph.neurons)
+        looked_up = graph.looks_up
         table = joined(graph.functions, width)
         if settings.lean:
             table = table.within(graph.reach(table))

@@ -15,8 +15,8 @@ from golden.splines.training import Learned
 
 # Hidden sums fill this part of their format at most, with the inputs of training.
 FILLED = 0.8
-# A function is level before it leaves the format of its sum.
-MOST_OUTPUT = 0.99
+# A function is level before it leaves the format of its sum: of an output, and of a hidden sum.
+MOST_OUTPUT, MOST_HIDDEN = 0.99, 0.99 * HIGH
 
 
 def function_network(learned: Learned, inputs: Real, earlier: int) -> FunctionNetwork:
@@ -40,7 +40,7 @@ def function_network(learned: Learned, inputs: Real, earlier: int) -> FunctionNe
     first, offsets = [], []
     for kinds, rows, scale in zip(edges.first, network.first, scales, strict=True):
         made = [
-            _edge(kind, basis, coefficients, 1.0, HIGH / scale)
+            _edge(kind, basis, coefficients, 1.0, MOST_HIDDEN / scale)
             for kind, basis, coefficients in zip(kinds, network.bases, rows, strict=True)
         ]
         constants = (
