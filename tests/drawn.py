@@ -91,6 +91,8 @@ def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
         lines.append(f"adders_per_clock = {rng.integers(1, 4)}")
     if design == "lanes" and rng.random() < 0.7:
         lines.append(f"lanes = {rng.integers(2, 17)}")
+    if design == "lanes" and rng.random() < 0.3:
+        lines.append('pipeline = "deep"')
     if design == "engine":
         for key, values in (
             ("segment_width", [6, 7, 8]),

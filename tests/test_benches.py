@@ -61,17 +61,22 @@ LEFT = (
 # ``slow-cascade`` are these other blocks.
 LEFT_OF = {
     "block-ram": {"hybrid"},
+    "bell-lanes": {"lanes"},
     "deep-engine": {"engine"},
+    "deep-lanes": {"lanes"},
     "deep-tables-engine": {"engine"},
     "exact-engine": {"engine"},
+    "exact-lanes": {"lanes"},
     "fine-engine": {"engine", "operand_select", "program_memory"},
     "floor-engine": {"engine"},
+    "floor-lanes": {"lanes"},
     "layers-lanes": {"lane_memory"},
     "least": {"gradient", "output_controller", "output_integral"},
     "layers-engine": {"engine"},
     "logic": {"hybrid"},
     "rails-serial": {"engine"},
     "slow-cascade": {"cascade"},
+    "tables-lanes": {"lanes"},
     "wide": {"gradient", "output_controller", "output_integral"},
 }
 

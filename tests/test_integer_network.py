@@ -22,6 +22,7 @@ from golden.engine.quantise import integer_networks
 from golden.fixed import Codes
 from golden.function import Function
 from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from tb.common.cases import random_network
@@ -77,6 +78,14 @@ def test_every_engine_computes_the_network_in_whole_numbers(network: Trained, le
         assert np.array_equal(engine.process(frames), expected)
 
 
+@settings(max_examples=60)
+@given(network=st.one_of(floating(), quantised()), lanes=st.integers(1, 9), lean=st.booleans())
+def test_so_do_lanes(network: Trained, lanes: int, lean: bool) -> None:
+    frames = frames_of(network.shape[0])
+    many = Lanes.of([network], Settings(options={"lanes": lanes}, lean=lean))
+    assert np.array_equal(many.process(frames), evaluate(many.integers, frames))
+
+
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
 @pytest.mark.parametrize("width", [8, 9])
 def test_so_do_several_networks_on_one_engine(arrangement: str, width: int) -> None:
@@ -93,8 +102,9 @@ def test_so_do_several_networks_on_one_engine(arrangement: str, width: int) -> N
     expected = evaluate(whole, frames)
     assert len(np.unique(expected, axis=0)) > 20
     settings_ = Settings(options={"segment_width": width})
-    engine = Engine.of(networks, settings_, arrangement)
-    assert np.array_equal(engine.process(frames), expected)
+    for design in (Engine, Lanes):
+        engine = design.of(networks, settings_, arrangement)
+        assert np.array_equal(engine.process(frames), expected)
 
 
 def test_a_quantised_network_does_not_see_the_half_unit_of_an_earlier_output() -> None:

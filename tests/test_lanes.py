@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import fields, replace
 from itertools import pairwise
 
@@ -13,16 +14,22 @@ from test_engine import networks, random_codes
 
 from golden.block import walk
 from golden.commands.listing import main
-from golden.engine.graph import Graph
+from golden.dense import Dense, Quantiser, network_of
+from golden.engine.formats import WIDTH
+from golden.engine.function_table import codes_of
+from golden.engine.graph import LOOKED_UP, Graph, Kind
+from golden.engine.integer_network import evaluate
 from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
 from golden.engine.lane_listing import critical_path, lane_listing
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
+from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
+from golden.precision import SIGNAL
 from golden.scene import load_scene
 from tb.common.myhdl_simulation import simulate
 from tb.common.small import ENGINES, LANES, LAYERED, TABLES
@@ -34,15 +41,21 @@ SHIPPED = {
     "comparison/digit-lanes4": (130, 4),
     "comparison/digits-lanes8": (397, 8),
 }
-# Several hidden layers, without quantisers and without functions of a user.
-DEEP = ("layers-engine", "steep-engine", "ranged-engine")
+# Several hidden layers. Two are quantised, and the last ones have functions of a user.
+DEEP = (
+    *("layers-engine", "steep-engine", "ranged-engine", "exact-engine", "floor-engine"),
+    *("tables-engine", "deep-tables-engine"),
+)
 
 
-def lanes_of(name: str, lanes: int, lean: bool = True) -> tuple[Lanes, Engine]:
+def lanes_of(
+    name: str, lanes: int, lean: bool = True, pipeline: str = "short"
+) -> tuple[Lanes, Engine]:
     """A case of the benches of the engine with several multipliers and with one."""
-    case = (ENGINES | LAYERED)[name]
+    case = (ENGINES | LAYERED | TABLES)[name]
     found = case.networks()
-    many = Lanes.of(found, Settings(options={"lanes": lanes}, lean=lean), case.arrangement)
+    options = {"lanes": lanes, "pipeline": pipeline}
+    many = Lanes.of(found, Settings(options=options, lean=lean), case.arrangement)
     return many, Engine.of(found, Settings(lean=lean), case.arrangement)
 
 
@@ -92,11 +105,24 @@ def test_sums_of_lanes_are_added_once() -> None:
 
 
 @pytest.mark.parametrize("lanes", [2, 3, 8])
+@pytest.mark.parametrize("name", DEEP)
+def test_registers_behind_the_memories_change_no_result(name: str, lanes: int) -> None:
+    deep, one = lanes_of(name, lanes, pipeline="deep")
+    codes = random_codes(one.inputs, 100)
+    assert np.array_equal(deep.process(codes), one.process(codes))
+    assert deep.latency > lanes_of(name, lanes)[0].latency
+    assert deep.program_memory.registers == deep.operand_memory.registers == 1
+
+
+@pytest.mark.parametrize("pipeline", ["short", "deep"])
+@pytest.mark.parametrize("lanes", [2, 3, 8])
 @pytest.mark.parametrize("name", ["chain-engine", "three-engine", "huge-engine", "layers-engine"])
-def test_no_operand_is_read_before_it_is_stored_in_its_lane(name: str, lanes: int) -> None:
+def test_no_operand_is_read_before_it_is_stored_in_its_lane(
+    name: str, lanes: int, pipeline: str
+) -> None:
     """Every term is computed once: by the lane that holds its operand, or by one lane of those."""
-    many, _ = lanes_of(name, lanes)
-    program, pipeline, shared = many.program, many.program.pipeline, many.program.shared
+    many, _ = lanes_of(name, lanes, pipeline=pipeline)
+    program, shared = many.program, many.program.shared
     assert shared is not None
     steps = program.scheduled(many.graph)
     at = {step.neuron: n for n, step in enumerate(steps) if step.last}
@@ -104,7 +130,7 @@ def test_no_operand_is_read_before_it_is_stored_in_its_lane(name: str, lanes: in
     for n, (step, code) in enumerate(zip(steps, program.lane_steps, strict=True)):
         source = step.term.source - many.inputs
         if step.neuron >= 0 and source >= 0 and not code.gather:
-            assert n >= at[source] + pipeline.result_ready
+            assert n >= at[source] + program.pipeline.result_ready
         if step.neuron >= 0:
             products.append(program.weights[code.place])
     terms = [t for neuron in many.graph.neurons for t in neuron.terms if t.weight]
@@ -156,12 +182,31 @@ def test_a_word_has_a_place_for_each_field() -> None:
     assert seen == {field.name for field in fields(LaneInstruction)}
 
 
-@pytest.mark.parametrize("name", ["rails-lanes", "relu-lanes", "layers-lanes"])
+@pytest.mark.parametrize(
+    "name",
+    ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes", "tables-lanes", "deep-lanes"],
+)
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
     many = LANES[name].scene(tmp_path, name).twin()
     codes = random_codes(many.inputs, 6)
     results, _ = simulate(many, codes)
     assert np.array_equal(results, many.process(codes))
+
+
+@pytest.mark.parametrize("design", [Engine, Lanes])
+def test_codes_of_one_bit(design: type[Engine]) -> None:
+    """A code has no bit above its lowest one, which is 0 half way between two codes."""
+    weights = np.array([[1.0, 0.0], [0.5, 0.5], [1.0, 1.0]])
+    hidden = Dense(weights, np.zeros(3), "relu", quantiser=Quantiser(1.0, 0, 0, 1))
+    twin = design.of([network_of([hidden, Dense(np.array([[0.5, 0.25, 0.125]]), np.zeros(1))])])
+    assert twin.graph.cut == WIDTH - 2
+    samples = np.array([[0.5, 0.0], [0.5, 0.5], [0.75, 0.0], [0.75, 0.75], [-0.5, 0.75]])
+    codes, _ = SIGNAL.quantise(samples)
+    # The sums of the first frame are 0.5, 0.25 and 0.5, and those of the second 0.5, 0.5 and 1.
+    expected, _ = SIGNAL.quantise(np.array([[0.0], [0.125], [0.625], [0.875], [0.0]]))
+    assert np.array_equal(evaluate(twin.integers, codes), expected)
+    results, _ = simulate(twin, codes)
+    assert np.array_equal(results, expected)
 
 
 def test_no_more_lanes_than_a_layer_has_nodes() -> None:
@@ -200,9 +245,14 @@ def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
     [
         ({"lanes": 17}, "hardware.lanes: got 17, expected 1 to 16"),
         ({"lanes": 0}, "hardware.lanes: got 0, expected 1 to 16"),
-        ({"reload": True}, "lanes: hardware: got 'reload', expected lanes or segment_width"),
-        ({"multiplier": "serial"}, "lanes: hardware: got 'multiplier', expected lanes or"),
-        ({"pipeline": "deep"}, "lanes: hardware: got 'pipeline', expected lanes or"),
+        (
+            {"reload": True},
+            "lanes: hardware: got 'reload', expected lanes or segment_width or pipeline",
+        ),
+        (
+            {"multiplier": "serial"},
+            "lanes: hardware: got 'multiplier', expected lanes or segment_width or",
+        ),
     ],
 )
 def test_options_that_it_does_not_have(options: dict, message: str) -> None:
@@ -211,11 +261,38 @@ def test_options_that_it_does_not_have(options: dict, message: str) -> None:
     assert message in str(error.value)
 
 
-def test_layers_that_it_does_not_have() -> None:
-    with pytest.raises(InputError, match=r"network\.activations: got 'table:bell', 'table:soft'"):
-        Lanes.of(TABLES["small-tables-engine"].networks())
-    with pytest.raises(InputError, match="network: got quantisers with design 'lanes'"):
-        Lanes.of(LAYERED["exact-engine"].networks())
+@pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
+def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
+    """A step names one function, so the nodes of a group have the same, and it is the one named."""
+    many = LANES[name].scene(tmp_path, name).twin()
+    program, neurons = many.program, many.graph.neurons
+    found = Counter[Function]()
+    for step, code in zip(program.scheduled(many.graph), program.lane_steps, strict=True):
+        if step.neuron >= 0 and code.kind in LOOKED_UP:
+            members = [n for n in program.shared.groups[step.neuron].members if n >= 0]
+            (function,) = {neurons[n].function for n in members}
+            assert code.place == codes_of(many.graph.functions)[function]
+            found[function] += code.kind == Kind.DISTANCE
+    # The nodes of a function are in as few groups as there can be; a tanh of all lanes is alone.
+    nodes = Counter(n.function for n in neurons if n.looks_up)
+    assert found == {
+        function: count if function == TANH else -(-count // many.lanes)
+        for function, count in nodes.items()
+    }
+
+
+def test_tables_that_take_too_much_memory_are_refused() -> None:
+    functions = tuple((f"bell{n}", f"1 / ({n} + x * x)") for n in range(1, 10))
+    names = ",".join(name for name, _ in functions)
+    wide = replace(
+        LANES["bell-lanes"],
+        shapes=[(2, 9, 1)],
+        activations=(f"table:{names}",),
+        functions=functions,
+        spread=20.0,
+    ).networks()
+    with pytest.raises(InputError, match="functions: got 18432 words"):
+        Lanes.of(wide, Settings(options={"segment_width": 7}, lean=False))
 
 
 def test_a_scene_with_too_many_weights_is_refused() -> None:

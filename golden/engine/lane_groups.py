@@ -11,6 +11,9 @@ has a weight of its own. A value is in one of two places: every lane holds it, o
 - A neuron that takes nothing but the result of one neuron, such as its tanh, is computed where that
   result is: by the same lane, or by all lanes alike.
 
+Neurons whose results go through different functions are in different groups, because a step looks
+up one function in all lanes.
+
 The groups are the neurons of a graph again, which ``golden.engine.schedule`` puts in order.
 """
 
@@ -18,10 +21,12 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
+from golden.function import Function
 
 # Up to so many lanes, each adds the sum of one other lane at most.
 CHAIN = 4
@@ -119,6 +124,12 @@ class _Shared:
     # The last group of a layer, by what tells layers apart.
     opened: dict[tuple[object, ...], int] = field(default_factory=dict)
 
+    @cached_property
+    def behind(self) -> dict[int, Function]:
+        """For each neuron that a function is looked up for, the function."""
+        inputs, neurons = self.graph.inputs, self.graph.neurons
+        return {n.terms[0].source - inputs: n.function for n in neurons if n.looks_up}
+
     def lane_of(self, source: int) -> int:
         """The lane that holds a value; -1 for all."""
         return -1 if source < self.graph.inputs else self.place[source - self.graph.inputs][1]
@@ -166,12 +177,14 @@ def _share(found: _Shared, number: int, neuron: Neuron) -> None:
         if lane < 0:
             found.add(number, Group((number,), alike=True))
         else:
-            found.join(number, (group, neuron.looks_up, neuron.relu), lane)
+            kind = neuron.looks_up, neuron.relu, neuron.function
+            found.join(number, (group, *kind, found.behind.get(number)), lane)
     elif neuron.output or not sources or any(found.lane_of(source) >= 0 for source in sources):
         found.add(number, Group((number,), joined=True))
     else:
         # Neurons of a layer take the same values, of which a weight of 0 leaves some out.
-        found.join(number, (max(sources) if max(sources) >= inputs else -1, neuron.relu))
+        layer = max(sources) if max(sources) >= inputs else -1
+        found.join(number, (layer, neuron.relu, found.behind.get(number)))
 
 
 def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> Neuron:

@@ -1,4 +1,4 @@
-"""lane_memory: holds the weights of one lane and, where it is needed, the table of tanh."""
+"""lane_memory: holds the weights of one lane and, where they are needed, tables of functions."""
 
 from __future__ import annotations
 
@@ -31,6 +31,10 @@ class LaneMemory(Block):
         Bits of a hidden sum within a segment.
     notes : tuple of str
         What each word of the table and each weight stands for, as a comment in the exported file.
+    blocks : int
+        Blocks of the table, a power of two. With more than one, the place of a step that looks up
+        names the first block of a function, which has the next one for words below 0 if the lowest
+        bit of the place is set; see ``golden.engine.function_table``.
 
     Notes
     -----
@@ -45,21 +49,38 @@ class LaneMemory(Block):
     table: tuple[int, ...]
     segment_width: int
     notes: tuple[str, ...] = ()
+    blocks: int = 1
+
+    @property
+    def last_place(self) -> int:
+        """The largest number that names a weight, or the block of a function."""
+        return max(len(self.weights) - 1, 2 * self.blocks - 1 if self.blocks > 1 else 0)
 
     @property
     def place_width(self) -> int:
         """Bits of the address of a weight."""
-        return max(1, (len(self.weights) - 1).bit_length())
+        return max(1, self.last_place.bit_length())
+
+    @property
+    def segments(self) -> int:
+        """Segments of each block of the table."""
+        return len(self.table) // 2 // self.blocks
 
     @property
     def segment_bits(self) -> int:
         """Bits of the number of a segment."""
-        return (len(self.table) // 2 - 1).bit_length() if self.table else 0
+        return (self.segments - 1).bit_length() if self.table else 0
+
+    @property
+    def block_width(self) -> int:
+        """Bits of the number of a block."""
+        return (self.blocks - 1).bit_length()
 
     @property
     def half_width(self) -> int:
         """Bits of an address within the weights, or within the table."""
-        return max(self.place_width, self.segment_bits + 1) if self.table else self.place_width
+        looked_up = 1 + self.block_width + self.segment_bits if self.table else 0
+        return max(self.place_width, looked_up)
 
     @property
     def addr_width(self) -> int:
@@ -85,7 +106,8 @@ class LaneMemory(Block):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        place = Unsigned(self.place_width, last=len(self.weights) - 1)
+        place = Unsigned(self.place_width, last=self.last_place)
+        named = ", or what names a function" if self.blocks > 1 else ""
         looks = (
             input_port("word", "the word that was read, a hidden sum", WORD),
             input_port(
@@ -96,7 +118,7 @@ class LaneMemory(Block):
         )
         return (
             CLOCK,
-            input_port("place", "address of a weight", place, "place_width"),
+            input_port("place", f"address of a weight{named}", place, "place_width"),
             *(looks if self.table else ()),
             output_port("coeff", "weight or word of the table, one clock later", Unsigned(WIDTH)),
         )
@@ -110,7 +132,7 @@ class LaneMemory(Block):
         if not self.table:
             return ()
         found = [Border("negative", "word", 0)]
-        for n in range(1, len(self.table) // 2):
+        for n in range(1, self.segments):
             found.append(Border(f"segment {n} above", "word", n << self.segment_width))
             found.append(Border(f"segment {n} below", "word", -(n << self.segment_width)))
         return tuple(found)
@@ -122,7 +144,9 @@ class LaneMemory(Block):
             return places
         words, kinds = HIDDEN.check(word, f"{self.entity} word"), np.asarray(kind)
         segment = np.where(words < 0, ~words, words) >> self.segment_width
-        segment &= len(self.table) // 2 - 1
+        segment &= self.segments - 1
+        if self.blocks > 1:
+            segment |= block_of(places, words < 0) << self.segment_bits
         slope = np.where(kinds == Kind.DISTANCE, len(self.table) // 2, 0)
         looks = (kinds == Kind.INTERCEPT) | (kinds == Kind.DISTANCE)
         return np.where(looks, slope + segment, places + (1 << self.half_width))
@@ -130,3 +154,9 @@ class LaneMemory(Block):
     def process(self, place: ArrayLike, word: ArrayLike = 0, kind: ArrayLike = 0) -> Codes:
         """The word that is read for each place, word and kind."""
         return np.array(self.contents, dtype=np.int64)[self.address(place, word, kind)]
+
+
+def block_of(name: ArrayLike, negative: ArrayLike) -> Codes:
+    """The block in which a function is looked up that ``name`` names."""
+    named = np.asarray(name, dtype=np.int64)
+    return np.asarray((named >> 1) | (np.asarray(negative, dtype=np.int64) & named & 1))

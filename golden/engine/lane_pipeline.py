@@ -13,6 +13,9 @@ class LanePipeline(Pipeline):
 
     A weight and a word of the table come from the same memory, so no register need wait for the
     table. A result is ready two clocks sooner than with ``Pipeline``.
+
+    With ``memory_registers`` there is one behind the program and one behind the operands. The words
+    of a lane's memory go straight into the register of the multiplier.
     """
 
     @property

@@ -9,21 +9,23 @@ from functools import cached_property
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
+from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
-from golden.engine.function_table import SEGMENT_WIDTH
+from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined
 from golden.engine.graph import Graph, Kind
 from golden.engine.lane_groups import LaneGraph, gathers, shared_out
+from golden.engine.lane_memory import block_of
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.line_table import LineTable
 from golden.engine.listing import operand_text
-from golden.engine.operand_memory import WORD
-from golden.engine.program import Program
+from golden.engine.program import Program, weight_of
 from golden.engine.schedule import Step
 from golden.fixed import Codes
 from golden.input_error import InputError
 
 # The fields of a word of the program: lowest bit, and number of bits. The weights are not in it,
-# but in the memory of each lane, all at the same place.
+# but in the memory of each lane, all at the same place. In a step that looks up a function, the
+# place names its block, if there are several; see golden/engine/function_table.py.
 PLACE = (0, 13)
 SOURCE = (13, 10)
 KIND = (23, 2)
@@ -145,6 +147,7 @@ class LaneProgram(Program):
         """What the words of the table stand for, and behind them the weights of a lane."""
         shared = self.shared
         found = {0: "none"}
+        blocks = joined(graph.functions, self.segment_width).labels
         for number, group in zip(shared.groups, shared.graph.neurons, strict=True):
             members = number.members if not (number.joined or number.alike) else ()
             named = members[lane] if lane < len(members) else -1
@@ -154,8 +157,11 @@ class LaneProgram(Program):
                 found.setdefault(term.weight, text)
         texts = [found[place] for place in range(len(self.weights))]
         labels = "intercept of segment", "slope of segment"
-        count = len(self.table) // 2
-        return [f"{label} {n}" for label in labels for n in range(count)] + texts
+        names = ["" if len(blocks) == 1 else f"{name}: " for name, _ in blocks]
+        names += ["not used: "] * (self.blocks - len(names))
+        return [
+            f"{name}{label} {n}" for label in labels for name in names for n in range(self.segments)
+        ] * bool(self.table) + texts
 
     def lanes_run(
         self, samples: Codes
@@ -176,7 +182,7 @@ class LaneProgram(Program):
                 sums = [zero + start_of(step.opens, lane) for lane in lanes]
             sums = [total + value for total, value in zip(sums, added, strict=True)]
             if step.store:
-                words = [_word(total, step.relu) for total in sums]
+                words = [word_of(total, step.relu, self.cut, self.even) for total in sums]
                 if step.together:
                     words = [words[0] for _ in lanes]
                 for memory, word in zip(memories, words, strict=True):
@@ -193,7 +199,9 @@ class LaneProgram(Program):
             return memory[step.source] * weight if weight else zero
         word = memory[step.source]
         negative = word >> (WIDTH - 1)
-        segment = ((word ^ negative) >> self.segment_width) & (len(self.slopes) - 1)
+        segment = ((word ^ negative) >> self.segment_width) & (self.segments - 1)
+        if self.names_blocks:
+            segment += block_of(step.place, negative & 1) * self.segments
         if step.kind == Kind.INTERCEPT:
             return np.asarray(self.intercepts[segment] * ((negative | 1) << DROPPED))
         span = 1 << self.segment_width
@@ -208,31 +216,33 @@ def start_of(opens: int, lane: int) -> int:
     return 0 if lane else half << (OUTPUT_SHIFT if opens == JOINED_OUTPUT else 0)
 
 
-def _word(total: Codes, relu: int) -> Codes:
-    return np.asarray(np.clip(total >> DROPPED, 0 if relu else WORD.low, WORD.high))
-
-
-def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LaneProgram:
+def assemble_lanes(
+    graph: Graph, table: LineTable | None, lanes: int, pipeline: LanePipeline
+) -> LaneProgram:
     """The program of a graph.
 
     Parameters
     ----------
     graph : Graph
     table : LineTable or None
-        That of tanh; None where no neuron looks anything up.
+        That of the graph's functions; None where no neuron looks anything up.
     lanes : int
+    pipeline : LanePipeline
 
     Raises
     ------
     InputError
-        When there are more values or weights than the words of the program can address.
+        When there are more values or weights than the words of the program can address, and for
+        tables that take too much memory.
     """
-    pipeline = LanePipeline()
+    if table:
+        check_words(table)
     shared = shared_out(graph, lanes)
     _check(shared)
     steps = shared.schedule(pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
+    codes = codes_of(graph.functions)
     left = 0
     for n, step in enumerate(steps):
         term, wait = step.term, step.neuron < 0
@@ -245,7 +255,7 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         put(words, n, SOURCE, addresses[term.source])
         put(words, n + pipeline.operand, KIND, int(term.kind))
-        put(words, n + pipeline.place, PLACE, term.weight)
+        put(words, n + pipeline.place, PLACE, weight_of(term, neuron, codes))
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
         put(words, n + pipeline.start, OPENS, opens if step.first else NO_SUM)
         put(words, n + pipeline.gather, GATHER, 1 << -left if adds else 0)
@@ -263,12 +273,18 @@ def assemble_lanes(graph: Graph, table: LineTable | None, lanes: int) -> LanePro
         pipeline,
         (*_notes(shared, steps), *["fields of steps above"] * (len(words) - len(steps))),
         graph.rectifies,
+        graph.cut,
+        graph.even,
+        1 << (table.blocks - 1).bit_length() if table else 1,
         shared=shared,
     )
 
 
 def _table_words(table: LineTable) -> tuple[int, ...]:
-    """All intercepts, and behind them all slopes; of each a power of two, the last one repeated."""
+    """All intercepts, and behind them all slopes; of each a power of two, the last one repeated.
+
+    So the number of blocks is a power of two as well.
+    """
     count = 1 << (len(table.slopes) - 1).bit_length()
     mask = (1 << WIDTH) - 1
     return tuple(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.engine.formats import DROPPED, SAMPLE_SHIFT
+from golden.engine.finish import word_of
+from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
 from golden.port import CLOCK, Port, input_port, output_port
@@ -28,12 +30,17 @@ class LaneRound(Block):
     leads : bool
         Whether it is that of the first lane, which takes samples and gives the other lanes its
         word.
+    cut : int
+        With ReLU, so many of the lowest bits of the word become 0.
+    even : bool
+        Where bits are cut, a sum half way between two words becomes the even one.
 
     Notes
     -----
     Half a unit has been added to the sum before, so dropping bits rounds half up. The word of the
     first lane reaches the others in the clock before it is there, without its last step: where
-    ``next_low`` is high, the lowest 17 bits of that word become 0.
+    ``next_low`` is high, the lowest 17 bits of that word become 0. So do the lowest ``cut`` bits
+    with ``next_cut``, and the bit above these with ``next_even``.
     """
 
     block = "lane_round"
@@ -41,9 +48,32 @@ class LaneRound(Block):
     acc_width: int
     rectifies: bool = False
     leads: bool = True
+    cut: int = 0
+    even: bool = False
+
+    @property
+    def zeros(self) -> dict[str, int]:
+        """What becomes 0 in the register, with a mask of the bits of the word that do not."""
+        found = {"low": WORD.low}
+        if self.cut:
+            found["cut"] = -1 << self.cut
+        if self.even:
+            found["even"] = ~(1 << self.cut)
+        return found
+
+    def without_zeros(self, word: ArrayLike, flags: Mapping[str, ArrayLike]) -> Codes:
+        """Words as they are behind the register, where ``flags`` say what of ``zeros`` is 0."""
+        codes = np.asarray(word, dtype=np.int64)
+        for name, mask in self.zeros.items():
+            codes = np.where(flags[name], codes & mask, codes)
+        return codes
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        texts = {
+            "cut": "the bits of the next word below those of a quantiser's code are 0",
+            "even": "the lowest bit of the next word's code is 0",
+        }
         if self.leads:
             given: tuple[Port, ...] = (
                 input_port("sample", "sample x, stored without `own`", SIGNAL),
@@ -51,11 +81,15 @@ class LaneRound(Block):
             passed: tuple[Port, ...] = (
                 output_port("next_word", "the word of the next clock, without its zeros", WORD),
                 output_port("next_low", "the lowest 17 bits of the next word are 0"),
+                *(output_port(f"next_{name}", texts[name]) for name in texts if name in self.zeros),
             )
         else:
             given = (
                 input_port("other", "`next_word` of the first lane, stored without `own`", WORD),
-                input_port("other_low", "`next_low` of the first lane"),
+                *(
+                    input_port(f"other_{name}", f"`next_{name}` of the first lane")
+                    for name in self.zeros
+                ),
             )
             passed = ()
         relu = (input_port("relu", "a sum below 0 becomes 0"),) if self.rectifies else ()
@@ -79,7 +113,6 @@ class LaneRound(Block):
         self, own: ArrayLike, acc: ArrayLike, other: ArrayLike, relu: ArrayLike = 0
     ) -> Codes:
         """The word of each sum, or of each sample or word of the first lane."""
-        kept = np.asarray(acc, dtype=np.int64) >> DROPPED
-        words = np.clip(kept, np.where(relu, 0, WORD.low), WORD.high)
+        words = word_of(acc, relu, self.cut, self.even)
         given = np.asarray(other, dtype=np.int64)
         return np.where(own, words, given << SAMPLE_SHIFT if self.leads else given)

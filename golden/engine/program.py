@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
+from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import check_words, codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
 from golden.engine.line_table import LineTable
 from golden.engine.listing import text_of
-from golden.engine.operand_memory import WORD
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.fixed import Codes
@@ -226,13 +226,7 @@ class Program:
             else:
                 acc = acc + product
             if step.store:
-                word = acc >> DROPPED
-                if step.relu and self.cut:
-                    halfway = self.even & (acc & ((1 << (DROPPED + self.cut)) - 1) == 0)
-                    word = word & (-np.where(halfway, 2, 1) << self.cut)
-                # The ends are on the grid too.
-                high = WORD.high & (-1 << self.cut) if step.relu else WORD.high
-                word = np.clip(word, 0 if step.relu else WORD.low, high)
+                word = word_of(acc, step.relu, self.cut, self.even)
                 memory.append(word)
                 yield step, acc, word
 

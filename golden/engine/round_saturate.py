@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.border import Border
+from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
@@ -74,12 +75,6 @@ class RoundSaturate(Block):
         self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike, relu: ArrayLike = 0
     ) -> Codes:
         """The word of each sum or sample."""
-        low = np.where(relu, 0, WORD.low)
-        sums = np.asarray(acc, dtype=np.int64)
-        kept = np.clip(sums >> DROPPED, low, WORD.high)
-        if self.cut:
-            halfway = self.even & (sums & ((1 << (DROPPED + self.cut)) - 1) == 0)
-            halfway &= kept == sums >> DROPPED
-            kept = np.where(relu, kept & (-np.where(halfway, 2, 1) << self.cut), kept)
+        kept = word_of(acc, relu, self.cut, self.even)
         moved = SIGNAL.check(sample, f"{self.entity} sample") << SAMPLE_SHIFT
         return np.where(run, kept, moved)

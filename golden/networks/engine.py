@@ -389,13 +389,18 @@ class Engine(Design):
         multiplier = "no multiplier" if self.serial else "one multiplier"
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
+        return multiplier, spent, *self.function_facts
+
+    @property
+    def function_facts(self) -> tuple[str, ...]:
+        """The largest error of each function; none where there is no other than tanh."""
         if self.graph.functions == (TANH,):
-            return multiplier, spent
+            return ()
         errors = (
             f"{function.name} {table_of(function, self.program.segment_width).error:.2g}"
             for function in self.graph.functions
         )
-        return multiplier, spent, f"largest errors of functions: {', '.join(errors)}"
+        return (f"largest errors of functions: {', '.join(errors)}",)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

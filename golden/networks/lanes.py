@@ -11,12 +11,12 @@ from golden.dense import Trained
 from golden.engine.function_table import SEGMENT_WIDTH, joined
 from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_memory import LaneMemory
+from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
 from golden.engine.neurons import graph_of
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.quantise import integer_networks
-from golden.function import TANH
 from golden.input_error import InputError
 from golden.networks.engine import LEAST_ACC_WIDTH, WHOLE_ACC_WIDTH, Engine
 from golden.networks.settings import Settings
@@ -41,7 +41,7 @@ class Lanes(Engine):
     """
 
     block = "lanes"
-    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width")
+    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width", "pipeline")
     program: LaneProgram
     asked: int = LANES
 
@@ -57,24 +57,14 @@ class Lanes(Engine):
             raise InputError(f"hardware.lanes: got {lanes}, expected 1 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
         graph = graph_of(integers, settings.lean)
-        if graph.functions != (TANH,):
-            names = ", ".join(f"'table:{function.name}'" for function in graph.functions)
-            raise InputError(
-                f"network.activations: got {names} with design 'lanes', which has the table of "
-                "tanh alone, expected design 'engine'"
-            )
-        if graph.cut:
-            raise InputError(
-                "network: got quantisers with design 'lanes', whose words are not cut, expected "
-                "design 'engine'"
-            )
         looked_up = any(neuron.looks_up for neuron in graph.neurons)
         table = joined(graph.functions, width)
         if settings.lean:
             table = table.within(graph.reach(table))
+        pipeline = LanePipeline(int(settings.options.get("pipeline") == "deep"))
         least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
         return cls(
-            assemble_lanes(graph, table if looked_up else None, lanes),
+            assemble_lanes(graph, table if looked_up else None, lanes, pipeline),
             max(least, graph.sum_bits(table)),
             integers,
             graph,
@@ -95,7 +85,9 @@ class Lanes(Engine):
 
     @property
     def program_memory(self) -> ProgramMemory:
-        return ProgramMemory((), self.program.words, self.program.notes, 1)
+        program = self.program
+        registers = program.pipeline.memory_registers
+        return ProgramMemory((), program.words, program.notes, 1, registers)
 
     @property
     def lane_memories(self) -> tuple[LaneMemory, ...]:
@@ -107,6 +99,7 @@ class Lanes(Engine):
                 program.table,
                 program.segment_width,
                 tuple(program.weight_notes(self.graph, lane)),
+                program.blocks,
                 variant=f"{self.variant}_{lane}" if self.variant else str(lane),
             )
             for lane in range(self.lanes)
@@ -130,6 +123,8 @@ class Lanes(Engine):
                 self.acc_width,
                 self.rectifies,
                 name == "lead",
+                self.program.cut,
+                self.program.even,
                 variant=f"{self.variant}_{name}" if self.variant else name,
             )
             for name in names
@@ -147,4 +142,4 @@ class Lanes(Engine):
 
     def facts(self) -> tuple[str, ...]:
         spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
-        return f"{self.lanes} multipliers", spent
+        return f"{self.lanes} multipliers", spent, *self.function_facts

@@ -18,7 +18,7 @@ HARDWARE = KeyTable(
             meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
             "a program; it takes any arrangement in `exact` precision with the activation "
             "`precise`. [lanes](blocks/lanes.md) is an engine with 1 to 16 multipliers, which "
-            "takes fewer clocks; it has tanh, ReLU and linear layers. "
+            "takes fewer clocks for the same networks. "
             "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
@@ -89,8 +89,8 @@ HARDWARE = KeyTable(
         "pipeline": Key(
             Text(("short", "deep")),
             "",
-            "Only for `engine`. `deep` puts a register behind each of its memories. The clock can "
-            "then be faster, and a frame takes some clocks more.",
+            "Only for `engine` and `lanes`. `deep` puts registers behind their memories. The clock "
+            "can then be faster, and a frame takes some clocks more.",
             "`short`",
         ),
         "lanes": Key(

@@ -1,4 +1,4 @@
-"""lane_memory: holds the weights of one lane and, where it is needed, the table of tanh."""
+"""lane_memory: holds the weights of one lane and, where they are needed, tables of functions."""
 
 from myhdl import always, always_comb, block, concat
 
@@ -16,6 +16,8 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
     Parameters
     ----------
     place : unsigned ``spec.place_width`` bits
+        Where ``spec.blocks`` is more than one, with kind 1 and 2: twice the number of a block, and
+        in the lowest bit whether a ``word`` below 0 has the next block.
     word, kind : signed 18 bits, unsigned 2 bits
         Where there is a table: with kind 1 the intercept of the word's segment is read, with kind 2
         its slope.
@@ -59,7 +61,29 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
         else:
             segment.next = part
 
-    if bits:
+    named = ()
+    if spec.blocks > 1:
+        chosen, upper = flag(), spec.block_width + 1
+
+        # The number of a block that has another one behind it is even.
+        @always_comb
+        def pick():
+            chosen.next = place[1] or (place[0] and word[sign])
+
+        named = pick
+        if upper > 2:
+
+            @always_comb
+            def find():
+                looked.next = concat(kind[1], place[upper:2], chosen, segment[bits:])
+
+        else:
+
+            @always_comb
+            def find():
+                looked.next = concat(kind[1], chosen, segment[bits:])
+
+    elif bits:
 
         @always_comb
         def find():
@@ -82,4 +106,4 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
         else:
             address.next = concat(True, placed)
 
-    return read, look, cut, complement, find, widen, choose
+    return read, look, cut, complement, named, find, widen, choose

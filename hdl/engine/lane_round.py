@@ -22,8 +22,12 @@ def lane_round(
     sample=None,
     next_word=None,
     next_low=None,
+    next_cut=None,
+    next_even=None,
     other=None,
     other_low=None,
+    other_cut=None,
+    other_even=None,
     spec: LaneRound,
 ):
     """The sum without its lowest bits, saturated; without ``own`` what is given from outside.
@@ -39,6 +43,9 @@ def lane_round(
         Only in the first lane: what is given, and what the other lanes are given.
     other, other_low : signed 18 bits, bool
         Only in another lane: what is given, and whether its lowest 17 bits become 0.
+    next_cut, next_even, other_cut, other_even : bool
+        Only with ``spec.cut`` and ``spec.even``, in the first lane and in another one: whether the
+        lowest ``spec.cut`` bits, and the bit above them, become 0 too.
     word : signed 18 bits
         It comes one clock later.
     spec : LaneRound
@@ -83,12 +90,25 @@ def lane_round(
             taken.next = given[sign:]
             taken_top.next = given[sign]
 
-    @always(clk.posedge)
-    def keep():
-        if low_now:
-            below.next = 0
-        else:
-            below.next = taken
+    if spec.cut:
+        cut_now, even_now = flag(), flag() if spec.even else None
+        keep = (
+            zero(own, relu, other_cut, cut_now),
+            connect(cut_now, next_cut) if spec.leads else (),
+            halve(acc, high=high, relu=relu, own=own, given=other_even, now=even_now, bits=spec.cut)
+            if spec.even
+            else (),
+            connect(even_now, next_even) if spec.leads and spec.even else (),
+            keep_codes(clk, taken, below, low=low_now, cut=cut_now, even=even_now, bits=spec.cut),
+        )
+    else:
+
+        @always(clk.posedge)
+        def keep():
+            if low_now:
+                below.next = 0
+            else:
+                below.next = taken
 
     @always(clk.posedge)
     def keep_top():
@@ -146,3 +166,104 @@ def lane_round(
         connect(following, next_word),
         connect(low_now, next_low),
     )
+
+
+@block
+def zero(own, here, given, now):
+    """``now`` is ``here`` where the sum is its ``own``, and else what is ``given``, or low."""
+    if given is None:
+
+        @always_comb
+        def decide():
+            now.next = own and here
+
+    else:
+
+        @always_comb
+        def decide():
+            if own:
+                now.next = here
+            else:
+                now.next = given
+
+    return decide
+
+
+@block
+def halve(acc, *, high, relu, own, given, now, bits: int):
+    """``now`` says that a code becomes the even one; see ``zero``.
+
+    A sum beyond the word lies between no two words, whatever its lowest bits are.
+    """
+    unit = DROPPED + bits
+    rest, halfway = unsigned(unit), flag()
+
+    @always_comb
+    def look():
+        rest.next = acc[unit:]
+
+    @always_comb
+    def compare():
+        halfway.next = rest == 0 and relu and not high
+
+    return look, compare, zero(own, halfway, given, now)
+
+
+@block
+def keep_codes(clk, taken, below, *, low, cut, even, bits: int):
+    """``below`` is ``taken``, one clock later, without what becomes 0.
+
+    Bits that become 0 together have a reset of their own: with ``low`` all bits, with ``cut`` the
+    lowest ``bits`` ones, which a code of a quantiser has not, and with ``even``, which may be None,
+    the lowest bit of the code.
+    """
+    sign = WIDTH - 1
+    above = bits + (even is not None)
+    # A code of one bit has none above its lowest one.
+    alone = above == sign
+    fine, code, last = unsigned(bits), unsigned(1 if alone else sign - above), flag()
+
+    @always(clk.posedge)
+    def keep_fine():
+        if low or cut:
+            fine.next = 0
+        else:
+            fine.next = taken[bits:]
+
+    if not alone:
+
+        @always(clk.posedge)
+        def keep_code():
+            if low:
+                code.next = 0
+            else:
+                code.next = taken[sign:above]
+
+    if even is None:
+
+        @always_comb
+        def join():
+            below.next = concat(code, fine)
+
+        return keep_fine, keep_code, join
+
+    @always(clk.posedge)
+    def keep_last():
+        if low or even:
+            last.next = False
+        else:
+            last.next = taken[bits]
+
+    if alone:
+
+        @always_comb
+        def join():
+            below.next = concat(last, fine)
+
+        return keep_fine, keep_last, join
+
+    @always_comb
+    def join():
+        below.next = concat(code, last, fine)
+
+    return keep_fine, keep_code, keep_last, join

@@ -64,6 +64,9 @@ def program_memory(
     def fetch():
         fetched.next = memory[counter]
 
+    if not spec.table and spec.registers:
+        return decide, step, fetch, delay(clk, None, fetched, word, clocks=1)
+
     if not spec.table:
         return decide, step, fetch, connect(fetched, word)
 

@@ -100,7 +100,10 @@ def trim(acc, beyond, result, trimmed, *, bits: int, even: bool):
         return connect(result, trimmed)
     unit, shift = DROPPED + bits, bits
     above_shift, sign = shift + 1, WIDTH - 1
-    below, upper, last = unsigned(unit), unsigned(sign - shift), flag()
+    below, last = unsigned(unit), flag()
+    # A code of one bit has none above its lowest one.
+    alone = above_shift == sign
+    upper = unsigned(2 if alone else sign - shift)
     wide = fixed(WORD)
 
     if even:
@@ -118,9 +121,17 @@ def trim(acc, beyond, result, trimmed, *, bits: int, even: bool):
     else:
         rounding = connect(result(shift), last)
 
-    @always_comb
-    def join():
-        upper.next = concat(result[sign:above_shift], last)
+    if alone:
+
+        @always_comb
+        def join():
+            upper.next = concat(False, last)
+
+    else:
+
+        @always_comb
+        def join():
+            upper.next = concat(result[sign:above_shift], last)
 
     @always_comb
     def widen():

@@ -58,6 +58,8 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     store, leaves, ends, together, own = (flag() for _ in range(5))
     # What the other lanes store with the first one, if there are others.
     next_word, next_low = fixed(WORD), flag()
+    next_cut = flag() if rounds[0].cut else None
+    next_even = flag() if rounds[0].even else None
     relu = flag() if spec.rectifies else None
     read, data = (Words(count, lambda: fixed(WORD)) for _ in range(2))
     coeff = Words(count, lambda: unsigned(WIDTH))
@@ -194,6 +196,8 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
             word=data[0],
             next_word=next_word,
             next_low=next_low,
+            next_cut=next_cut,
+            next_even=next_even,
             spec=rounds[0],
         ),
         [
@@ -206,6 +210,8 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
                 relu=relu,
                 other=next_word,
                 other_low=next_low,
+                other_cut=next_cut,
+                other_even=next_even,
                 word=data[j],
                 spec=rounds[j],
             )

@@ -202,6 +202,9 @@ ENGINES = {
     # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# These functions are computed without a library, so that every machine has the same tables. The
+# first is odd, and the second needs words for negative sums too.
+SOFT, BELL = ("soft", "x / (1 + abs(x))"), ("bell", "1 / (1 + x * x)")
 # Several multipliers: odd numbers of nodes, lanes and outputs; fewer nodes than lanes; weights of
 # several parts; networks that read each other's outputs, and networks side by side; and several
 # layers, so that results of each lane and of all lanes alike are read.
@@ -238,10 +241,49 @@ LANES = {
     "flat-lanes": replace(
         LANE, shapes=[(2, 3, 5, 2)], activations=("hard_tanh", "linear"), spread=1.5
     ),
+    # These are quantised. The first has a zero point and rounds halves to even; the second rounds
+    # down.
+    "exact-lanes": replace(
+        LANE,
+        shapes=[(3, 5, 3, 2)],
+        activations=("linear", "linear"),
+        spread=1.5,
+        quantiser=Quantiser(2.0**-3, 2, 0, 15),
+    ),
+    "floor-lanes": replace(
+        LANE,
+        shapes=[(2, 3, 3, 1)],
+        activations=("relu", "relu"),
+        hardware="lanes = 2",
+        spread=1.5,
+        quantiser=Quantiser(2.0**-5, 0, 0, 63, "floor"),
+    ),
+    # There are registers behind the memories.
+    "deep-lanes": replace(
+        LANE,
+        shapes=[(3, 5, 3, 2)],
+        activations=("tanh", "relu"),
+        hardware='lanes = 4\npipeline = "deep"',
+        spread=4.0,
+    ),
+    # Nodes of one layer have different functions, in front of a layer of tanh. The second case has
+    # one function, which needs two blocks of few segments.
+    "tables-lanes": replace(
+        LANE,
+        shapes=[(2, 5, 3, 2)],
+        activations=("table:soft,bell,soft,bell,soft", "tanh"),
+        functions=(SOFT, BELL),
+        hardware="lanes = 2",
+        spread=1.0,
+    ),
+    "bell-lanes": replace(
+        LANE,
+        shapes=[(2, 3, 1)],
+        activations=("table:bell",),
+        functions=(BELL,),
+        spread=0.3,
+    ),
 }
-# These functions are computed without a library, so that every machine has the same tables. The
-# first is odd, and the second needs words for negative sums too.
-SOFT, BELL = ("soft", "x / (1 + abs(x))"), ("bell", "1 / (1 + x * x)")
 SMALL_TABLES = replace(
     ENGINE,
     shapes=[(2, 3, 2)],

@@ -4,31 +4,42 @@ from golden.engine.formats import WIDTH
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipe, table
 
-# With weights alone, and with smaller segments.
-ALSO = ("relu-lanes", "layers-lanes")
+# With weights alone, with smaller segments, and with several blocks.
+ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes")
 
 
 def properties(twin):
-    width, segments, half = twin.addr_width, len(twin.table) // 2, 1 << twin.half_width
+    width, segments, half = twin.addr_width, twin.segments, 1 << twin.half_width
     here, looked, piece = "place", "", ""
     if twin.table:
         piece = f"""
             wire signed [31:0] whole = $signed(word);
             wire [31:0] piece = (whole < 0 ? -32'sd1 - whole : whole) / {1 << twin.segment_width};
         """
-        here = (
-            f"kind == 1 ? piece % {segments} : kind == 2 ? {segments} + piece % {segments} : "
-            f"{half} + place"
-        )
+        where = f"piece % {segments}"
         looked = (
             " With kind 1 and 2 it is the intercept and the slope of the word's segment, counted "
             "from 0 up and from -1 down."
         )
+        if twin.blocks > 1:
+            piece += f"""
+                wire [31:0] named = (place % {2 * twin.blocks}) / 2;
+                wire [31:0] block = named % 2 == 0 && place % 2 == 1 && whole < 0
+                    ? named + 1 : named;
+            """
+            where = f"block * {segments} + {where}"
+            looked += (
+                " Half the place names the block, and an odd place the next one for a word below 0."
+            )
+        slopes = segments * twin.blocks
+        here = f"kind == 1 ? {where} : kind == 2 ? {slopes} + {where} : {half} + place"
         faults = (
             (r"if \(word\[17\]\)", "if (word[16])"),
             (r"looked = \{kind\[1\]", "looked = {kind[0]"),
             (r"looks = .*;", "looks = (kind == 1);"),
         )
+        if twin.blocks > 1:
+            faults += ((r"chosen = .*;", "chosen = place[1];"),)
     else:
         faults = ((r"address = place", "address = 0"),)
     return [

@@ -2,7 +2,7 @@
 
 Sweeps: every weight, with each kind that reads weights. Where there is a table: four codes of every
 segment that a code of a hidden sum can lie in, with both of its ends among them, on either side of
-0, each with both kinds that look up.
+0, each with both kinds that look up, and in each block if there are several.
 Drives: a place, a word and a kind every clock, in random order.
 Checks: the coefficient bit for bit, and the clock in which it appears.
 Does not prove: that the weights are the right ones (tests/test_lanes.py does).
@@ -16,9 +16,9 @@ from golden.engine.graph import Kind
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LANES
 
-CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes", "layers-lanes")}
-# The first has weights alone, and the second smaller segments.
-ALSO = ("relu-lanes", "layers-lanes")
+# The first has weights alone, the second smaller segments, and the others several blocks.
+ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes")
+CASES = {name: LANES[name] for name in ("rails-lanes", *ALSO)}
 FAULTS = [
     (r"(memory\[1\] <= \S+);", r"\1 ^ 1;"),
     (r"segment = \(~part\)", "segment = part"),
@@ -37,12 +37,21 @@ def timeline(bench):
     within = codes & ((1 << twin.segment_width) - 1)
     last = (1 << twin.segment_width) - 1
     words = codes[np.isin(within, [0, 1, last - 1, last])]
-    kinds = np.repeat([Kind.INTERCEPT, Kind.DISTANCE, Kind.WORD, Kind.ONE], [len(words)] * 4)
-    # Each place is read often.
-    count = len(kinds)
+    # What a place can name where a function is looked up.
+    names = np.arange(2 * twin.blocks) if twin.blocks > 1 else np.zeros(1, dtype=np.int64)
+    kinds = [Kind.INTERCEPT, Kind.DISTANCE] * len(names) + [Kind.WORD, Kind.ONE]
+    count = len(kinds) * len(words)
     order = rng.permutation(count)
+    # Each place is read often.
     place = np.resize(places, count)
-    columns = {"place": place, "word": np.tile(words, 4), "kind": kinds}
+    if twin.blocks > 1:
+        named = np.repeat(names, 2 * len(words))
+        place[: len(named)] = named
+    columns = {
+        "place": place,
+        "word": np.tile(words, len(kinds)),
+        "kind": np.repeat(kinds, len(words)),
+    }
     return {name: np.append(column[order], 0) for name, column in columns.items()}
 
 

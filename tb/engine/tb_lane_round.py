@@ -1,8 +1,9 @@
 """lane_round against its twin.
 
 Sweeps: sums at and around both ends of the sum and of the word, around zero, around the places at
-which the result changes, at every power of two, and 4000 random sums of every size; in the first
-lane every sample, in another lane both ends and random words of the first one, some with zeros.
+which the result changes, at every power of two, and 4000 random sums of every size; where bits are
+cut, also sums half way between two codes, and with one bit more; in the first lane every sample, in
+another lane both ends and random words of the first one, some with zeros.
 Drives: a sum and what is given in its place every clock, in random order, with ReLU and without it
 where the block has ReLU.
 Checks: the word bit for bit, and the clock in which it appears; in the first lane also what the
@@ -20,9 +21,10 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LANES
 from tb.common.stimulus import sums_to_round
 
-CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes")}
-# It has ReLU.
-ALSO = ("relu-lanes",)
+# The hardware of these cases has ReLU. The last two also drop bits: one rounds halves to even, and
+# the other rounds down.
+ALSO = ("relu-lanes", "exact-lanes", "floor-lanes")
+CASES = {name: LANES[name] for name in ("rails-lanes", *ALSO)}
 FAULTS = [
     (r"kept = 131071", "kept = 131070"),
     (r"wide << 3", "wide << 2"),
@@ -31,16 +33,11 @@ FAULTS = [
 ]
 
 
-def shown(word, zeros):
-    """A word, with its lowest 17 bits 0 where ``zeros`` says so."""
-    return np.where(zeros, np.where(word < 0, WORD.low, 0), word)
-
-
 @cocotb.test()
 async def sums_and_what_is_given(dut):
     bench = Bench(dut)
     twin, rng = bench.twin, bench.rng
-    accs, fmt = sums_to_round(rng, twin.acc_width), SIGNAL if twin.leads else WORD
+    accs, fmt = sums_to_round(rng, twin.acc_width, twin.cut), SIGNAL if twin.leads else WORD
     count = 16384
     given = np.arange(fmt.low, fmt.high + 1)
     if not twin.leads:
@@ -54,24 +51,31 @@ async def sums_and_what_is_given(dut):
     drive = {"own": own.astype(np.int64), "acc": acc, "high": high, "low": low}
     drive |= {"sample": other} if twin.leads else {"other": other}
     if not twin.leads:
-        drive["other_low"] = rng.integers(0, 2, len(order))
+        drive |= {f"other_{name}": rng.integers(0, 2, len(order)) for name in twin.zeros}
     if twin.rectifies:
         drive["relu"] = rng.integers(0, 2, len(order))
-    outputs = ["word", "next_word", "next_low"] if twin.leads else ["word"]
+    passed = ["next_word", *(f"next_{name}" for name in twin.zeros)] if twin.leads else []
     # The last one only fills the pipeline.
-    recording = await bench.play({n: np.append(c, c[:1]) for n, c in drive.items()}, outputs)
+    recording = await bench.play(
+        {n: np.append(c, c[:1]) for n, c in drive.items()}, ["word", *passed]
+    )
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+
+    def shown(word, where):
+        """A word behind the register, where the flags of ``where`` tell of zeros."""
+        zero = {name: recording.unsigned(f"{where}_{name}", rows) for name in twin.zeros}
+        return twin.without_zeros(recording.signed(word, rows), zero)
+
     flags = recording.unsigned("own", rows).astype(bool)
     seen = recording.signed("acc", rows)
     if twin.leads:
         taken = recording.signed("sample", rows)
     else:
-        taken = shown(recording.signed("other", rows), recording.unsigned("other_low", rows))
+        taken = shown("other", "other")
     relu = recording.unsigned("relu", rows) if twin.rectifies else np.zeros(len(rows), int)
     expected = twin.process(flags, seen, taken, relu)
     got = recording.signed("word", rows + bench.latency)
     bench.compare("word", got, expected, own=flags, acc=seen, given=taken, relu=relu)
     if twin.leads:
-        zeros = recording.unsigned("next_low", rows)
-        bench.compare("next_word", shown(recording.signed("next_word", rows), zeros), expected)
+        bench.compare("next_word", shown("next_word", "next"), expected)
     bench.finish(at_least=16384)

@@ -17,7 +17,7 @@ from tb.common.small import ENGINE_PARTS, LANES, TABLES
 from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = ENGINE_PARTS | {"tables-engine": TABLES["tables-engine"]}
-CASES |= {"rails-lanes": LANES["rails-lanes"]}
+CASES |= {name: LANES[name] for name in ("rails-lanes", "deep-lanes")}
 # The first has registers behind the memory; the second has tables of several functions.
 ALSO = ("deep-engine", "tables-engine")
 FAULTS = [
