@@ -153,11 +153,11 @@ def test_what_the_page_concludes_is_in_the_record(rows) -> None:
 
 def test_more_segments_come_to_the_error_of_the_splines() -> None:
     table = table_records.read("function_tables")
-    figures = {(row[0], row[2]): row[3:] for row in table.rows}
-    most = str(max(function_tables.SEGMENTS))
+    figures = {(row[0], row[2]): row[4] for row in table.rows}
     for output in SCENE_OUTPUTS:
-        for splines, lines in zip(figures["float", output], figures[most, output], strict=True):
-            assert lines < 1.1 * splines + 0.03
+        every = [figures[str(segments), output] for segments in function_tables.SEGMENTS]
+        assert every == sorted(every, reverse=True)
+        assert figures["float", output] < every[-1] < 0.1 * every[0]
     words = [row[1] for row in table.rows[:: len(SCENE_OUTPUTS)]]
     assert words == sorted(words)
 
