@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import tiered
+from pages import section
 
 from golden.disturbance import Disturbance
 from golden.scene import load_scene
@@ -128,15 +129,56 @@ def test_a_row_is_measured_again(rows, number: int) -> None:
         assert recorded / 4 < again.means["held out"][c] < 4 * recorded
 
 
+def mean(rows, arrangement: str, name: str, output: str) -> float:
+    """The mean of the held-out errors over the splits."""
+    figures = rows[arrangement, name, output]
+    return float(np.mean([figures[f"held out {n + 1} %"] for n in range(SEEDS)]))
+
+
+def test_what_the_page_concludes_is_in_the_record(rows) -> None:
+    """A cascade of functions loses the position and wins the width, with fewer steps."""
+    mlp, *functions = (kind.name for kind in KINDS["cascade"])
+    means = {
+        output: [mean(rows, "cascade", name, output) for name in (mlp, *functions)]
+        for output in SCENE_OUTPUTS
+    }
+    assert min(means["position"][1:]) > means["position"][0]
+    four = 1 + functions.index("functions, 4 nodes")
+    for output in ("load", "width", "shape"):
+        assert means[output][four] < means[output][0]
+    assert means["width"][four] < 0.5 * means["width"][0]
+    for name in functions:
+        assert rows["cascade", name, "load"]["steps"] < rows["cascade", mlp, "load"]["steps"]
+
+
 def test_more_segments_come_to_the_error_of_the_splines() -> None:
     table = table_records.read("function_tables")
-    figures = {(row[0], row[2]): row[3:] for row in table.rows}
-    most = str(max(function_tables.SEGMENTS))
+    figures = {(row[0], row[2]): row[4] for row in table.rows}
     for output in SCENE_OUTPUTS:
-        for splines, lines in zip(figures["float", output], figures[most, output], strict=True):
-            assert lines < 1.1 * splines + 0.03
+        every = [figures[str(segments), output] for segments in function_tables.SEGMENTS]
+        assert every == sorted(every, reverse=True)
+        assert figures["float", output] < every[-1] < 0.1 * every[0]
     words = [row[1] for row in table.rows[:: len(SCENE_OUTPUTS)]]
     assert words == sorted(words)
+
+
+def test_curves_are_of_every_edge() -> None:
+    table = table_records.read("learned_curves")
+    counts = {output: sum(row[0] == output for row in table.rows) for output in SCENE_OUTPUTS}
+    nodes, bins = function_tables.NODES, function_tables.BINS
+    assert list(counts.values()) == [nodes * (4 + n + 1) for n in range(4)]
+    for row in table.rows:
+        assert sum(row[-bins:]) == pytest.approx(1)
+        values = np.array(row[6:-bins], dtype=float)
+        if row[3] != "curved":
+            np.testing.assert_allclose(np.diff(values, 2), 0, atol=1e-9)
+        if row[3] == "flat":
+            np.testing.assert_allclose(values, 0, atol=1e-9)
+    inner = [row[3] for row in table.rows if row[2] != "sum"]
+    outer = [row[3] for row in table.rows if row[2] == "sum"]
+    page = section("learned-functions", "What the digit has learned")
+    assert f"{inner.count('straight')} of {len(inner)}" in page
+    assert f"{outer.count('curved')} of {len(outer)}" in page
 
 
 def test_pruning_is_of_the_chosen_network() -> None:

@@ -26,7 +26,7 @@ def learned_curves(table: Table) -> str:
     body = [
         text((6, 18), "The functions that the cascade has learned", 13, font_weight="bold"),
         text((6, 36), "each line is a node: the functions of its inputs, and right the function"),
-        text((6, 51), "of their sum; grey bars: where the rows of the data lie"),
+        text((6, 51), "of their sum; below: how many rows of the data lie there"),
     ]
     y = TOP
     for name in networks:
@@ -88,9 +88,10 @@ def _function(row: Row, at: Point, most: float) -> str:
         ]
         colour = ACCENT if row[3] == "curved" else FAINT
         body.append(line(points, stroke=colour, stroke_width=1.4))
+    bottom = y + height
+    outline = [(x, bottom)]
     for n, cell in enumerate(row[6 + POINTS :]):
-        part = min(float(str(cell)) / FULL, 1.0) * (height - CURVE)
-        if part > 0:
-            place = (x + width * n / BINS, y + height - part)
-            body.append(box(place, (width / BINS, part), fill="#bbb", stroke="none"))
+        top = bottom - min(float(str(cell)) / FULL, 1.0) * (height - CURVE)
+        outline += [(x + width * n / BINS, top), (x + width * (n + 1) / BINS, top)]
+    body.append(line([*outline, (x + width, bottom)], stroke=FAINT, stroke_width=0.8))
     return group(body, name)

@@ -162,7 +162,11 @@ def learned(nodes: int, pruned: bool = False) -> Kind:
 
 
 KINDS = {
-    "cascade": (mlps(range(4, 9)), learned(2), learned(3), learned(3, True), learned(4)),
+    "cascade": (
+        mlps(range(4, 9)),
+        learned(2),
+        *(learned(nodes, pruned) for nodes in (3, 4) for pruned in (False, True)),
+    ),
     "multiple": (mlps(range(4, 9)), learned(3, True)),
     "single": (mlps((16,)), learned(4, True)),
 }
