@@ -46,8 +46,10 @@ class Function:
         Points that are joined by straight lines, from left to right. Beyond the first and the last
         of them the function is level.
     spline : tuple of float
-        The ends of a range of equal intervals, and then the coefficients of their cubic B-splines;
-        see ``golden.spline_basis``. Beyond its range the function goes straight on.
+        The ends of a range of equal intervals, the largest magnitude of a value, and then the
+        coefficients of the cubic B-splines of the intervals; see ``golden.spline_basis``. Beyond
+        its range the function goes straight on. Where it would exceed its largest magnitude, it
+        is level.
     frac : int or None
         Fraction bits of the function's values in hardware; None for those with the least error.
     end : float
@@ -71,11 +73,12 @@ class Function:
         if not NAME.fullmatch(self.name):
             raise InputError(f"got the name {self.name!r}, expected letters, digits and _")
         if self.spline:
-            low, high, *coefficients = self.spline
-            if not (np.isfinite(self.spline).all() and low < high and len(coefficients) > DEGREE):
+            low, high, most, *coefficients = (*self.spline, 0.0, 0.0)[: max(3, len(self.spline))]
+            finite = np.isfinite(self.spline).all()
+            if not (finite and low < high and most > 0 and len(coefficients) > DEGREE):
                 raise InputError(
-                    f"got a spline of {self.spline}, expected two ends that rise and {DEGREE + 1} "
-                    "coefficients or more, all finite"
+                    f"got a spline of {self.spline}, expected two ends that rise, a magnitude "
+                    f"above 0 and {DEGREE + 1} coefficients or more, all finite"
                 )
         elif not self.expression:
             places = [x for x, _ in self.points]
@@ -103,9 +106,9 @@ class Function:
         if self.expression:
             return evaluate(self.expression, x)
         if self.spline:
-            low, high, *coefficients = self.spline
+            low, high, most, *coefficients = self.spline
             basis = Basis(low, high, len(coefficients) - DEGREE)
-            return basis.function(x, np.array(coefficients))
+            return np.asarray(basis.function(x, np.array(coefficients)).clip(-most, most))
         places, values = zip(*self.points, strict=True)
         return np.asarray(np.interp(x, places, values), dtype=np.float64)
 
@@ -126,7 +129,7 @@ class Function:
 
 TANH = Function("tanh", TANH_TEXT)
 # The function of a node that gives its sum as it is.
-ITSELF = Function("itself", spline=(-8.0, 8.0, *Basis(-8.0, 8.0, 1).centres.tolist()))
+ITSELF = Function("itself", spline=(-8.0, 8.0, 8.0, *Basis(-8.0, 8.0, 1).centres.tolist()))
 
 
 def functions_of(

@@ -96,7 +96,7 @@ class FunctionNetwork:
 def of_parabolas(shape: Sequence[int], earlier: int) -> FunctionNetwork:
     """A network all of whose functions are the same small parabola."""
     inputs, hidden, outputs = shape
-    parabola = -1.0, 1.0, 0.2, 0.0, 0.0, 0.2
+    parabola = -1.0, 1.0, 0.9, 0.2, 0.0, 0.0, 0.2
     first, second = [[parabola] * inputs] * hidden, [[parabola] * hidden] * outputs
     return FunctionNetwork(first, second, [0.0] * outputs, [2.0] * hidden, earlier)
 
@@ -128,9 +128,9 @@ class _Layer:
         get ``scale`` times the edge.
         """
         if isinstance(edge, tuple):
-            low, high, *coefficients = edge
+            low, high, *values = edge
             ends = into * low + shift, into * high + shift
-            spline = *ends, *(scale * c for c in coefficients)
+            spline = *ends, *(scale * value for value in values)
             self.functions.append(Function(name, spline=spline))
             return self.nodes - 1, 1.0
         assert edge is not None

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -19,8 +20,8 @@ from golden.dense import DenseNetwork, Trained
 from golden.input_error import InputError
 from golden.scene import Scene
 from golden.scene.scale import on_readings, on_signals
+from golden.spline_layers import function_network
 from golden.splines import training as splines
-from golden.splines.layers import function_network
 from golden.splines.training import Learned, Settings
 from golden.training.objective import Rows
 from golden.training.search import Result, bit_true_errors, shift_biases
@@ -93,7 +94,7 @@ class SplineStages:
     files: list[Trained] = field(default_factory=list)
     edges: list[dict[str, int]] = field(default_factory=list)
 
-    def task(self, earlier: list[Trained], number: int) -> Task:
+    def task(self, earlier: list[Any], number: int) -> Task:
         """The task of a network that follows the earlier ones of a stage."""
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 

@@ -217,6 +217,10 @@ TABLE: dict[str, dict[str, str]] = {
         "digits = 30\ndigits_tolerance = 0.1": "tolerance: got 0.1 with digits 30, expected digits",
     },
     "steps = 20": {
+        'functions = "line"': "training.functions: got 'line', expected",
+        'functions = "spline"\ndigits = 30': "got 'spline' with training.digits, expected one of",
+        "intervals = []": "training.intervals: got [], expected whole numbers from 1 to 32",
+        "intervals = [0]": "training.intervals: got [0], expected whole numbers from 1 to",
         "steps = 0": "training.steps: got 0, expected above 0",
         "steps = 1000000000": "training.steps: got 1000000000, expected above 0 and 1000000 at",
         "steps = nan": "training.steps: got nan, expected a whole number",

@@ -13,8 +13,8 @@ from golden.engine.bounds import error_bounds
 from golden.engine.graph import Kind
 from golden.engine.integer_network import evaluate
 from golden.function import ITSELF, Function
-from golden.input_error import InputError
 from golden.function_network import Edge, FunctionNetwork
+from golden.input_error import InputError
 from golden.network_files.network_file import load_network, save_network
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
@@ -53,9 +53,9 @@ def value(edge: Edge, x: np.ndarray) -> np.ndarray:
         return np.zeros_like(x)
     if isinstance(edge, float):
         return edge * x
-    low, high, *coefficients = edge
+    low, high, most, *coefficients = edge
     values, _ = Basis(low, high, len(coefficients) - 3).at(x)
-    return np.asarray(values @ np.array(coefficients))
+    return np.clip(values @ np.array(coefficients), -most, most)
 
 
 def by_definition(network: FunctionNetwork, x: np.ndarray) -> np.ndarray:
@@ -149,7 +149,14 @@ def test_a_file_holds_the_functions(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "spline", [(0.0, 1.0, 1.0), (1.0, 0.0, *[1.0] * 4), (0.0, 1.0, *[np.nan] * 4)]
+    "spline",
+    [
+        (0.0,),
+        (0.0, 1.0, 1.0, 1.0),
+        (1.0, 0.0, *[1.0] * 5),
+        (0.0, 1.0, 0.0, *[1.0] * 4),
+        (0.0, 1.0, 1.0, *[np.nan] * 4),
+    ],
 )
 def test_a_spline_that_is_none_is_refused(spline: tuple[float, ...]) -> None:
     with pytest.raises(InputError, match="got a spline of"):

@@ -57,7 +57,10 @@ def _adds(before: Exact, layer: Exact) -> bool:
         return False
     return all(
         function == ITSELF
-        or (fits(function, target) and all(not row[k] or _near(row[k], ONE) for row in layer.weights))
+        or (
+            fits(function, target)
+            and all(not row[k] or _near(row[k], ONE) for row in layer.weights)
+        )
         for k, function in enumerate(before.functions)
     )
 

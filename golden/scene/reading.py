@@ -21,6 +21,7 @@ from golden.scene.sections import (
     check_activation,
     check_data,
     check_digits,
+    check_functions,
     check_hardware,
     check_search,
     design_options,
@@ -187,6 +188,7 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
         with collect_faults(found):
             check_digits(values, path)
             check_search(values, path)
+            check_functions(values, path)
     with collect_faults(found):
         parts["activation"] = check_activation(hardware, path)
     if "data" not in wrong:

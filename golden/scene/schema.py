@@ -163,10 +163,12 @@ TRAINING = KeyTable(
             "none",
         ),
         "intervals": Key(
-            List(Whole(Span(above=0, most=32)), "whole numbers from 1 to 32", "a list of whole numbers"),
+            List(
+                Whole(Span(1, 32)), "whole numbers from 1 to 32", "a list of whole numbers", least=1
+            ),
             [2, 4],
-            "Only with `functions`: the numbers of intervals that the splines of an input may have. "
-            "Each is tried.",
+            "Only with `functions`: the numbers of intervals that the splines of an input may "
+            "have. Each is tried.",
         ),
         "seed": Key(
             Whole(Span(0)),

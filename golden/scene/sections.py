@@ -231,6 +231,29 @@ def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
 
 
+def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse networks of learned functions in a scene that cannot train or keep them.
+
+    Raises
+    ------
+    InputError
+    """
+    training, network = values["training"], values["network"]
+    place = f"{path}: training.functions: got {training['functions']!r}"
+    if not training["functions"]:
+        return
+    if values["data"]["classes"]:
+        raise InputError(f"{place} with data.classes, expected data.outputs: they are numbers")
+    for key in ("layers", "digits"):
+        if training.get(key):
+            raise InputError(f"{place} with training.{key}, expected one of them")
+    if network["activations"]:
+        raise InputError(f"{place} with network.activations, expected none: functions are learned")
+    others = [name for name in _listed(network["weights"]) if not name.endswith(".npz")]
+    if others:
+        raise InputError(f"{place} with network.weights {others[0]!r}, expected an NPZ file")
+
+
 def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
     """Refuse a number of signed digits that no network of the scene can have.
 

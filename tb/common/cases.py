@@ -113,7 +113,9 @@ def random_network(
     return network_of(layers)
 
 
-def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: int) -> FunctionNetwork:
+def random_learned(
+    shape: tuple[int, ...], earlier: int, spread: float, seed: int
+) -> FunctionNetwork:
     """A network of random functions, of which the last edge of each sum is straight.
 
     ``spread`` is about how far the functions of samples reach.
@@ -123,7 +125,7 @@ def random_learned(shape: tuple[int, ...], earlier: int, spread: float, seed: in
 
     def edges(count: int, size: float, end: float) -> list[Edge]:
         curves: list[Edge] = [
-            (-end, end, *rng.normal(0, size, 6).tolist()) for _ in range(count - 1)
+            (-end, end, 2.5, *rng.normal(0, size, 6).tolist()) for _ in range(count - 1)
         ]
         return [*curves, float(rng.normal(0, size))]
 

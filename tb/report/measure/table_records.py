@@ -19,7 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from golden import splines, window
+from golden import spline_basis, splines, window
 from golden.closure import code_of
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
@@ -50,9 +50,9 @@ RECORDED = {
     "convergence": (convergence,),
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
-    "learned_functions": (learned_functions, splines),
-    "function_tables": (function_tables, learned_functions, splines),
-    "learned_curves": (function_tables, learned_functions, splines),
+    "learned_functions": (learned_functions, splines, spline_basis),
+    "function_tables": (function_tables, learned_functions, splines, spline_basis),
+    "learned_curves": (function_tables, learned_functions, splines, spline_basis),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

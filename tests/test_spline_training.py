@@ -1,0 +1,137 @@
+"""``make train`` for networks of learned functions."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.commands import train as command
+from golden.engine.graph import Kind
+from golden.input_error import InputError
+from golden.network_files.network_file import provenance_path
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene
+from golden.spline_layers import function_network
+from golden.spline_training import SplineStages, candidates, choices
+from golden.splines import training as splines
+from golden.splines.training import Learned, Settings
+from golden.training.objective import Rows
+from golden.training.search import bit_true_error
+
+ROWS = 60
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Scene:
+    """Two sums of curves of three readings, in a cascade on an engine."""
+    rng = np.random.default_rng(1)
+    x = rng.uniform(0.1, 0.8, (ROWS, 3))
+    first = 0.3 * x[:, 0] ** 2 + 0.4 * np.sqrt(x[:, 1]) + 0.1 * x[:, 2]
+    second = 0.5 * first**2 + 0.3 * x[:, 2]
+    lines = ["a,b,c,u,v"]
+    lines += [",".join(f"{value:.5f}" for value in row) for row in np.c_[x, first, second]]
+    (tmp_path / "curves.csv").write_text("\n".join(lines) + "\n")
+    path = tmp_path / "curves.toml"
+    path.write_text(
+        """
+[data]
+file = "curves.csv"
+sensors = ["a", "b", "c"]
+outputs = ["u", "v"]
+
+[network]
+arrangement = "cascade"
+weights = ["u.npz", "v.npz"]
+
+[hardware]
+design = "engine"
+segment_width = 11
+precision = "exact"
+
+[training]
+functions = "spline"
+hidden = [2, 2]
+intervals = [2]
+restarts = 1
+steps = 20
+refit = true
+"""
+    )
+    return load_scene(str(path))
+
+
+def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Path) -> None:
+    command.train_scene(scene, tmp_path / "build", 1)
+    scene = load_scene(str(scene.path))
+    twin, vectors = scene.twin(), scene.vectors()
+    found = SIGNAL.to_real(twin.process(vectors.codes))
+    errors = 100 * np.abs((found - vectors.targets) / vectors.scale)
+    # A straight line leaves errors of 2 % and more.
+    assert errors.mean() < 1
+    assert [len(one.layers) for one in twin.integers] == [2, 2]
+    stories = [tomllib.loads(provenance_path(path).read_text()) for path in scene.weights_paths]
+    looked_up = [
+        term for n in twin.graph.neurons for term in n.terms if term.kind is Kind.INTERCEPT
+    ]
+    assert sum(story["curved_edges"] for story in stories) == len(looked_up) > 0
+    for number, story in enumerate(stories):
+        assert story["functions"] == "spline"
+        assert story["candidates"] == 3
+        assert story["every_rms_percent"] < 1
+        stages = SplineStages(scene)
+        for one in stories[: number + 1]:
+            stages.add(2, one["best_restart"])
+        task = stages.task(stages.written, number)
+        error = bit_true_error(task, stages.written[number], task.recorded)
+        assert story["every_rms_percent"] == pytest.approx(error, abs=2e-4)
+
+
+def test_candidates_are_every_choice_of_every_size(scene: Scene) -> None:
+    training = replace(scene.training, hidden=(2, 3), intervals=(2, 4), restarts=2)
+    scene = replace(scene, training=training)
+    found = candidates(SplineStages(scene).task([], 0))
+    assert len(choices(scene)) == 12
+    assert found == [(hidden, number) for hidden in (2, 3) for number in range(12)]
+
+
+def test_what_hardware_gets_is_what_was_trained() -> None:
+    """Within the range of training, the layers are the trained functions; beyond, they are held."""
+    rng = np.random.default_rng(2)
+    inputs = rng.uniform(-0.4, 0.6, (200, 3))
+    target = (inputs[:, :1] ** 2 + 0.5 * inputs[:, 1:2]) * (0.4 + inputs[:, 2:])
+    rows = Rows(inputs, target, np.ones_like(target))
+    learned = splines.trained(Settings(2, 2, 4, 0.01), rng, rows, rows)
+    learned = splines.pruned(learned, rows, rows, _rms)
+    network = function_network(learned, inputs, 0).layers()
+    assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9
+    far = network.process(rng.uniform(-1, 1, (500, 3)))
+    assert np.abs(far).max() < 3
+
+
+def _rms(learned: Learned, rows: Rows) -> float:
+    return float(np.sqrt(((learned.process(rows.inputs) - rows.targets) ** 2).mean()))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('weights = ["u.npz", "v.npz"]', 'weights = ["u.mat", "v.npz"]', "expected an NPZ file"),
+        ('outputs = ["u", "v"]', 'classes = "u"', "training.functions: got 'spline' with data"),
+        (
+            '"cascade"',
+            '"single"\nactivations = ["relu"]',
+            "with network.activations, expected none",
+        ),
+    ],
+)
+def test_scenes_that_have_no_learned_functions(
+    scene: Scene, old: str, new: str, message: str
+) -> None:
+    text = scene.path.read_text()
+    scene.path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=message):
+        load_scene(str(scene.path))
