@@ -53,6 +53,19 @@ def test_straight_edges_take_no_table() -> None:
     assert tabulated(model, SIGNAL.to_real(frames()), 8).words == 0
 
 
+def test_a_line_is_as_far_above_its_function_as_below() -> None:
+    edges = Edges(np.full((2, 3), STRAIGHT), np.full((2, 2), CURVED))
+    model = learned(edges)
+    parabola = np.broadcast_to(model.network.hidden.centres**2, model.network.second.shape)
+    line = np.broadcast_to(0.2 * model.network.bases[0].centres, model.network.first.shape)
+    model = replace(model, network=replace(model.network, first=line, second=parabola * 0.4))
+    codes = frames()
+    real = SIGNAL.to_real(codes)
+    off = SIGNAL.to_real(tabulated(model, real, 16).process(codes)) - model.process(real)
+    assert off.max() > 0.001
+    assert off.max() == pytest.approx(-off.min(), rel=0.2)
+
+
 def test_words_are_those_of_curved_edges() -> None:
     model = learned(Edges.curved((3, 2, 2)).with_kind(0, STRAIGHT))
     assert int((model.edges.kinds == CURVED).sum()) == 9

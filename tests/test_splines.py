@@ -126,6 +126,25 @@ def test_a_descent_ends_lower_and_early() -> None:
     assert watched.value(near) < watched.value(descend(aim, start, 50))
 
 
+def test_patience_ends_a_descent(monkeypatch: pytest.MonkeyPatch) -> None:
+    like = network(2, 1)
+    freedom = Edges.curved(like.shape).freedom(like)
+    aim = Objective(like, curve(60, 1), Penalty(1e-3), freedom)
+    here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
+    watched = Objective(like, here, Penalty(0), freedom)
+    errors, seen = Objective.errors, []
+
+    def counted(self: Objective, parameters: Real) -> Real:
+        found = errors(self, parameters)
+        if self is watched:
+            seen.append(float((found**2).sum()))
+        return found
+
+    monkeypatch.setattr(Objective, "errors", counted)
+    stopped_early(aim, like.packed(), 50, watched, 3)
+    assert len(seen) == 3 + 1 + int(np.argmin(seen))
+
+
 def test_steps_are_those_of_an_engine() -> None:
     edges = Edges.curved((3, 2, 1))
     assert edges.steps == 2 * 8
@@ -176,6 +195,8 @@ def test_a_law_is_learnt_and_pruned() -> None:
     assert less.steps < found.steps
     assert less.edges.first[0, 2] == FLAT
     assert rms(less, test) < 1.1 * rms(found, test)
+    dear = pruned(found, training, validation, lambda model, rows: float(model is not found))
+    assert dear is found
     again = refitted(less, validation)
     assert again.edges is less.edges
     assert rms(again, validation) < rms(less, validation)
