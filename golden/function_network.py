@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil
 
 import numpy as np
 
@@ -19,7 +21,10 @@ from golden.dense import Dense, DenseNetwork
 from golden.function import ITSELF, TABLE, Function
 from golden.precision import SIGNAL
 from golden.real import Real
+from golden.spline_basis import DEGREE
 
+# Values and slopes of hidden sums and of outputs have room in hardware up to these.
+LARGEST, LARGEST_OUTPUT = 7.99, 0.999
 # A sample as a sum q that is its word as it is, and an output of an earlier network likewise.
 SAMPLE_SCALE, EARLIER_SCALE = 4.0, 8.0
 # An earlier output comes with half a unit of its last place added.
@@ -72,7 +77,8 @@ class FunctionNetwork:
                 row = np.zeros(inputs)
                 row[i] = into
                 copies.start(row, shift)
-                place, weight = copies.end(f"f{h + 1}_{i + 1}", edge, into, shift, scale)
+                name = f"f{h + 1}_{i + 1}"
+                place, weight = copies.end(name, edge, into, shift, scale, LARGEST)
                 places[h].append((place, weight))
         sums = _Layer(copies.nodes)
         last = np.zeros((len(self.second), 0))
@@ -85,7 +91,7 @@ class FunctionNetwork:
                     row[place] = weight
                 scale = self.scales[h]
                 sums.start(row, scale * self.offsets[h] if self.offsets else 0.0)
-                _, weight = sums.end(f"g{o + 1}_{h + 1}", edge, scale, 0.0, 1.0)
+                _, weight = sums.end(f"g{o + 1}_{h + 1}", edge, scale, 0.0, 1.0, LARGEST_OUTPUT)
                 column = np.zeros((len(self.second), 1))
                 column[o] = weight
                 last = np.concatenate([last, column], axis=1)
@@ -120,19 +126,23 @@ class _Layer:
         self.biases.append(bias)
 
     def end(
-        self, name: str, edge: Edge, into: float, shift: float, scale: float
+        self, name: str, edge: Edge, into: float, shift: float, scale: float, largest: float
     ) -> tuple[int, float]:
         """Add the function of a node; return its place and the weight that the next layer gives it.
 
         The node's sum is ``into`` times the edge's input, and ``shift`` more. The next layer is to
-        get ``scale`` times the edge.
+        get ``scale`` times the edge. A function whose values or slopes do not stay within
+        ``largest`` is divided by a whole number, which becomes the weight.
         """
         if isinstance(edge, tuple):
-            low, high, *values = edge
+            low, high, most, *coefficients = edge
+            width = into * (high - low) / (len(coefficients) - DEGREE)
+            steepest = max(abs(b - a) for a, b in pairwise(coefficients)) / width
+            parts = max(1, ceil(scale * max(most, steepest) / largest))
             ends = into * low + shift, into * high + shift
-            spline = *ends, *(scale * value for value in values)
+            spline = *ends, *(scale / parts * value for value in (most, *coefficients))
             self.functions.append(Function(name, spline=spline))
-            return self.nodes - 1, 1.0
+            return self.nodes - 1, float(parts)
         assert edge is not None
         self.functions.append(ITSELF)
         return self.nodes - 1, scale * edge / into

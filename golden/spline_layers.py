@@ -14,10 +14,11 @@ from golden.spline_basis import Basis
 from golden.splines.edges import CURVED, STRAIGHT
 from golden.splines.training import Learned
 
-# Hidden sums fill this part of their format at most, with the inputs of training.
+# With the inputs of training, sums and functions fill this part of their range at most. Beyond it,
+# a function is level.
 FILLED = 0.8
-# A function is level before it leaves the format of its sum: of an output, and of a hidden sum.
-MOST_OUTPUT, MOST_HIDDEN = 0.99, 0.99 * HIGH
+# The range of a function that is added to a hidden sum.
+MOST_HIDDEN = 0.99 * HIGH
 # A sum that hardly changes is not made larger without end.
 LEAST = 2.0**-10
 
@@ -37,32 +38,42 @@ def function_network(learned: Learned, inputs: Real, earlier: int) -> FunctionNe
         How many of the inputs, at the end, are outputs of earlier networks.
     """
     network, edges = learned.network, learned.edges
-    reach = np.abs(network.sums(network.spread(inputs))).max(axis=0)
+    sums = network.sums(network.spread(inputs))
     first, offsets, scales = [], [], []
-    for kinds, rows, most in zip(edges.first, network.first, reach, strict=True):
+    for kinds, rows, sum_ in zip(edges.first, network.first, sums.T, strict=True):
         centred, constant = _centred(kinds, network.bases, rows)
-        largest = max([float(most) / FILLED, *(np.abs(row).max() for row in centred), LEAST])
-        # A scale that is a power of two changes no bit of a slope.
-        scales.append(2.0 ** floor(log2(MOST_HIDDEN / largest)))
-        made = [
-            _edge(kind, basis, row, MOST_HIDDEN / scales[-1])
-            for kind, basis, row in zip(kinds, network.bases, centred, strict=True)
+        reached = [
+            _reached(basis, row, x)
+            for basis, row, x in zip(network.bases, centred, inputs.T, strict=True)
         ]
-        first.append(made)
+        largest = max(*reached, float(np.abs(sum_).max()), LEAST)
+        # A scale that is a power of two changes no bit of a slope.
+        scales.append(2.0 ** floor(log2(FILLED * HIGH / largest)))
+        first.append(
+            [
+                _edge(kind, basis, row, MOST_HIDDEN / scales[-1])
+                for kind, basis, row in zip(kinds, network.bases, centred, strict=True)
+            ]
+        )
         offsets.append(constant)
     biases = network.biases.copy()
     second = []
     for o, (kinds, rows) in enumerate(zip(edges.second, network.second, strict=True)):
-        hidden = [network.hidden] * len(scales)
-        centred, constant = _centred(kinds, hidden, rows)
+        centred, constant = _centred(kinds, [network.hidden] * len(scales), rows)
         biases[o] += constant
         second.append(
             [
-                _edge(kind, network.hidden, row, MOST_OUTPUT)
-                for kind, row in zip(kinds, centred, strict=True)
+                _edge(kind, network.hidden, row, _reached(network.hidden, row, x) / FILLED)
+                for kind, row, x in zip(kinds, centred, sums.T, strict=True)
             ]
         )
     return FunctionNetwork(first, second, biases.tolist(), scales, earlier, offsets)
+
+
+def _reached(basis: Basis, coefficients: Real, x: Real) -> float:
+    """The largest magnitude of a function, over its range and over some inputs."""
+    values = np.abs(basis.function(x, coefficients)).max()
+    return max(float(values), float(np.abs(coefficients).max()), LEAST)
 
 
 def _centred(

@@ -2,9 +2,10 @@
 
 A network of learned functions, y = sum over i of f_i(x_i), is a network of layers: the nodes of one
 layer take one value each and look up its function, and the next layer adds them up with weights of
-1. Compiled node by node, a function would take a product that copies its value, two that look it
-up, and one that adds it. An engine needs only the two in the middle: the intercept and the slope of
-the segment are products of the sum itself, and the word of the value is read as it is.
+1, or of a small whole number. Compiled node by node, a function would take a product that copies
+its value, two that look it up, and one that adds it. An engine needs only the two in the middle:
+the intercept and the slope of the segment are products of the sum itself, and the word of the value
+is read as it is.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from golden.engine.function_table import fits
 from golden.function import ITSELF, TANH
 from golden.precision import SIGNAL
 
-ONE = Fraction(1)
+# A function that is larger than a word is added in parts, so often at most.
+MOST_TIMES = 8
 # What is left of a weight that was multiplied by a scale and divided by it.
 ROUNDING = Fraction(1, 1 << 40)
 
@@ -57,10 +59,7 @@ def _adds(before: Exact, layer: Exact) -> bool:
         return False
     return all(
         function == ITSELF
-        or (
-            fits(function, target)
-            and all(not row[k] or _near(row[k], ONE) for row in layer.weights)
-        )
+        or (fits(function, target) and all(_times(row[k]) >= 0 for row in layer.weights))
         for k, function in enumerate(before.functions)
     )
 
@@ -84,7 +83,8 @@ def _taken(before: Exact, layer: Exact) -> Exact:
         [
             (k, replace(function, frac=target))
             for k, function in enumerate(before.functions)
-            if row[k] and not products[k]
+            if not products[k]
+            for _ in range(_times(row[k]))
         ]
         for row in layer.weights
     ]
@@ -129,6 +129,14 @@ def _copies(layer: Exact, values: Sequence[Value]) -> bool:
         if not (_near(row[_only(row)], weight) and abs(bias - half) < ROUNDING):
             return False
     return True
+
+
+def _times(weight: Fraction) -> int:
+    """How often a function is added for a weight; -1 for one that is not a small whole number."""
+    times = round(weight)
+    if not weight:
+        return 0
+    return times if 0 < times <= MOST_TIMES and _near(weight, Fraction(times)) else -1
 
 
 def _near(found: Fraction, wanted: Fraction) -> bool:
