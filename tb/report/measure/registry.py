@@ -17,8 +17,9 @@ from tb.report.measure.table import Table
 Measured = Callable[[int], Table]
 # These modules import this one.
 ASKING = ("__main__", "registry", "steps")
-# These start simulators, so they are measured only if they are asked for by name.
-ON_REQUEST = ("simulators",)
+# These start simulators, or train for a quarter of an hour, so they are measured only if they are
+# asked for by name.
+ON_REQUEST = ("simulators", "learned_functions", "function_tables", "learned_curves")
 
 
 def _found() -> dict[str, Measured]:

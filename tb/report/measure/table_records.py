@@ -19,7 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from golden import window
+from golden import splines, window
 from golden.closure import code_of
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
@@ -28,7 +28,17 @@ from golden.machine import facts
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
-from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
+from tb.report.measure import (
+    convergence,
+    function_tables,
+    honest,
+    learned_functions,
+    outside,
+    past,
+    sensors_dropped,
+    stability,
+    store,
+)
 from tb.report.measure.table import Table
 
 # By name of the table: the modules that its figures depend on, besides those of training. The first
@@ -40,6 +50,9 @@ RECORDED = {
     "convergence": (convergence,),
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
+    "learned_functions": (learned_functions, splines),
+    "function_tables": (function_tables, learned_functions, splines),
+    "learned_curves": (function_tables, learned_functions, splines),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

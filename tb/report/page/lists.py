@@ -28,6 +28,7 @@ from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.floors import picture_of_floors
+from tb.report.draw.learned import learned_curves
 from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
@@ -43,8 +44,8 @@ from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.measure.word_widths import word_widths
 from tb.report.page import designs as compared
+from tb.report.page import learned, outside, run_time, stability
 from tb.report.page import left_out as leaving
-from tb.report.page import outside, run_time, stability
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
@@ -289,6 +290,7 @@ def pages() -> dict[Path, str]:
     docs = ROOT / "docs"
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
     scenes_left_out = left_out(SEED)
+    functions, in_integers = read("learned_functions"), read("function_tables")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
         (ROOT / "README.md", "unseen", unseen),
@@ -300,6 +302,11 @@ def pages() -> dict[Path, str]:
         (docs / "designs.md", "held-out", compared.spreads),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
+        (docs / "figures.md", "learned", partial(learned.first_split, functions)),
+        (docs / "figures.md", "learned-splits", partial(learned.all_splits, functions)),
+        (docs / "figures.md", "learned-disturbed", partial(learned.disturbed, functions)),
+        (docs / "figures.md", "learned-noisy", partial(learned.noisy, functions)),
+        (docs / "learned-functions.md", "segments", partial(learned.segments, in_integers)),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "scenes.md", "classes", classes),
         (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
@@ -329,6 +336,7 @@ def pages() -> dict[Path, str]:
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
+    found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"))
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"

@@ -1,0 +1,1 @@
+"""Networks whose edges are learned functions of one variable, made of cubic B-splines."""

@@ -1,0 +1,74 @@
+"""Cubic B-splines on equal intervals, which go on straight beyond both ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.domain import checked
+from golden.input_error import InputError
+from golden.real import Real
+
+DEGREE = 3
+
+
+@dataclass(frozen=True)
+class Basis:
+    """The cubic B-splines on ``intervals`` equal intervals from ``low`` to ``high``.
+
+    A function is the sum of all splines, each times its coefficient. Coefficients on a straight
+    line give a straight function.
+
+    Parameters
+    ----------
+    low, high : float
+    intervals : int
+        1 to 1000.
+
+    Raises
+    ------
+    InputError
+        When ``low`` is not below ``high``, or for another number of intervals.
+    """
+
+    low: float
+    high: float
+    intervals: int
+
+    def __post_init__(self) -> None:
+        checked(intervals=(self.intervals, 1, 1000))
+        if not self.low < self.high:
+            raise InputError(f"low, high: got {self.low:g} and {self.high:g}, expected low < high")
+
+    @property
+    def count(self) -> int:
+        """The number of splines."""
+        return self.intervals + DEGREE
+
+    @property
+    def width(self) -> float:
+        """The length of an interval."""
+        return (self.high - self.low) / self.intervals
+
+    @property
+    def centres(self) -> Real:
+        """The middle of each spline. With these as coefficients, the function is x itself."""
+        return np.asarray(self.low + self.width * (np.arange(self.count) - 1.0))
+
+    def at(self, x: Real) -> tuple[Real, Real]:
+        """The value and the slope of every spline at each x, shape (..., count)."""
+        place = (x - self.low) / self.width
+        inside = np.clip(place, 0, self.intervals)
+        segment = np.minimum(inside.astype(np.int64), self.intervals - 1)
+        t, beyond = inside - segment, place - inside
+        s = 1 - t
+        four = s * s * s, 4 - 3 * t * t * (1 + s), 4 - 3 * s * s * (1 + t), t * t * t
+        rise = -s * s, t * (3 * t - 4), s * (4 - 3 * s), t * t
+        values, slopes = (np.zeros((x.size, self.count)) for _ in range(2))
+        first = np.arange(0, x.size * self.count, self.count) + segment.ravel()
+        for n in range(DEGREE + 1):
+            values.reshape(-1)[first + n] = (four[n] / 6 + beyond * rise[n] / 2).ravel()
+            slopes.reshape(-1)[first + n] = (rise[n] / (2 * self.width)).ravel()
+        shape = (*x.shape, self.count)
+        return values.reshape(shape), slopes.reshape(shape)

@@ -1,0 +1,202 @@
+"""Tests networks of learned functions: their splines, derivatives, training and pruning."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from derivatives import differences
+from scipy.interpolate import BSpline
+
+from golden.input_error import InputError
+from golden.real import Real
+from golden.splines.basis import Basis
+from golden.splines.descent import descend, stopped_early
+from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
+from golden.splines.network import SplineNetwork, starting
+from golden.splines.objective import Objective, Penalty
+from golden.splines.training import Settings, pruned, refitted, trained
+from golden.training.objective import Rows
+
+BASIS = Basis(-0.5, 1.5, 4)
+
+
+def network(nodes: int = 2, outputs: int = 2, seed: int = 1) -> SplineNetwork:
+    bases = (BASIS, Basis(-1.0, 1.0, 4), Basis(0.0, 1.0, 4))
+    return starting(bases, 5, nodes, outputs, np.random.default_rng(seed))
+
+
+def rows(count: int = 40, outputs: int = 2, seed: int = 2) -> Rows:
+    rng = np.random.default_rng(seed)
+    inputs = rng.uniform(-1, 1.5, (count, 3))
+    return Rows(inputs, rng.normal(size=(count, outputs)), rng.uniform(0.5, 2, (count, outputs)))
+
+
+def curve(count: int, seed: int, noise: float = 0.0) -> Rows:
+    """Rows of a law of two of three inputs; the third tells nothing."""
+    rng = np.random.default_rng(seed)
+    inputs = rng.uniform(-1, 1, (count, 3))
+    targets = np.exp(0.8 * inputs[:, :1] ** 2 + 0.5 * inputs[:, 1:2]) - 1
+    return Rows(inputs, targets + noise * rng.normal(size=targets.shape), np.ones((count, 1)))
+
+
+def rms(model, given: Rows) -> float:
+    return float(np.sqrt(((model.process(given.inputs) - given.targets) ** 2).mean()))
+
+
+def test_the_splines_are_those_of_scipy() -> None:
+    knots = BASIS.low + BASIS.width * np.arange(-3, BASIS.intervals + 4)
+    x = np.linspace(BASIS.low, BASIS.high, 50)[:-1]
+    values, slopes = BASIS.at(x)
+    expected = BSpline(knots, np.eye(BASIS.count), 3)
+    np.testing.assert_allclose(values, expected(x), atol=1e-12)
+    np.testing.assert_allclose(slopes, expected.derivative()(x), atol=1e-12)
+
+
+def test_a_function_goes_on_straight_beyond_its_range() -> None:
+    coefficients = np.random.default_rng(1).normal(size=BASIS.count)
+    for end, way in ((BASIS.low, -1), (BASIS.high, 1)):
+        values, slopes = (part @ coefficients for part in BASIS.at(end + way * np.arange(3.0)))
+        np.testing.assert_allclose(np.diff(values), way * slopes[0], atol=1e-12)
+        np.testing.assert_allclose(slopes, slopes[0])
+
+
+def test_straight_coefficients_give_a_straight_function() -> None:
+    x = np.linspace(-3, 4, 30)
+    np.testing.assert_allclose(BASIS.at(x)[0] @ BASIS.centres, x, atol=1e-12)
+    np.testing.assert_allclose(BASIS.at(x)[0].sum(axis=-1), 1)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [((1.0, 1.0, 4), "expected low < high"), ((0.0, 1.0, 0), "intervals: got 0")],
+)
+def test_an_impossible_basis_is_refused(given, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Basis(*given)
+
+
+def test_packed_and_unpacked_are_inverse() -> None:
+    one = network()
+    again = one.unpacked(one.packed())
+    given = rows().inputs
+    np.testing.assert_array_equal(one.process(given), again.process(given))
+
+
+@pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
+def test_derivatives_are_differences(kind: int) -> None:
+    like = network()
+    edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
+    freedom = edges.freedom(like)
+    aim = Objective(like, rows(), Penalty(0.3, 0.01), freedom)
+    point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
+    errors, jacobian = aim.jacobian(point)
+    np.testing.assert_allclose(errors, aim.errors(point).ravel())
+    np.testing.assert_allclose(
+        jacobian, differences(lambda p: aim.errors(p).ravel(), point).T, atol=1e-7
+    )
+    value, gradient, _ = aim.around(point)
+    assert value == pytest.approx(aim.value(point))
+    np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
+
+
+def test_the_penalty_is_of_bends_and_size() -> None:
+    like = network(1, 1)
+    aim = Objective(like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())))
+    straight = [np.arange(basis.count, dtype=float) for basis in (*like.bases, like.hidden)]
+    point = np.append(np.concatenate(straight), 5.0)
+    size = 0.01 * sum(float(part @ part) for part in straight)
+    assert point @ aim.stiffness @ point == pytest.approx(size)
+    point[2] += 1
+    more = 0.01 * (2 * straight[0][2] + 1) + 0.3 * (1 + 4 + 1)
+    assert point @ aim.stiffness @ point == pytest.approx(size + more)
+
+
+def test_a_descent_ends_lower_and_early() -> None:
+    like = network(2, 1)
+    freedom = Edges.curved(like.shape).freedom(like)
+    aim = Objective(like, curve(60, 1), Penalty(1e-3), freedom)
+    start = like.packed()
+    assert aim.value(descend(aim, start, 50)) < 0.05 * aim.value(start)
+    np.testing.assert_array_equal(descend(aim, start, 0), start)
+    # The other rows are those of the start, so any step leads away from them.
+    here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
+    watched = Objective(like, here, Penalty(0), freedom)
+    near = stopped_early(aim, start, 50, watched, 3)
+    assert aim.value(near) < aim.value(start)
+    assert watched.value(near) < watched.value(descend(aim, start, 50))
+
+
+def test_patience_ends_a_descent(monkeypatch: pytest.MonkeyPatch) -> None:
+    like = network(2, 1)
+    freedom = Edges.curved(like.shape).freedom(like)
+    aim = Objective(like, curve(60, 1), Penalty(1e-3), freedom)
+    here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
+    watched = Objective(like, here, Penalty(0), freedom)
+    errors, seen = Objective.errors, []
+
+    def counted(self: Objective, parameters: Real) -> Real:
+        found = errors(self, parameters)
+        if self is watched:
+            seen.append(float((found**2).sum()))
+        return found
+
+    monkeypatch.setattr(Objective, "errors", counted)
+    stopped_early(aim, like.packed(), 50, watched, 3)
+    assert len(seen) == 3 + 1 + int(np.argmin(seen))
+
+
+def test_steps_are_those_of_an_engine() -> None:
+    edges = Edges.curved((3, 2, 1))
+    assert edges.steps == 2 * 8
+    straight = edges.with_kind(0, STRAIGHT)
+    assert straight.steps == 2 * 8 - 1
+    # The last edges: without a curved edge the output takes a step for its bias.
+    assert straight.with_kind(6, STRAIGHT).with_kind(7, STRAIGHT).steps == 2 * 8 - 3 + 1
+    # A sum that nothing uses takes no edge.
+    gone = edges.with_kind(7, FLAT)
+    assert gone.first.tolist() == [[CURVED] * 3, [FLAT] * 3]
+    assert gone.steps == 2 * 4
+
+
+def test_parameters_are_counted() -> None:
+    like = network(1, 1)
+    edges = Edges.curved(like.shape)
+    counts = [basis.count for basis in (*like.bases, like.hidden)]
+    assert edges.parameters(like) == sum(counts) + 1
+    assert edges.with_kind(0, STRAIGHT).parameters(like) == sum(counts[1:]) + 1 + 1
+
+
+def test_bends_are_what_straightening_changes() -> None:
+    like = network(1, 1)
+    given = rows(outputs=1).inputs
+    across = BASIS.at(given[:, 0])[0] @ like.first[0, 0]
+    line = np.polyfit(given[:, 0], across, 1)
+    sums = like.sums(like.spread(given))
+    slopes = like.hidden.at(sums)[1][:, 0] @ like.second[0, 0]
+    straight, flat = bends(like, given)
+    expected = (across - np.polyval(line, given[:, 0])) * slopes
+    np.testing.assert_allclose(straight[0][:, 0], expected, atol=1e-9)
+    np.testing.assert_allclose(flat[0][:, 0], (across - across.mean()) * slopes, atol=1e-9)
+
+
+def test_a_law_is_learnt_and_pruned() -> None:
+    """The functions of the input that tells nothing become flat, and the error stays."""
+    training, validation, test = (curve(120, seed, 0.01) for seed in (1, 2, 3))
+    settings = Settings(1, 4, 4, 1e-3)
+    found = min(
+        (
+            trained(settings, np.random.default_rng(start), training, validation)
+            for start in range(3)
+        ),
+        key=lambda model: rms(model, validation),
+    )
+    assert rms(found, test) < 0.03
+    less = pruned(found, training, validation, rms)
+    assert less.steps < found.steps
+    assert less.edges.first[0, 2] == FLAT
+    assert rms(less, test) < 1.1 * rms(found, test)
+    dear = pruned(found, training, validation, lambda model, rows: float(model is not found))
+    assert dear is found
+    again = refitted(less, validation)
+    assert again.edges is less.edges
+    assert rms(again, validation) < rms(less, validation)
