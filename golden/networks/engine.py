@@ -61,6 +61,10 @@ LOAD_PORTS = (
 )
 
 
+# Of more functions than these, the largest error is that of all together.
+NAMED = 8
+
+
 @dataclass(frozen=True)
 class Engine(Design):
     """Every neuron of a scene, one product per clock (ours; single, multiple and cascade alike).
@@ -399,11 +403,14 @@ class Engine(Design):
         """The largest error of each function; none where there is no other than tanh."""
         if self.graph.functions == (TANH,):
             return ()
-        errors = (
-            f"{function.name} {table_of(function, self.program.segment_width).error:.2g}"
+        errors = {
+            function: table_of(function, self.program.segment_width).error
             for function in self.graph.functions
-        )
-        return (f"largest errors of functions: {', '.join(errors)}",)
+        }
+        if len(errors) > NAMED:
+            return (f"largest error of {len(errors)} functions: {max(errors.values()):.2g}",)
+        texts = (f"{function.name} {error:.2g}" for function, error in errors.items())
+        return (f"largest errors of functions: {', '.join(texts)}",)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)
