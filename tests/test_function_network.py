@@ -90,6 +90,35 @@ def test_every_engine_adds_functions_up(options: dict) -> None:
     assert bounds.max() < 0.05
 
 
+@pytest.mark.parametrize(
+    ("shape", "text"),
+    [
+        ((3, 4, 1), "largest error of 11 functions: "),
+        ((2, 2, 1), "largest errors of functions: f1_1 "),
+    ],
+)
+def test_many_functions_are_told_of_together(shape: tuple[int, ...], text: str) -> None:
+    engine = Engine.of([random_learned(shape, 0, 1.0, 5).layers()], Settings(options=WIDE))
+    assert engine.function_facts[0].startswith(text)
+
+
+def test_a_function_that_is_larger_than_a_word_is_added_in_parts() -> None:
+    """An output of -0.5 to 0.5 is the difference of two functions that reach 2."""
+    large = (-1.0, 1.0, 2.1, *np.linspace(-2, 2, 6).tolist())
+    opposite = (-1.0, 1.0, 2.1, *np.linspace(1.5, -1.5, 6).tolist())
+    bent = (-1.0, 1.0, 1.0, 0.9, 0.2, -0.3, -0.3, 0.2, 0.9)
+    network = FunctionNetwork([[bent], [bent]], [[large, opposite]], [0.0], [4.0, 4.0])
+    engine = Engine.of([network.layers()], Settings(options=WIDE))
+    assert len(engine.integers[0].layers) == 2
+    terms = [term for neuron in engine.graph.neurons for term in neuron.terms]
+    assert sum(term.kind is Kind.INTERCEPT for term in terms) == 2 + 3 + 3
+    frames = codes(1)
+    found = engine.process(frames)
+    assert np.array_equal(found, evaluate(engine.integers, frames))
+    real = by_definition(network, frames / 2.0**SIGNAL.frac)
+    assert np.abs(found / 2.0**SIGNAL.frac - real).max() < 0.01
+
+
 def test_an_edge_is_two_steps_and_a_straight_one_is_one() -> None:
     network = three_kinds()
     engine = Engine.of([network.layers()], Settings(options=WIDE))
