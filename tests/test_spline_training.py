@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from golden.commands import train as command
-from golden.engine.graph import Kind
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
@@ -74,10 +73,7 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
     assert errors.mean() < 1
     assert [len(one.layers) for one in twin.integers] == [2, 2]
     stories = [tomllib.loads(provenance_path(path).read_text()) for path in scene.weights_paths]
-    looked_up = [
-        term for n in twin.graph.neurons for term in n.terms if term.kind is Kind.INTERCEPT
-    ]
-    assert sum(story["curved_edges"] for story in stories) == len(looked_up) > 0
+    assert sum(story["curved_edges"] for story in stories) == len(twin.graph.functions) > 0
     for number, story in enumerate(stories):
         assert story["functions"] == "spline"
         assert story["candidates"] == 3
@@ -120,7 +116,11 @@ def _rms(learned: Learned, rows: Rows) -> float:
     ("old", "new", "message"),
     [
         ('weights = ["u.npz", "v.npz"]', 'weights = ["u.mat", "v.npz"]', "expected an NPZ file"),
-        ('outputs = ["u", "v"]', 'classes = "u"', "training.functions: got 'spline' with data"),
+        (
+            "restarts = 1",
+            "restarts = 1\ndigits = 30",
+            "got 'spline' with training.digits, expected",
+        ),
         (
             '"cascade"',
             '"single"\nactivations = ["relu"]',
@@ -134,4 +134,18 @@ def test_scenes_that_have_no_learned_functions(
     text = scene.path.read_text()
     scene.path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=message):
+        load_scene(str(scene.path))
+
+
+def test_classes_have_no_learned_functions(scene: Scene) -> None:
+    changes = [
+        ('outputs = ["u", "v"]', 'classes = "u"'),
+        ('arrangement = "cascade"', 'arrangement = "single"'),
+        ('["u.npz", "v.npz"]', '"u.npz"'),
+    ]
+    text = scene.path.read_text()
+    for old, new in changes:
+        text = text.replace(old, new, 1)
+    scene.path.write_text(text)
+    with pytest.raises(InputError, match=r"got 'spline' with data\.classes, expected data"):
         load_scene(str(scene.path))
