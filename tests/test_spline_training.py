@@ -147,5 +147,9 @@ def test_classes_have_no_learned_functions(scene: Scene) -> None:
     for old, new in changes:
         text = text.replace(old, new, 1)
     scene.path.write_text(text)
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    for n, line in enumerate(lines[1:]):
+        line[3] = str(n % 2)
+    scene.data_path.write_text("\n".join(map(",".join, lines)) + "\n")
     with pytest.raises(InputError, match=r"got 'spline' with data\.classes, expected data"):
         load_scene(str(scene.path))

@@ -123,15 +123,15 @@ def random_learned(
     inputs, hidden, outputs = shape
     rng = np.random.default_rng(seed)
 
-    def edges(count: int, size: float, end: float) -> list[Edge]:
+    def edges(count: int, size: float, end: float, most: float) -> list[Edge]:
         curves: list[Edge] = [
-            (-end, end, 2.5, *rng.normal(0, size, 6).tolist()) for _ in range(count - 1)
+            (-end, end, most, *rng.normal(0, size, 6).tolist()) for _ in range(count - 1)
         ]
         return [*curves, float(rng.normal(0, size))]
 
     return FunctionNetwork(
-        [edges(inputs, spread / inputs, 0.8) for _ in range(hidden)],
-        [edges(hidden, 0.5 / hidden, 2.0) for _ in range(outputs)],
+        [edges(inputs, spread / inputs, 0.8, 2.5) for _ in range(hidden)],
+        [edges(hidden, 0.5 / hidden, 2.0, 0.9) for _ in range(outputs)],
         rng.normal(0, 0.1, outputs).tolist(),
         [3.0] * hidden,
         earlier,
