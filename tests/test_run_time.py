@@ -138,7 +138,10 @@ def test_the_default_network_errs_least_and_is_the_smallest(measured: dict[str, 
     rows = [row for row in rows if row["outputs"] == 4]
     (default,) = (row for row in rows if row["scene"] == SCENE)
     assert number(default, "largest %") <= min(number(row, "largest %") for row in rows) + 1e-9
-    assert default["LUT"] == min(number(row, "LUT") for row in rows)
+    # One lane takes fewer LUTs, for one block RAM more.
+    (lane,) = (row for row in rows if row["scene"] == "digit-lanes1")
+    others = [row for row in rows if row is not lane]
+    assert default["LUT"] == min(number(row, "LUT") for row in others) > number(lane, "LUT")
     (folded,) = (row for row in rows if row["scene"] == run_time.FOLDED)
     assert number(folded, "clocks a frame") < number(default, "clocks a frame")
 
