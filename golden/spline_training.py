@@ -49,8 +49,10 @@ def choices(scene: Scene) -> list[tuple[int, float, int]]:
 def train(task: Task, hidden: int, number: int) -> Learned:
     """The network of one candidate."""
     intervals, bend, start = choices(task.scene)[number]
-    rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, start])
-    settings = Settings(hidden, intervals, HIDDEN_INTERVALS, bend)
+    own = task.scene.training
+    rng = np.random.default_rng([own.seed, task.number, hidden, start])
+    descent = own.weight_decay, own.steps, own.patience
+    settings = Settings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent)
     return splines.trained(settings, rng, task.training, task.validation)
 
 

@@ -15,7 +15,7 @@ from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from golden.spline_layers import function_network
-from golden.spline_training import SplineStages, candidates, choices
+from golden.spline_training import SplineStages, candidates, choices, train
 from golden.splines import training as splines
 from golden.splines.training import Learned, Settings
 from golden.training.objective import Rows
@@ -84,6 +84,14 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
         task = stages.task(stages.written, number)
         error = bit_true_error(task, stages.written[number], task.recorded)
         assert story["every_rms_percent"] == pytest.approx(error, abs=2e-4)
+
+
+@pytest.mark.parametrize(("key", "value"), [("weight_decay", 1.0), ("steps", 2)])
+def test_a_descent_is_that_of_the_scene(scene: Scene, key: str, value: float) -> None:
+    task = SplineStages(scene).task([], 0)
+    other = replace(scene, training=replace(scene.training, **{key: value}))
+    found = [train(one, 2, 0).network.packed() for one in (task, replace(task, scene=other))]
+    assert not np.array_equal(*found)
 
 
 def test_candidates_are_every_choice_of_every_size(scene: Scene) -> None:

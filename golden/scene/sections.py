@@ -247,6 +247,8 @@ def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
     for key in ("layers", "digits"):
         if training.get(key):
             raise InputError(f"{place} with training.{key}, expected one of them")
+    if training["optimiser"] == "scg":
+        raise InputError(f"{place} with training.optimiser 'scg', expected levenberg-marquardt")
     if network["activations"]:
         raise InputError(f"{place} with network.activations, expected none: functions are learned")
     others = [name for name in _listed(network["weights"]) if not name.endswith(".npz")]

@@ -15,7 +15,7 @@ from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Objective, Penalty
 from golden.training.objective import Rows
 
-STEPS, PATIENCE = 300, 40
+STEPS, PATIENCE, SIZE = 300, 40, 1e-6
 # The splines of an input reach beyond its range by this part of it.
 MARGIN = 0.01
 # For pruning: how much larger the error on validation rows may be, and the parts of the error of a
@@ -36,12 +36,19 @@ class Settings:
         Of the splines of an input, and of a hidden sum.
     bend : float
         See ``Penalty``; for as many rows as train.
+    size : float
+        See ``Penalty``.
+    steps, patience : int
+        The most evaluations of a descent, and how many points without a better one end it.
     """
 
     nodes: int
     intervals: int
     hidden_intervals: int
     bend: float
+    size: float = SIZE
+    steps: int = STEPS
+    patience: int = PATIENCE
 
 
 @dataclass(frozen=True)
@@ -79,16 +86,17 @@ class Learned:
     def descended(self, edges: Edges, rows: Rows, validation: Rows | None = None) -> Learned:
         """Trained further on rows, with these edges; with ``validation`` it may stop early."""
         freedom = edges.freedom(self.network)
-        penalty = Penalty(self.settings.bend * len(rows.inputs) / self.rows)
+        settings = self.settings
+        penalty = Penalty(settings.bend * len(rows.inputs) / self.rows, settings.size)
         aim = Objective(self.network, rows, penalty, freedom)
         start: Real = np.asarray(
             np.linalg.lstsq(freedom, self.network.packed())[0], dtype=np.float64
         )
         if validation is None:
-            point = descend(aim, start, STEPS)
+            point = descend(aim, start, settings.steps)
         else:
             held_back = Objective(self.network, validation, penalty, freedom)
-            point = stopped_early(aim, start, STEPS, held_back, PATIENCE)
+            point = stopped_early(aim, start, settings.steps, held_back, settings.patience)
         return Learned(aim.network(point), edges, self.settings, self.rows)
 
 
