@@ -15,9 +15,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from golden import class_descent
+from golden.candidate_runs import in_order
 from golden.dense import Dense, Trained, network_of, packed, unpacked
 from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
@@ -202,8 +202,7 @@ def measured(task: Task, hidden: tuple[int, ...], restart: int) -> LayersResult:
 
 def search(task: Task, workers: int = -1) -> Iterator[LayersResult]:
     """The results of all candidates, in order, each as soon as it is known."""
-    jobs = (delayed(measured)(task, hidden, restart) for hidden, restart in candidates(task))
-    yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
+    return in_order(measured, task, candidates(task), workers)
 
 
 @dataclass

@@ -14,8 +14,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 
+from golden.candidate_runs import in_order
 from golden.dense import DenseNetwork, Trained
 from golden.input_error import InputError
 from golden.scene import Scene
@@ -81,8 +81,7 @@ def measured(task: Task, hidden: int, number: int) -> Result:
 
 def search(task: Task, workers: int = -1) -> Iterator[Result]:
     """The results of all candidates, in order, each as soon as it is known."""
-    jobs = (delayed(measured)(task, *candidate) for candidate in candidates(task))
-    yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
+    return in_order(measured, task, candidates(task), workers)
 
 
 @dataclass

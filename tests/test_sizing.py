@@ -137,6 +137,14 @@ def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[S
     assert serial.clocks > engine.clocks
 
 
+def test_a_design_that_would_be_built_as_another_stands_once(tmp_path: Path) -> None:
+    """Hidden layers of 5 nodes fill 5 lanes, and 16 lanes would not be more."""
+    rows, _ = compared(auto(tmp_path, "", shape=(4, 5, 2)))
+    names = [row.candidate.name for row in rows if row.candidate.design == "lanes"]
+    assert names == ["lanes, lanes 1", "lanes, lanes 2", "lanes, lanes 4", "lanes, lanes 5"]
+    assert [row.multipliers for row in rows if row.candidate.name in names] == [1, 2, 4, 5]
+
+
 def test_the_front_has_no_design_that_another_one_beats(found: tuple[Scene, list[Sized]]) -> None:
     _, rows = found
     worse = replace(rows[1], worst=rows[1].worst + 1)

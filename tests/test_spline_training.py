@@ -130,6 +130,11 @@ def _rms(learned: Learned, rows: Rows) -> float:
             "got 'spline' with training.digits, expected",
         ),
         (
+            "restarts = 1",
+            'restarts = 1\noptimiser = "scg"',
+            "with training.optimiser 'scg', expected levenberg-marquardt",
+        ),
+        (
             '"cascade"',
             '"single"\nactivations = ["relu"]',
             "with network.activations, expected none",

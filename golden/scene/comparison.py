@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from golden.cli import naming
-from golden.sizing.candidates import CANDIDATES, Refused, Sized, Task, sized
+from golden.sizing.candidates import CANDIDATES, Refused, Sized, Task, all_sized
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -50,7 +50,7 @@ def compared(scene: Scene) -> tuple[list[Sized], list[Refused]]:
         See ``task_of``.
     """
     task = task_of(scene)
-    found = [sized(task, candidate) for candidate in CANDIDATES]
+    found = all_sized(task, CANDIDATES)
     return (
         [one for one in found if isinstance(one, Sized)],
         [one for one in found if isinstance(one, Refused)],

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from golden.input_error import InputError
 from golden.networks.network import Network
-from golden.sizing.candidates import CANDIDATES, Candidate, Cells, Refused, Sized, Task, sized
+from golden.sizing.candidates import CANDIDATES, Candidate, Cells, Refused, Sized, Task, all_sized
 from golden.sizing.price import Price
 
 # What a scene names in the place of a design.
@@ -137,7 +137,7 @@ def choose(
     InputError
         When no design meets it; the message names the nearest.
     """
-    found = [sized(task, candidate) for candidate in candidates]
+    found = all_sized(task, candidates)
     rows = [one for one in found if isinstance(one, Sized) and one.cells(price.device.family)]
     if not rows:
         raise InputError(
