@@ -11,12 +11,14 @@ from golden.scene import Scene
 from golden.scene.visualisation import RESULTS
 from tb.report.draw.animation import animation
 from tb.report.draw.datapath import datapath
+from tb.report.draw.learned import learned_curves
 from tb.report.draw.load import has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
 from tb.report.draw.swing import COORDINATES, moves, swing
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.waveforms import waveforms
+from tb.report.measure.learned_edges import scene_edges
 from tb.report.measure.simulated_frame import simulate_frame
 from tb.report.page.page import Picture
 
@@ -49,6 +51,15 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         network(scene),
         f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
     )
+    learned = scene_edges(scene)
+    if learned:
+        yield Picture(
+            "functions",
+            "Learned functions",
+            learned_curves(learned, f"scene {scene.name}"),
+            "Each function over the range that its input has on the recorded rows, without its "
+            "mean. Blue ones are curved and take a table, grey ones are straight.",
+        )
     yield Picture(
         "datapath",
         "Datapath",

@@ -6,17 +6,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from golden.dense import DenseNetwork
+from golden.networks.arrangement import arrange
+from golden.networks.engine import Engine
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene import load_scene
-from golden.spline_basis import Basis
-from golden.splines.edges import CURVED, FLAT, STRAIGHT
-from golden.splines.tables import TableNetwork, tabulated
+from golden.spline_layers import function_network
 from golden.splines.training import Learned
 from golden.training.objective import Rows
+from tb.report.measure.learned_edges import BINS, POINTS, edges_table
 from tb.report.measure.learned_functions import (
     CANDIDATES,
     SCENE,
+    Model,
     Networks,
     learned,
     lesson,
@@ -24,46 +28,41 @@ from tb.report.measure.learned_functions import (
 )
 from tb.report.measure.table import Cell, Table
 
-KIND_NAMES = {FLAT: "flat", STRAIGHT: "straight", CURVED: "curved"}
 ARRANGEMENT, NODES = "cascade", 3
-SEGMENTS = (4, 8, 16, 32, 64, 128)
+# Bits of a word within a segment of a table.
+WIDTHS = (12, 11, 10, 9)
 
 NOTES = {
     "function_tables": f"The figures are mean errors in percent of the {ARRANGEMENT} of learned "
     f"functions with {NODES} nodes, pruned, on the split of scene {SCENE}: on the held-out rows, "
     "and on all rows of the networks that were trained on with all. Each curved function is a "
-    "table of straight lines, segments by the upper bits of a word; an intercept and a slope of 18 "
-    "bits are a word of 36. Inputs and outputs have 14 bits, hidden sums 18, sums are exact and "
-    "are rounded once. 'Float' is the same network with its splines.",
+    "table of straight lines in an engine, whose results these are, bit-true. The segment width is "
+    "the number of bits of a word within a segment, and words are those of all tables. 'Float' is "
+    "the same network with its splines.",
     "learned_curves": "The functions of the same cascade, trained on with all rows, each at "
-    "equal steps over the range that it has on these rows, from which its mean is subtracted; and "
-    "the part of the rows in each of equal steps. A straight function is a product on an engine, "
-    "and a flat one is nothing.",
+    f"{POINTS} equal steps over the range that it has on these rows, from which its mean is "
+    f"subtracted; and the part of the rows in each of {BINS} equal steps. A straight function is a "
+    "product on an engine, and a flat one is nothing.",
 }
-# The points of a curve, and the steps over which rows are counted.
-POINTS, BINS = 25, 24
 
 
 def function_tables(seed: int) -> Table:
-    """The errors of one network with more and more segments."""
+    """The errors of one network with narrower and narrower segments."""
     given = lesson(seed)
-    kind = learned(NODES, pruned=True)
-    networks = trained(ARRANGEMENT, kind, seed, CANDIDATES[ARRANGEMENT], given)
-    held_out, outputs = given.measured["held out"], load_scene(SCENE).outputs
-    vectors = load_scene(SCENE).vectors()
-    every = Rows(SIGNAL.to_real(vectors.codes), vectors.targets, vectors.scale)
-    rows: list[list[Cell]] = []
+    networks = _trained(seed)
+    held_out, outputs, every = given.measured["held out"], load_scene(SCENE).outputs, _every()
     found = [networks.means(networks.tested, held_out), networks.means(networks.written, every)]
-    rows += _rows("float", 0, outputs, found)
-    for segments in SEGMENTS:
-        found, words = [], 0
-        for models, part in ((networks.tested, held_out), (networks.written, every)):
-            miss, words = _bit_true(networks, models, part, given.parts["every"], segments)
-            found.append(miss)
-        rows += _rows(str(segments), words, outputs, found)
+    rows = _rows("float", 0, outputs, found)
+    tested = _layers(networks, networks.tested, given.parts["known"])
+    written = _layers(networks, networks.written, given.parts["every"])
+    for width in WIDTHS:
+        found = [_means(_engine(tested, width), held_out)]
+        engine = _engine(written, width)
+        found.append(_means(engine, every))
+        rows += _rows(str(width), len(engine.program.slopes), outputs, found)
     return Table(
         "function_tables",
-        ["segments", "words", "output", "held out %", "all rows %"],
+        ["segment width", "words", "output", "held out %", "all rows %"],
         rows,
         NOTES["function_tables"],
     )
@@ -71,42 +70,47 @@ def function_tables(seed: int) -> Table:
 
 def learned_curves(seed: int) -> Table:
     """Every function of the cascade, and where the rows lie."""
-    given = lesson(seed)
-    kind = learned(NODES, pruned=True)
-    networks = trained(ARRANGEMENT, kind, seed, CANDIDATES[ARRANGEMENT], given)
-    scene = load_scene(SCENE)
-    vectors = scene.vectors()
-    every = Rows(SIGNAL.to_real(vectors.codes), vectors.targets, vectors.scale)
-    rows: list[list[Cell]] = []
-    for number, (output, model) in enumerate(zip(scene.outputs, networks.written, strict=True)):
-        assert isinstance(model, Learned)
-        inputs = networks.rows(networks.written[:number], every, ()).inputs
+    networks, scene = _trained(seed), load_scene(SCENE)
+    layers = _layers(networks, networks.written, lesson(seed).parts["every"])
+    found: list[tuple[Sequence[str], Sequence[str], DenseNetwork, Real]] = []
+    for number, (output, network) in enumerate(zip(scene.outputs, layers, strict=True)):
+        inputs = networks.rows(networks.written[:number], _every(), ()).inputs
         names = [*scene.sensors, *scene.outputs[:number]]
-        network, edges = model.network, model.edges
-        sums = network.sums(network.spread(inputs))
-        for h in range(NODES):
-            for i, name in enumerate(names):
-                form = KIND_NAMES[int(edges.first[h, i])]
-                curve = _curve(network.bases[i], network.first[h, i], inputs[:, i])
-                rows.append([output, h + 1, name, form, *curve])
-            form = KIND_NAMES[int(edges.second[0, h])]
-            curve = _curve(network.hidden, network.second[0, h], sums[:, h])
-            rows.append([output, h + 1, "sum", form, *curve])
-    columns = [
-        *("network", "node", "of", "form", "low", "high"),
-        *(f"value {n + 1}" for n in range(POINTS)),
-        *(f"rows {n + 1}" for n in range(BINS)),
-    ]
-    return Table("learned_curves", columns, rows, NOTES["learned_curves"])
+        found.append(([output], names, network, inputs))
+    return edges_table("learned_curves", found, NOTES["learned_curves"])
 
 
-def _curve(basis: Basis, coefficients: Real, x: Real) -> list[Cell]:
-    """The range of x, the values of a function over it, and the part of x in each step of it."""
-    low, high = float(x.min()), float(x.max())
-    values = basis.at(np.linspace(low, high, POINTS))[0] @ coefficients
-    mean = float((basis.at(x)[0] @ coefficients).mean())
-    counts = np.histogram(x, BINS, (low, high))[0] / len(x)
-    return [low, high, *map(float, values - mean), *map(float, counts)]
+def _trained(seed: int) -> Networks:
+    kind = learned(NODES, pruned=True)
+    return trained(ARRANGEMENT, kind, seed, CANDIDATES[ARRANGEMENT], lesson(seed))
+
+
+def _every() -> Rows:
+    """All rows of the scene as recorded."""
+    vectors = load_scene(SCENE).vectors()
+    return Rows(SIGNAL.to_real(vectors.codes), vectors.targets, vectors.scale)
+
+
+def _layers(networks: Networks, models: Sequence[Model], known: Rows) -> list[DenseNetwork]:
+    """The networks of a cascade as layers, for the rows that they were trained on with."""
+    found = []
+    for number, model in enumerate(models):
+        assert isinstance(model, Learned)
+        inputs = networks.rows(models[:number], known, ()).inputs
+        found.append(function_network(model, inputs, number).layers())
+    return found
+
+
+def _engine(layers: Sequence[DenseNetwork], width: int) -> Engine:
+    network = arrange(ARRANGEMENT, layers, Engine, Settings(options={"segment_width": width}))
+    assert isinstance(network, Engine)
+    return network
+
+
+def _means(engine: Engine, rows: Rows) -> Real:
+    """The mean bit-true error of each output in percent."""
+    results = SIGNAL.to_real(engine.process(SIGNAL.quantise(rows.inputs)[0]))
+    return np.asarray(np.abs(100 * (results - rows.targets) / rows.scale).mean(axis=0))
 
 
 def _rows(name: str, words: int, outputs: Sequence[str], found: Sequence[Real]) -> list[list[Cell]]:
@@ -114,20 +118,3 @@ def _rows(name: str, words: int, outputs: Sequence[str], found: Sequence[Real]) 
         [name, words, output, *(float(means[c]) for means in found)]
         for c, output in enumerate(outputs)
     ]
-
-
-def _bit_true(
-    networks: Networks, models: Sequence[object], part: Rows, known: Rows, segments: int
-) -> tuple[Real, int]:
-    """The mean errors of a cascade in integers, and the words of all its tables."""
-    codes = SIGNAL.quantise(part.inputs)[0]
-    samples = codes.shape[1]
-    words = 0
-    for number, model in enumerate(models):
-        assert isinstance(model, Learned)
-        seen = networks.rows(networks.written[:number], known, ()).inputs
-        table: TableNetwork = tabulated(model, seen, segments)
-        codes = np.concatenate([codes, table.process(codes)], axis=1)
-        words += table.words
-    results = SIGNAL.to_real(codes[:, samples:])
-    return np.abs(100 * (results - part.targets) / part.scale).mean(axis=0), words

@@ -19,8 +19,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from golden import spline_basis, splines, window
+from golden import function_network, spline_basis, spline_layers, splines, window
 from golden.closure import code_of
+from golden.engine import function_table, sums_of_functions
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.input_error import InputError
@@ -32,6 +33,7 @@ from tb.report.measure import (
     convergence,
     function_tables,
     honest,
+    learned_edges,
     learned_functions,
     outside,
     past,
@@ -41,6 +43,14 @@ from tb.report.measure import (
 )
 from tb.report.measure.table import Table
 
+LEARNED = (
+    function_tables,
+    learned_functions,
+    splines,
+    spline_basis,
+    spline_layers,
+    function_network,
+)
 # By name of the table: the modules that its figures depend on, besides those of training. The first
 # one measures the table, and has its note.
 RECORDED = {
@@ -51,8 +61,8 @@ RECORDED = {
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
     "learned_functions": (learned_functions, splines, spline_basis),
-    "function_tables": (function_tables, learned_functions, splines, spline_basis),
-    "learned_curves": (function_tables, learned_functions, splines, spline_basis),
+    "function_tables": (*LEARNED, function_table, sums_of_functions),
+    "learned_curves": (*LEARNED, learned_edges),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

@@ -49,8 +49,8 @@ def noisy(table: Table) -> str:
 
 
 def segments(table: Table) -> str:
-    """The errors of one cascade with more and more segments."""
-    heads = ["segments", "words", *OUTPUTS]
+    """The errors of one cascade with narrower and narrower segments."""
+    heads = ["segment width", "words", *OUTPUTS]
     lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
     kinds: dict[tuple[Cell, Cell], list[str]] = {}
     for name, words, _, held_out, every in table.rows:

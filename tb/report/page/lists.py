@@ -336,7 +336,7 @@ def pages() -> dict[Path, str]:
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
-    found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"))
+    found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"), "the cascade")
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
