@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.dense import ACTIVATIONS, Dense, Quantiser, Trained, network_of
+from golden.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
 from golden.engine.integer_network import (
     IntegerLayer,
@@ -84,6 +85,17 @@ def test_so_do_lanes(network: Trained, lanes: int, lean: bool) -> None:
     frames = frames_of(network.shape[0])
     many = Lanes.of([network], Settings(options={"lanes": lanes}, lean=lean))
     assert np.array_equal(many.process(frames), evaluate(many.integers, frames))
+
+
+def test_functions_that_no_output_uses_are_no_sums_of_functions() -> None:
+    """Weights of 0 add nothing up, so the network is one that lanes take."""
+    one = random_network((1, 1, 1), ("table:bell",), 0.1, 0, None, TABLES)
+    layers = layers_of(one)
+    network = network_of([layers[0], replace(layers[1], weights=np.zeros((1, 1)))])
+    frames = frames_of(1)
+    expected = evaluate(integer_networks("single", [network]), frames)
+    for design in (Engine, Lanes):
+        assert np.array_equal(design.of([network], Settings()).process(frames), expected)
 
 
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])

@@ -57,11 +57,16 @@ def _adds(before: Exact, layer: Exact) -> bool:
     target = _target(layer)
     if not before.functions or TANH in before.functions or target is None:
         return False
-    return all(
-        function == ITSELF
-        or (fits(function, target) and all(_times(row[k]) >= 0 for row in layer.weights))
+    times = [
+        [_times(row[k]) for row in layer.weights]
         for k, function in enumerate(before.functions)
-    )
+        if function != ITSELF
+    ]
+    fitting = all(fits(function, target) for function in before.functions if function != ITSELF)
+    if not fitting or min(map(min, times), default=0) < 0:
+        return False
+    # Where there are functions and every weight is 0, there is nothing to add up.
+    return not times or max(map(max, times)) > 0
 
 
 def _target(layer: Exact) -> int | None:

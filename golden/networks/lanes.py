@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -82,6 +82,10 @@ class Lanes(Engine):
     def lanes(self) -> int:
         """The number of lanes, each of which has a multiplier."""
         return self.program.lanes
+
+    @property
+    def options_built(self) -> Mapping[str, object]:
+        return {"lanes": self.lanes}
 
     @property
     def looks_up(self) -> bool:

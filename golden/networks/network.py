@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -93,6 +94,11 @@ class Network(Block):
     def frame_clocks(self) -> int:
         """Least clocks from the first element of a frame to its last, both included."""
         return self.input_controller.inputs
+
+    @property
+    def options_built(self) -> Mapping[str, object]:
+        """The options of which less can be built than a scene asks for, with what is built."""
+        return {}
 
     @property
     def members(self) -> tuple[Network, ...]:

@@ -16,7 +16,6 @@ from golden.input_error import InputError
 from golden.mlp import tanh
 from golden.networks.arrangement import arrange, process_real
 from golden.networks.designs import DESIGNS
-from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.precision import SIGNAL, Precision
@@ -274,18 +273,11 @@ def all_sized(task: Task, candidates: Sequence[Candidate]) -> list[Sized | Refus
     return list(found.values())
 
 
-def as_built(candidate: Candidate, network: Network) -> Candidate:
-    """A candidate with the lanes that are built: no more than the layers of its networks fill."""
-    if not isinstance(network, Lanes):
-        return candidate
-    return replace(candidate, options={**candidate.options, "lanes": network.lanes})
-
-
 def sized(task: Task, candidate: Candidate) -> Sized | Refused:
     """A design of a task with its costs, or why it cannot be built or counted."""
     try:
         network = build(task, candidate)
-        candidate = as_built(candidate, network)
+        candidate = replace(candidate, options={**candidate.options, **network.options_built})
         found = size_of(network)
         return Sized(
             candidate,
