@@ -55,6 +55,8 @@ LEFT = (
     *("least-graph", "polynomial-short", "relu-graph", "narrow-graph"),
     *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
     *("least-lanes", "huge-lanes", "chain-lanes", "three-lanes", "flat-lanes"),
+    *("least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop", "loop-past"),
+    *("axis-loop", "winner-loop"),
 )
 # So are these of cases whose other blocks are simulated in every run. An engine with several layers
 # is ``steep-engine``, and a cascade is ``chain``: what is different in ``layers-engine`` and in

@@ -12,6 +12,8 @@ from golden.block import walk
 from golden.cli import run, would
 from golden.engine.lane_listing import lane_listing
 from golden.engine.listing import listing
+from golden.engine.loop_listing import loop_listing
+from golden.engine.loop_program import LoopProgram
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
@@ -39,7 +41,9 @@ def main() -> None:
         )
     (engine,) = engines
     would(f"print the program of {engine.entity}")
-    if isinstance(engine, Lanes):
+    if isinstance(engine, Lanes) and isinstance(engine.program, LoopProgram):
+        lines = loop_listing(engine.graph, engine.program)
+    elif isinstance(engine, Lanes):
         lines = lane_listing(engine.graph, engine.program)
     else:
         lines = listing(engine.graph, engine.program)

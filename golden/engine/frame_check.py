@@ -26,8 +26,10 @@ class FrameCheck(Block):
     addr_width : int
         Bits of the operand memory's address.
     busy : int
-        Clocks from a frame's last sample to its last output.
+        Clocks from a frame's last sample to its last output, or to another ``finish``.
     pipeline : Pipeline
+    results : bool
+        Whether it counts results too, behind the samples of their frame.
 
     Raises
     ------
@@ -48,6 +50,7 @@ class FrameCheck(Block):
     addr_width: int
     busy: int
     pipeline: Pipeline
+    results: bool = True
 
     def __post_init__(self) -> None:
         if not 1 <= self.inputs < 1 << self.addr_width:
@@ -58,9 +61,10 @@ class FrameCheck(Block):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        store = input_port("store", "a result is ready; only while `run` is high")
         return (
             *JUDGED,
-            input_port("store", "a result is ready; only while `run` is high"),
+            *((store,) if self.results else ()),
             input_port("finish", "the last output of the frame leaves"),
             output_port("start", "the program's first step is done in the next clock"),
             output_port("run", "a frame is computed"),

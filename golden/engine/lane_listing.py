@@ -38,7 +38,7 @@ def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
                 "" if waits else shared.graph.neurons[step.neuron].name,
                 operand,
                 "" if named else str(code.source),
-                "" if waits or code.gather else _weights(shared, step),
+                "" if waits or code.gather else weights_text(shared, step),
                 then,
             )
         )
@@ -50,7 +50,7 @@ def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
     return [*lines, "", *path_text(shared, program.pipeline)]
 
 
-def _weights(shared: LaneGraph, step: Step) -> str:
+def weights_text(shared: LaneGraph, step: Step) -> str:
     """The weights of the lanes as decimal numbers."""
     term = step.term
     if term.kind in (Kind.INTERCEPT, Kind.DISTANCE):

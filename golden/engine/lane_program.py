@@ -41,6 +41,18 @@ TOGETHER = (32, 1)
 RELU = (33, 1)
 OUTPUT = (34, 1)
 END = (35, 1)
+FIELDS = {
+    "place": PLACE,
+    "source": SOURCE,
+    "kind": KIND,
+    "opens": OPENS,
+    "gather": GATHER,
+    "store": STORE,
+    "together": TOGETHER,
+    "relu": RELU,
+    "output": OUTPUT,
+    "end": END,
+}
 
 
 @dataclass(frozen=True)
@@ -79,6 +91,10 @@ class LaneProgram(Program):
     def weights(self) -> tuple[tuple[int, ...], ...]:
         """For each place the weight of each lane."""
         return self.shared.weights
+
+    def field(self, name: str) -> tuple[int, int]:
+        """The lowest bit of a field in a word, and its number of bits."""
+        return FIELDS[name]
 
     @cached_property
     def intercepts(self) -> Codes:

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
+
+import numpy as np
 
 from golden.block import Block
 from golden.dense import Trained
+from golden.engine.frame_check import FrameCheck
 from golden.engine.function_table import SEGMENT_WIDTH, joined
 from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
+from golden.engine.loop_program import LoopProgram, looped
 from golden.engine.neurons import graph_of
+from golden.engine.operand_memory import OperandMemory
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.quantise import integer_networks
+from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.networks.engine import LEAST_ACC_WIDTH, WHOLE_ACC_WIDTH, Engine
+from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, WHOLE_ACC_WIDTH, Engine
 from golden.networks.settings import Settings
 
 LANES = 2
@@ -41,7 +47,7 @@ class Lanes(Engine):
     """
 
     block = "lanes"
-    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width", "pipeline")
+    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width", "pipeline", "interval")
     program: LaneProgram
     asked: int = LANES
 
@@ -68,7 +74,7 @@ class Lanes(Engine):
             table = table.within(graph.reach(table))
         pipeline = LanePipeline(int(settings.options.get("pipeline") == "deep"))
         least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
-        return cls(
+        built = cls(
             assemble_lanes(graph, table if looked_up else None, lanes, pipeline),
             max(least, graph.sum_bits(table)),
             integers,
@@ -77,11 +83,72 @@ class Lanes(Engine):
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
+        interval = settings.options.get("interval", built.interval)
+        assert isinstance(interval, int)
+        if interval >= built.interval:
+            return built
+        if built.loaded:
+            raise InputError(
+                f"hardware.interval: got {interval} with reload, expected {built.interval} or more"
+            )
+        return replace(built, program=looped(built.program, graph, interval))
 
     @property
     def lanes(self) -> int:
         """The number of lanes, each of which has a multiplier."""
         return self.program.lanes
+
+    @property
+    def loops(self) -> bool:
+        """Whether its program is a loop, in which frames overlap."""
+        return isinstance(self.program, LoopProgram)
+
+    @property
+    def interval(self) -> int:
+        return (
+            self.program.loop.length if isinstance(self.program, LoopProgram) else super().interval
+        )
+
+    @property
+    def busy(self) -> int:
+        return self.interval - self.inputs if self.loops else super().busy
+
+    def begun(self, ended: Codes) -> Codes:
+        if not isinstance(self.program, LoopProgram):
+            return ended
+        length, computed = self.interval, self.interval * self.program.stages
+        found: list[int] = []
+        for clock in ended.tolist():
+            before = found[-1] if found else clock - computed
+            late = clock - before
+            found.append(clock if late >= computed else before - late // -length * length)
+        return np.array(found, dtype=np.int64)
+
+    @property
+    def frame_check(self) -> FrameCheck:
+        if not self.loops:
+            return super().frame_check
+        width = self.inputs.bit_length()
+        return FrameCheck(self.inputs, width, self.busy, LanePipeline(), results=False)
+
+    @property
+    def sample_memory(self) -> OperandMemory:
+        """Keeps the frame that comes and the one before, in a loop."""
+        return OperandMemory(self.inputs.bit_length() + 1, variant="samples")
+
+    @property
+    def source_width(self) -> int:
+        """Bits of the address of an operand in a word of the program."""
+        if isinstance(self.program, LoopProgram):
+            return self.program.layout.source_width
+        return self.addr_width
+
+    @property
+    def addr_width(self) -> int:
+        if isinstance(self.program, LoopProgram):
+            layout = self.program.layout
+            return max(LEAST_ADDR_WIDTH, layout.source_width + layout.turn_width)
+        return super().addr_width
 
     @property
     def options_built(self) -> Mapping[str, object]:
@@ -143,6 +210,7 @@ class Lanes(Engine):
         return (
             self.frame_check,
             self.program_memory,
+            *([self.sample_memory] if self.loops else []),
             *[self.operand_memory] * self.lanes,
             *self.lane_memories,
             *self.accumulators,
@@ -151,4 +219,5 @@ class Lanes(Engine):
 
     def facts(self) -> tuple[str, ...]:
         spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
-        return f"{self.lanes} multipliers", spent, *self.function_facts
+        facts = (f"{self.lanes} multipliers", spent, *self.function_facts)
+        return (*facts, f"a frame every {self.interval} clocks") if self.loops else facts

@@ -90,6 +90,16 @@ class Network(Block):
             return (self.latency,) * self.outputs
         return tuple(range(self.latency, self.latency + self.outputs))
 
+    def begun(self, ended: Codes) -> Codes:
+        """The clock from which the outputs of each frame are counted: that of its last element.
+
+        Parameters
+        ----------
+        ended : int64 array
+            The clock of the last element of each good frame after a reset.
+        """
+        return ended
+
     @property
     def frame_clocks(self) -> int:
         """Least clocks from the first element of a frame to its last, both included."""

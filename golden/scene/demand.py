@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from golden.cli import naming
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.scene.comparison import task_of
 from golden.schema import written
@@ -97,7 +98,7 @@ def chosen(scene: Scene, choice: Choice) -> Scene:
 
 
 def check_demand(scene: Scene, network: Network, framed: Network) -> None:
-    """Refuse a design that is slower than the scene demands.
+    """Refuse a design that is slower than the scene demands, or whose frames must not overlap.
 
     Parameters
     ----------
@@ -112,6 +113,16 @@ def check_demand(scene: Scene, network: Network, framed: Network) -> None:
     ------
     InputError
     """
+    around = {
+        "a section [front_end]": scene.front_end is not None,
+        "a section [visualisation]": scene.visualisation is not None,
+    }
+    named = next((name for name, there in around.items() if there), "")
     with naming(scene.path):
+        if named and isinstance(network, Lanes) and network.loops:
+            raise InputError(
+                f"hardware.interval: got {scene.demand.interval}, for which frames overlap in "
+                f"'lanes', with {named}, expected more clocks, or no such section"
+            )
         scene.demand.refuse(network, f"design {scene.design}")
         replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

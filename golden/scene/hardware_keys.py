@@ -121,8 +121,9 @@ HARDWARE = KeyTable(
         "interval": Key(
             Whole(absent=True),
             0,
-            "The most clocks from one frame to the next. A design that takes more is refused, and "
-            "`auto` chooses another one.",
+            "The most clocks from one frame to the next. In `lanes` frames [overlap]"
+            "(blocks/lanes.md#frames-that-overlap) if they must. Any other design that takes more "
+            "is refused, and `auto` chooses another one.",
             "no limit",
         ),
         "frames_a_second": Key(

@@ -24,6 +24,7 @@ from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
+from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL, THESIS, Precision
@@ -311,11 +312,14 @@ class Scene:
 
     def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
+        options = dict(self.design_options)
+        if self.demand.interval and self.design == Lanes.block:
+            options["interval"] = self.demand.interval
         return Settings(
             self.precision,
             self.activation,
             self.activation_options,
-            self.design_options,
+            options,
             lean,
             tuple(map(self._met, self.networks() if networks is None else networks)),
         )

@@ -411,8 +411,9 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
     InputError
         For an option of another design.
     """
-    # Any design may have a limit to its clocks.
-    known = sorted({name for other in DESIGNS.values() for name in other.options} - {"clocks"})
+    # Any design may have limits to its clocks.
+    limits = {"clocks", "interval"}
+    known = sorted({name for other in DESIGNS.values() for name in other.options} - limits)
     if hardware["design"] == UNDECIDED:
         refuse_choices(hardware, known, path)
         return {}
@@ -425,7 +426,8 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
                 f"{design.block!r}, "
                 f"expected design {fitting}"
             )
-    return {name: hardware[name] for name in design.options if hardware[name]}
+    # That from frame to frame may be given as a rate; see Scene.settings.
+    return {n: hardware[n] for n in design.options if hardware[n] and n != "interval"}
 
 
 def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -> None:

@@ -13,7 +13,7 @@ def frame_check(
     rst,
     in_: Stream,
     *,
-    store,
+    store=None,
     finish,
     start,
     run,
@@ -29,7 +29,8 @@ def frame_check(
     in_valid, in_last : bool
         The sample stream without its data.
     store : bool
-        A result is ready. This may only come while ``run`` is high, and in the clock after.
+        Only with ``spec.results``: a result is ready. This may only come while ``run`` is high, and
+        in the clock after.
     finish : bool
         The last output of the frame leaves.
     start : bool
@@ -75,16 +76,31 @@ def frame_check(
         if in_.valid:
             dropping.next = not in_.last and (dropping or early or broken)
 
-    @always_seq(clk.posedge, reset=rst)
-    def count():
-        if finish or broken:
-            addr.next = none
-        elif accept or store:
-            addr.next = addr + 1
+    if spec.results:
 
-    @always_seq(clk.posedge, reset=rst)
-    def mark():
-        write.next = accept or store
+        @always_seq(clk.posedge, reset=rst)
+        def count():
+            if finish or broken:
+                addr.next = none
+            elif accept or store:
+                addr.next = addr + 1
+
+        @always_seq(clk.posedge, reset=rst)
+        def mark():
+            write.next = accept or store
+
+    else:
+
+        @always_seq(clk.posedge, reset=rst)
+        def count():
+            if finish or broken:
+                addr.next = none
+            elif accept:
+                addr.next = addr + 1
+
+        @always_seq(clk.posedge, reset=rst)
+        def mark():
+            write.next = accept
 
     @always_comb
     def show():

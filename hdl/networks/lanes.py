@@ -4,21 +4,10 @@ from myhdl import always, always_comb, always_seq, block
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH
 from golden.engine.lane_groups import partners
-from golden.engine.lane_program import (
-    END,
-    GATHER,
-    KIND,
-    OPENS,
-    OUTPUT,
-    PLACE,
-    RELU,
-    SOURCE,
-    STORE,
-    TOGETHER,
-)
 from golden.engine.operand_memory import WORD
 from golden.engine.program import WORD_WIDTH
 from golden.networks.lanes import Lanes
+from golden.precision import SIGNAL
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.lane_accumulate import lane_accumulate
@@ -26,6 +15,7 @@ from hdl.engine.lane_memory import lane_memory
 from hdl.engine.lane_round import lane_round
 from hdl.engine.operand_memory import operand_memory
 from hdl.engine.program_memory import program_memory
+from hdl.network_parts.lane_loop import lane_loop
 
 
 @block
@@ -40,7 +30,8 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         Outputs come as the program computes them; ``out_last`` comes with the last one.
     frame_error : bool
         It is high for one clock for each frame that has the wrong length, or that begins before the
-        last output of the frame before has left. Such a frame yields no result.
+        last output of the frame before has left. Such a frame yields no result. In a loop a frame
+        may begin sooner, ``spec.busy`` clocks after the last sample of the good frame before.
     spec : Lanes
 
     Notes
@@ -53,8 +44,9 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
     word = unsigned(WORD_WIDTH)
     start, run, finish, write = (flag() for _ in range(4))
-    write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
-    place, kind, opens = unsigned(memories[0].place_width), unsigned(KIND[1]), unsigned(OPENS[1])
+    fields = spec.program.field
+    write_addr, source = unsigned(spec.addr_width), unsigned(spec.source_width)
+    place, kind, opens = unsigned(memories[0].place_width), unsigned(2), unsigned(2)
     store, leaves, ends, together, own = (flag() for _ in range(5))
     # What the other lanes store with the first one, if there are others.
     next_word, next_low = fixed(WORD), flag()
@@ -66,12 +58,17 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     acc = Words(count, lambda: signed(spec.acc_width))
     high, low = (Words(count, flag) for _ in range(2))
     first_data = data[0]
-    source_low, kind_low, opens_low = SOURCE[0], KIND[0], OPENS[0]
+    source_low, kind_low, opens_low = fields("source")[0], fields("kind")[0], fields("opens")[0]
     place_top = memories[0].place_width
-    source_top, kind_top, opens_top = source_low + spec.addr_width, sum(KIND), sum(OPENS)
-    store_bit, together_bit = STORE[0], TOGETHER[0]
-    output_bit, end_bit, relu_bit = OUTPUT[0], END[0], RELU[0]
-    assert not PLACE[0], "a place begins at the lowest bit"
+    source_top, kind_top, opens_top = source_low + spec.source_width, kind_low + 2, opens_low + 2
+    store_bit, together_bit = fields("store")[0], fields("together")[0]
+    output_bit, end_bit, relu_bit = fields("output")[0], fields("end")[0], fields("relu")[0]
+    assert not fields("place")[0], "a place begins at the lowest bit"
+    # In a loop there are frames for which a word does nothing, and samples come from a memory.
+    shows, sums, source_addr, sample = run, run, source, in_.data
+    if spec.loops:
+        shows, sums, source_addr = flag(), flag(), unsigned(spec.addr_width)
+        sample = fixed(SIGNAL)
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -95,8 +92,8 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     @always_seq(clk.posedge, reset=rst)
     def mark():
         store.next = run and word[store_bit]
-        leaves.next = run and word[output_bit]
-        ends.next = run and word[end_bit]
+        leaves.next = shows and word[output_bit]
+        ends.next = shows and word[end_bit]
 
     # Only looked at with a result that is stored.
     if count > 1:
@@ -107,7 +104,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
 
         @always_comb
         def belong():
-            own.next = run and not together
+            own.next = sums and not together
 
         shared = follow, belong
     else:
@@ -123,6 +120,44 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     else:
         rectified = ()
 
+    if spec.loops:
+        control = lane_loop(
+            clk,
+            rst,
+            in_,
+            word=word,
+            source=source,
+            store=store,
+            run=run,
+            shows=shows,
+            sums=sums,
+            sample=sample,
+            write=write,
+            write_addr=write_addr,
+            source_addr=source_addr,
+            frame_error=frame_error,
+            design=spec,
+        )
+    else:
+        control = (
+            frame_check(
+                clk,
+                rst,
+                in_,
+                store=store,
+                finish=finish,
+                start=start,
+                run=run,
+                write=write,
+                write_addr=write_addr,
+                frame_error=frame_error,
+                spec=spec.frame_check,
+            ),
+            program_memory(
+                clk, rst, start=start, run=run, finish=finish, word=word, spec=spec.program_memory
+            ),
+        )
+
     return (
         leave,
         show,
@@ -130,29 +165,14 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         mark,
         shared,
         rectified,
-        frame_check(
-            clk,
-            rst,
-            in_,
-            store=store,
-            finish=finish,
-            start=start,
-            run=run,
-            write=write,
-            write_addr=write_addr,
-            frame_error=frame_error,
-            spec=spec.frame_check,
-        ),
-        program_memory(
-            clk, rst, start=start, run=run, finish=finish, word=word, spec=spec.program_memory
-        ),
+        control,
         [
             operand_memory(
                 clk,
                 write=write,
                 write_addr=write_addr,
                 data=data[j],
-                read_addr=source,
+                read_addr=source_addr,
                 word=read[j],
                 spec=spec.operand_memory,
             )
@@ -175,6 +195,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
                 word,
                 acc,
                 j,
+                low_bit=fields("gather")[0],
                 design=accumulators[j],
                 read=read[j],
                 kind=kind,
@@ -187,12 +208,12 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         ],
         lane_round(
             clk,
-            own=run,
+            own=sums,
             acc=acc[0],
             high=high[0],
             low=low[0],
             relu=relu,
-            sample=in_.data,
+            sample=sample,
             word=data[0],
             next_word=next_word,
             next_low=next_low,
@@ -221,7 +242,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
 
 
 @block
-def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, design):
+def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, low_bit, design):
     """The sum of a lane, with the sums of the lanes that it adds."""
     added = partners(lane, len(acc))
     joined: dict[str, object] = {}
@@ -230,7 +251,7 @@ def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, des
         gather = unsigned(len(added))
         others = (acc[other] for other in added.values())
         joined = {"gather": gather, "other": Words(len(added), lambda: next(others))}
-        fetched = field(word, gather, low=GATHER[0] + min(added))
+        fetched = field(word, gather, low=low_bit + min(added))
     return fetched, lane_accumulate(
         clk,
         word=read,

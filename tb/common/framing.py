@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.layers.frame_judge import FrameScan
 from golden.layers.input_controller import InputController
+from golden.networks.network import Network
 from tb.common.bench import Recording
 
 LEAST_FRAMES = 30
@@ -49,6 +50,16 @@ def scan(
             for name in ("addr", "accept", "done", "error")
         )
     )
+
+
+def begun(twin: Network, recording: Recording, ended: np.ndarray) -> np.ndarray:
+    """The clocks from which the outputs of good frames are counted; see ``Network.begun``.
+
+    ``ended`` are the clocks of the last samples of the frames.
+    """
+    since = np.searchsorted(recording.resets(), ended)
+    parts = [twin.begun(ended[since == epoch]) for epoch in np.unique(since)]
+    return np.concatenate([ended[:0], *parts])
 
 
 def yielding(

@@ -284,6 +284,22 @@ LANES = {
         spread=0.3,
     ),
 }
+# Frames overlap in a loop: with odd numbers of nodes, lanes and outputs; in a loop that is as short
+# as can be, with five frames at a time; a cascade, whose outputs leave later than they are
+# computed; ReLU in eight lanes; layers whose operands are kept for several loops; and registers
+# behind the memories.
+OVERLAPPED = {
+    "rails-loop": replace(LANE, hardware="lanes = 3\ninterval = 38"),
+    "least-loop": replace(LANES["least-lanes"], hardware="lanes = 1\ninterval = 6"),
+    "chain-loop": replace(LANES["chain-lanes"], hardware="lanes = 4\ninterval = 40"),
+    "relu-loop": replace(LANES["relu-lanes"], hardware="lanes = 8\ninterval = 30"),
+    "layers-loop": replace(
+        LANES["layers-lanes"], hardware="lanes = 2\nsegment_width = 8\ninterval = 61"
+    ),
+    "deep-loop": replace(
+        LANES["deep-lanes"], hardware='lanes = 4\npipeline = "deep"\ninterval = 59'
+    ),
+}
 SMALL_TABLES = replace(
     ENGINE,
     shapes=[(2, 3, 2)],
@@ -463,7 +479,8 @@ PRECISE = {
 
 # Networks with past samples: with other delays for each sensor; with one sample of one sensor,
 # which is not its newest; with a long past; with slots after the samples; with frames that come no
-# faster than the window sends them; with networks side by side; and without a multiplier.
+# faster than the window sends them; with networks side by side; without a multiplier; and with
+# frames that overlap in the network.
 WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
 PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
 WINDOWS = {
@@ -484,6 +501,7 @@ WINDOWS = {
         PAST, shapes=[(6, 2, 1), (6, 1, 1), (6, 3, 1)], design="hybrid", arrangement="multiple"
     ),
     "serial-past": replace(PAST, hardware=SERIAL),
+    "loop-past": replace(PAST, design="lanes", hardware="lanes = 2\ninterval = 20"),
 }
 
 # A pair of nodes and a single one, with a q wider than 18 bits, a q below 2, and tables in LUTs.
@@ -557,11 +575,14 @@ UART_INSTRUMENTS = {
 }
 
 # For a readout: the largest output beside the stream alone, of a network with past samples, of an
-# engine that is loaded, and beside held outputs and a profile. With the weights of the first and of
-# the last case each output is the largest of some frames.
+# engine that is loaded, of lanes in which frames overlap, and beside held outputs and a profile.
+# With the weights of the first and of the last case each output is the largest of some frames.
 READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),
     "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
+    "winner-loop": replace(
+        OVERLAPPED["rails-loop"], hardware="argmax = true\nlanes = 3\ninterval = 38", seed=15
+    ),
     "drawn-winner": replace(DRAWN["drawn"], hardware="argmax = true", seed=14),
 }

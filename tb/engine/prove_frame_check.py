@@ -3,9 +3,14 @@
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands
 
+FINISHED = {"The last output leaves only while a frame is computed.": "run || !finish"}
+
 
 def properties(twin):
     top = (1 << twin.addr_width) - 1
+    # Where results are not counted there are none to be stored.
+    kept = "taken || store" if twin.results else "taken"
+    computed = COMPUTED if twin.results else FINISHED
     watch = f"""
         reg [15:0] place = 0;
         reg skipping = 0, computing = 0;
@@ -31,7 +36,7 @@ def properties(twin):
         "!computing || place == 0",
         f"computing || addr == (place == 0 ? {top} : place - 1)",
     )
-    common = {"assumes": COMPUTED, "helps": helps}
+    common = {"assumes": computed, "helps": helps}
     return [
         Property(
             name="frame_error",
@@ -71,12 +76,12 @@ def properties(twin):
                 f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",
             ),
             watch=watch
-            + ago("wrote_ago", "taken || store", 1)
+            + ago("wrote_ago", kept, 1)
             + ago("broke_ago", "taken && wrong", 1)
-            + operands(twin.addr_width, "taken || store", "finish || wrong && taken"),
+            + operands(twin.addr_width, kept, "finish || wrong && taken"),
             reached=("write && write_addr == 3",),
-            refuted_by=MISPLACED,
-            assumes=COMPUTED,
+            refuted_by=MISPLACED if twin.results else MISPLACED[::2],
+            assumes=computed,
             helps=(
                 *helps,
                 f"addr == ((operands + {top}) & {top})",

@@ -4,7 +4,7 @@ Sweeps: 1000 samples in frames of the right length, shorter and longer ones, mix
 Drives: frames that are far enough apart, frames that come before the last one is computed, frames
 in each clock around the first that is late enough, frames with gaps, and frames with resets at
 random clocks. After each good frame ``finish`` comes when the engine would give it; ``store`` is
-high at random while a frame is computed.
+high at random while a frame is computed, where results are counted.
 Checks: that start, run, write with its address, and frame_error come in their clocks, and that no
 flag is high in any other clock.
 Does not prove: that a finish while no frame is computed does no harm; the program rules it out.
@@ -15,10 +15,12 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
-from tb.common.small import ENGINES
+from tb.common.small import ENGINES, OVERLAPPED
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
+# This counts samples alone.
+CASES["rails-loop"] = OVERLAPPED["rails-loop"]
 FAULTS = [
     (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
     (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
@@ -84,7 +86,8 @@ def timeline(bench, gap, apart, resets):
     drive["finish"], running = computed(twin, drive)
     # Some frames store a few results, others so many that the counter wraps around.
     density = np.where(np.arange(length) // (4 * twin.busy) % 2, 0.95, 1 / 3)
-    drive["store"] = running & (rng.random(length) < density)
+    if twin.results:
+        drive["store"] = running & (rng.random(length) < density)
     return drive
 
 
@@ -114,14 +117,15 @@ async def check(bench, gap, apart, resets):
     running = np.concatenate(runs)
     bench.compare("clocks of run", recording.rows("run"), running)
 
-    stored = np.intersect1d(recording.rows("store"), running)
+    results = recording.rows("store") if twin.results else running[:0]
+    stored = np.intersect1d(results, running)
     span = 1 << twin.addr_width
     counts = np.concatenate([np.arange(np.isin(run, stored).sum()) for run in runs])
     # ``finish`` resets the counter, so what is stored in the same clock goes to an unused place.
     with_finish = np.isin(stored, recording.rows("finish"))
-    results = np.where(with_finish, span - 1, (twin.inputs + counts) % span)
+    behind = np.where(with_finish, span - 1, (twin.inputs + counts) % span)
     sources = np.concatenate([rows[frames.accept], stored])
-    addresses = np.concatenate([frames.addr[frames.accept], results])
+    addresses = np.concatenate([frames.addr[frames.accept], behind])
     order = np.argsort(sources)
     kept = recording.undisturbed(sources[order], sources[order])
     kept &= sources[order] < recording.clocks - 1

@@ -5,6 +5,7 @@ at a rail); frames that drive each hidden sum to both of its ends; 100 random fr
 are too short or too long among good frames.
 Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
+In a loop frames overlap; with gaps most of them wait for the loop to begin anew.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
 comes in any other clock. The twin executes the words of the program and of the lanes. The bench
 also measures the clocks of a frame.
@@ -18,9 +19,9 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import LANES
+from tb.common.small import LANES, OVERLAPPED
 
-CASES = LANES
+CASES = LANES | OVERLAPPED
 # The first has a table, and this one has ReLU and none. What quantised networks and functions add
 # is in lane_round and lane_memory alone, which have records of these.
 ALSO = ("relu-lanes",)
