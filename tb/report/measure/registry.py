@@ -19,7 +19,13 @@ Measured = Callable[[int], Table]
 ASKING = ("__main__", "registry", "steps")
 # These start simulators, or train for a quarter of an hour, so they are measured only if they are
 # asked for by name.
-ON_REQUEST = ("simulators", "learned_functions", "function_tables", "learned_curves")
+ON_REQUEST = (
+    "simulators",
+    "learned_functions",
+    "function_tables",
+    "learned_curves",
+    "on_line_learning",
+)
 
 
 def _found() -> dict[str, Measured]:

@@ -19,12 +19,24 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from golden import function_network, spline_basis, spline_layers, splines, window
+from golden import function_network, recalibration, spline_basis, spline_layers, splines, window
 from golden.closure import code_of
 from golden.engine import function_table, sums_of_functions
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.input_error import InputError
+from golden.learning import (
+    conjugate,
+    corrected,
+    costs,
+    gradient,
+    lesson,
+    noise,
+    output_layers,
+    perturbation,
+    recursive,
+    unit,
+)
 from golden.machine import facts
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
@@ -35,6 +47,7 @@ from tb.report.measure import (
     honest,
     learned_edges,
     learned_functions,
+    on_line_learning,
     outside,
     past,
     sensors_dropped,
@@ -43,6 +56,10 @@ from tb.report.measure import (
 )
 from tb.report.measure.table import Table
 
+LEARNING = (
+    *(conjugate, corrected, costs, gradient, lesson, noise),
+    *(output_layers, perturbation, recursive, unit),
+)
 LEARNED = (
     function_tables,
     learned_functions,
@@ -63,6 +80,7 @@ RECORDED = {
     "learned_functions": (learned_functions, splines, spline_basis),
     "function_tables": (*LEARNED, function_table, sums_of_functions),
     "learned_curves": (*LEARNED, learned_edges),
+    "on_line_learning": (on_line_learning, *LEARNING, recalibration),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

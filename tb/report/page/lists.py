@@ -44,7 +44,7 @@ from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.measure.word_widths import word_widths
 from tb.report.page import designs as compared
-from tb.report.page import learned, outside, run_time, stability
+from tb.report.page import learned, on_line, outside, run_time, stability
 from tb.report.page import left_out as leaving
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
@@ -291,6 +291,7 @@ def pages() -> dict[Path, str]:
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
     scenes_left_out = left_out(SEED)
     functions, in_integers = read("learned_functions"), read("function_tables")
+    on_line_learning = read("on_line_learning")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
         (ROOT / "README.md", "unseen", unseen),
@@ -314,6 +315,9 @@ def pages() -> dict[Path, str]:
         (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
         (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
         (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
+        (docs / "learning.md", "errors", partial(on_line.errors, on_line_learning)),
+        (docs / "learning.md", "placements", partial(on_line.by_placements, on_line_learning)),
+        (docs / "learning.md", "costs", partial(on_line.costs, on_line_learning)),
         (docs / "limits.md", "outside", partial(outside.rows, read("outside"))),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
@@ -337,6 +341,7 @@ def pages() -> dict[Path, str]:
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"), "the cascade")
+    found[docs / "learning.svg"] = on_line.picture(on_line_learning)
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"

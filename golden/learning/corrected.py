@@ -1,0 +1,209 @@
+"""The networks of a cascade behind a correction of each sensor, in the words of an engine.
+
+The correction is ``z = x + x g + o`` for each sensor, before all networks. What is learned is
+``theta``: first the g of each sensor, then each o, in standard deviations of the drift that
+``make recalibrate`` expects. So every element of ``theta`` is about as large as any other, and 0
+means no correction.
+
+Each network is taught alone: in the place of the outputs of earlier networks it reads the known
+outputs of the placement (R. J. Williams and D. Zipser, "A learning algorithm for continually
+running fully recurrent neural networks", *Neural Computation* 1 (1989), 270-280, call that teacher
+forcing). So an error of an earlier network cannot drive a later one out of its range, and the
+derivatives need no chain through the cascade.
+
+The derivatives are those of back-propagation. As the weights of the networks do not change, they
+need the squares of the hidden words and nothing else that is not a constant:
+
+    dy/dz = sum over the nodes of c (1 - h^2) = C - sum of c h^2,   c = w2 w1,   C = sum of c
+
+======================  ==========  ============================================
+word                    format      why
+======================  ==========  ============================================
+theta                   Fix(18,14)  8 standard deviations either way
+gain less one, offset   Fix(18,17)  8 x 5 % = 0.4
+z, offset               Fix(18,16)  as samples
+h, h^2, known outputs   Fix(18,17)  as results
+dy/dz                   Fix(18,14)  those of ``digit`` stay below 7
+======================  ==========  ============================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from golden.engine.formats import (
+    DROPPED,
+    HIDDEN,
+    OUTPUT_SHIFT,
+    RESULT,
+    SAMPLE,
+    SAMPLE_SHIFT,
+    coeff_frac,
+)
+from golden.engine.function_table import table_of
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork
+from golden.engine.quantise import integer_networks
+from golden.fixed import Codes, Fix
+from golden.function import TANH
+from golden.input_error import InputError
+from golden.learning.unit import Unit, coefficient
+from golden.mlp import Mlp
+from golden.real import Real
+
+THETA = Fix(18, 14)
+GAIN = Fix(18, 17)
+# Fraction bits of a standard deviation of theta as a weight: of a gain, and of an offset.
+GAIN_WEIGHT = GAIN.frac + DROPPED - THETA.frac
+OFFSET_WEIGHT = SAMPLE.frac + DROPPED - THETA.frac
+# The format of a derivative of an output by a corrected sample.
+SLOPE = Fix(18, 14)
+# The fraction bits of w2 w1 as the weight of a square.
+_OF_SQUARE = SLOPE.frac + DROPPED - RESULT.frac
+# Half a unit of an output, which is contained in its word; see ``integer_networks``.
+HALF = 1 << (OUTPUT_SHIFT - 1)
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """Networks of one hidden layer of tanh and one output each, behind corrected sensors.
+
+    Parameters
+    ----------
+    networks : tuple of IntegerNetwork
+    gains, offsets : int64 array, shape (sensors,)
+        A standard deviation of theta, as weights with 17 and 16 fraction bits.
+    """
+
+    networks: tuple[IntegerNetwork, ...]
+    gains: Codes
+    offsets: Codes
+
+    @classmethod
+    def of(cls, mlps: Sequence[Mlp], gain: Real, offset: Real) -> Corrected:
+        """Trained networks of a cascade, in whole numbers.
+
+        Parameters
+        ----------
+        mlps : sequence of Mlp
+        gain, offset : float array, shape (sensors,)
+            Standard deviations of the expected drift, the offset as a signal.
+
+        Raises
+        ------
+        InputError
+            For a network with more than one output, or with another activation than tanh.
+        """
+        networks = integer_networks("cascade", mlps)
+        for number, network in enumerate(networks, start=1):
+            hidden, last = network.layers[0], network.layers[-1]
+            if len(network.layers) != 2 or last.nodes != 1 or set(hidden.functions) != {TANH}:
+                raise InputError(
+                    f"network {number}: got {len(network.layers)} layers and {last.nodes} outputs, "
+                    "expected one hidden layer of tanh and one output, which is what is studied"
+                )
+        gains = Fix(18, GAIN_WEIGHT).quantise(gain)[0]
+        return cls(networks, gains, Fix(18, OFFSET_WEIGHT).quantise(offset)[0])
+
+    @property
+    def sensors(self) -> int:
+        return len(self.gains)
+
+    @property
+    def outputs(self) -> int:
+        return len(self.networks)
+
+    @cached_property
+    def slope_weights(self) -> list[tuple[Codes, Codes]]:
+        """C of each sensor and c of each node and sensor for each network, as weights.
+
+        Where C does not fit in 18 bits, it is two weights of a program.
+        """
+        return [
+            (
+                Fix(19, SLOPE.frac).quantise(products.sum(axis=0))[0],
+                Fix(18, _OF_SQUARE).quantise(products)[0],
+            )
+            for products in self._products
+        ]
+
+    @property
+    def _products(self) -> list[Real]:
+        """w2 w1 of the sensors for each network, exact, shape (nodes, sensors)."""
+        frac = coeff_frac(RESULT, RESULT) + coeff_frac(HIDDEN, SAMPLE)
+        found = []
+        for hidden, last in ((one.layers[0], one.layers[1]) for one in self.networks):
+            rows = [
+                [Fraction(second * first, 1 << frac) for first in row[: self.sensors]]
+                for second, row in zip(last.weights[0], hidden.weights, strict=True)
+            ]
+            found.append(np.array(rows, dtype=np.float64))
+        return found
+
+    def samples(self, theta: Codes, samples: Codes, unit: Unit) -> Codes:
+        """The corrected samples z as words, shape (drifts, sensors).
+
+        Parameters
+        ----------
+        theta : int64 array, shape (drifts, 2 sensors)
+        samples : int64 array, shape (drifts, sensors)
+            Words of samples.
+        unit : Unit
+        """
+        by_gain, by_offset = np.split(theta, 2, axis=1)
+        gains = unit.word("gain", by_gain * self.gains, 1)
+        offsets = unit.word("offset", by_offset * self.offsets, 1)
+        sums = (samples << DROPPED) + gains * coefficient(samples) + (offsets << DROPPED)
+        return unit.word("corrected sample", sums, 3)
+
+    def hidden(self, number: int, words: Codes, unit: Unit) -> Codes:
+        """The words of tanh of a network, shape (drifts, nodes), of samples and earlier outputs."""
+        layer = self.networks[number].layers[0]
+        q = unit.word("hidden sum", _sums(layer, words), 1 + words.shape[1])
+        return unit.word("tanh", self._lines(q), 2)
+
+    def output(self, number: int, hidden: Codes, unit: Unit) -> Codes:
+        """The word of an output with half a unit of it, as engines keep it, shape (drifts, 1)."""
+        sums = _sums(self.networks[number].layers[1], hidden)
+        # The start of the sum holds what a word of an output is rounded by.
+        half = 1 << (DROPPED - 1)
+        return unit.word("output", sums - half, 1 + hidden.shape[1])
+
+    def slopes(self, number: int, hidden: Codes, unit: Unit) -> Codes:
+        """The derivatives of an output by the corrected samples, shape (drifts, sensors)."""
+        of_one, of_square = self.slope_weights[number]
+        squares = unit.word("square", hidden * coefficient(hidden), 1)
+        sums = (of_one << DROPPED) - squares @ of_square
+        return unit.word("slope", sums, 1 + len(of_square))
+
+    def process(self, theta: Codes, samples: Codes) -> Codes:
+        """The output codes of whole frames, shape (frames, outputs), with one row of theta each."""
+        unit = Unit(len(theta))
+        words = self.samples(theta, samples << SAMPLE_SHIFT, unit)
+        for number in range(self.outputs):
+            found = self.output(number, self.hidden(number, words, unit), unit)
+            words = np.hstack([words, found])
+        return np.asarray(words[:, self.sensors :] >> OUTPUT_SHIFT, dtype=np.int64)
+
+    def _lines(self, q: Codes) -> Codes:
+        """The line of the table of tanh at each word; see ``golden.engine.integer_network``."""
+        width = self.networks[0].segment_width
+        table, slopes = self._table
+        segment = np.minimum(np.where(q < 0, ~q, q) >> width, len(table) - 1)
+        ones = np.where(q < 0, -1, 1) << DROPPED
+        distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
+        return np.asarray(table[segment] * ones + slopes[segment] * distance, dtype=np.int64)
+
+    @cached_property
+    def _table(self) -> tuple[Codes, Codes]:
+        found = table_of(TANH, self.networks[0].segment_width)
+        return np.array(found.intercepts), np.array(found.slopes)
+
+
+def _sums(layer: IntegerLayer, words: Codes) -> Codes:
+    """The sums of a layer."""
+    return np.asarray(words @ np.array(layer.weights).T + np.array(layer.starts), dtype=np.int64)

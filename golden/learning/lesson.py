@@ -1,0 +1,177 @@
+"""Placements whose outputs are known, and what one of them says about gains and offsets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE, SAMPLE_SHIFT
+from golden.fixed import Codes, Fix
+from golden.learning.corrected import GAIN_WEIGHT, HALF, OFFSET_WEIGHT, SLOPE, THETA, Corrected
+from golden.learning.unit import SHORT, Unit, coefficient
+
+# The format of an error, and of a derivative by theta, of which those of ``digit`` stay below 0.09.
+ERROR = Fix(18, 17)
+ROW = Fix(18, 19)
+# That of a derivative by a corrected sample times the sample.
+_TIMES_SAMPLE = Fix(18, SLOPE.frac + SAMPLE.frac - SHORT - DROPPED)
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """Placements in the order in which they are shown, for several drifts side by side.
+
+    Attributes
+    ----------
+    samples : int64 array, shape (drifts, placements, sensors)
+        Codes of what drifted sensors read.
+    targets : int64 array, shape (drifts, placements, outputs)
+        Codes of the known outputs.
+    """
+
+    samples: Codes
+    targets: Codes
+
+    def __len__(self) -> int:
+        return int(self.targets.shape[1])
+
+    @property
+    def drifts(self) -> int:
+        return len(self.samples)
+
+    def first(self, count: int) -> Lesson:
+        """The first placements alone."""
+        return Lesson(self.samples[:, :count], self.targets[:, :count])
+
+    def words(self, placement: int) -> Codes:
+        """The words of the samples of a placement, shape (drifts, sensors)."""
+        return np.asarray(self.samples[:, placement] << SAMPLE_SHIFT, dtype=np.int64)
+
+    def known(self, placement: int) -> Codes:
+        """The words of its known outputs, shape (drifts, outputs), as an engine keeps outputs."""
+        return np.asarray((self.targets[:, placement] << OUTPUT_SHIFT) + HALF, dtype=np.int64)
+
+    def hidden(
+        self, taught: Corrected, theta: Codes, placement: int, output: int, unit: Unit
+    ) -> Codes:
+        """The hidden words of the network of an output, which reads known outputs before it."""
+        corrected = taught.samples(theta, self.words(placement), unit)
+        seen = np.hstack([corrected, self.known(placement)[:, :output]])
+        return taught.hidden(output, seen, unit)
+
+    def error(self, found: Codes, placement: int, output: int, unit: Unit) -> Codes:
+        """The known output less the one found, shape (drifts,)."""
+        known = self.known(placement)[:, output]
+        return unit.word("error", (known - found) << DROPPED, 2)
+
+
+@dataclass(frozen=True)
+class Equation:
+    """What an output of a placement says: ``error = row . (theta sought - theta)``.
+
+    Attributes
+    ----------
+    error : int64 array, shape (drifts,)
+    row : int64 array, shape (drifts, 2 sensors)
+        Derivatives of the output by theta.
+    """
+
+    error: Codes
+    row: Codes
+
+
+def equation(
+    taught: Corrected, lesson: Lesson, theta: Codes, placement: int, output: int, unit: Unit
+) -> Equation:
+    """The equation of an output of a placement at ``theta``, through the network's derivatives.
+
+    Equation: ``row = (dy/dz x G, dy/dz O)`` with the standard deviations G and O of theta.
+    """
+    hidden = lesson.hidden(taught, theta, placement, output, unit)
+    found = taught.output(output, hidden, unit)[:, 0]
+    error = lesson.error(found, placement, output, unit)
+    return Equation(
+        error, _row(taught, taught.slopes(output, hidden, unit), lesson.words(placement), unit)
+    )
+
+
+def by_differences(
+    taught: Corrected,
+    lesson: Lesson,
+    theta: Codes,
+    placement: int,
+    output: int,
+    unit: Unit,
+    alone: bool = True,
+) -> Equation:
+    """The same equation without derivatives: the network computes once more for each sensor.
+
+    Equation: ``dy/dz = (y(z + d) - y(z)) / d`` with d = 2**-8. A larger d bends, and a smaller one
+    leaves too few bits.
+
+    Parameters
+    ----------
+    taught, lesson, theta, placement, output, unit
+        As for ``equation``.
+    alone : bool
+        Whether the network reads known outputs in the place of those of earlier networks. If not,
+        all earlier networks are computed too.
+    """
+    corrected = taught.samples(theta, lesson.words(placement), unit)
+    known = lesson.known(placement)
+
+    def found(samples: Codes) -> Codes:
+        seen = np.hstack([samples, known[:, : output if alone else 0]])
+        for number in range(output if alone else 0, output):
+            earlier = taught.output(number, taught.hidden(number, seen, unit), unit)
+            seen = np.hstack([seen, earlier])
+        return taught.output(output, taught.hidden(output, seen, unit), unit)[:, 0]
+
+    here = found(corrected)
+    slopes = []
+    for sensor in range(taught.sensors):
+        moved = corrected.copy()
+        moved[:, sensor] = unit.word("moved sample", (corrected[:, sensor] + _MOVE) << DROPPED, 2)
+        by = (found(moved) - here) << (DROPPED + _SHORTER)
+        slopes.append(unit.word("slope", by, 2))
+    error = lesson.error(here, placement, output, unit)
+    return Equation(error, _row(taught, np.stack(slopes, axis=1), lesson.words(placement), unit))
+
+
+_DISTANCE = 8
+_MOVE = 1 << (SAMPLE.frac - _DISTANCE)
+_SHORTER = _DISTANCE - (RESULT.frac - SLOPE.frac)
+
+
+def row_weights(taught: Corrected) -> tuple[Codes, Codes]:
+    """The weights of theta in a row: of a derivative times a sample, and of one alone."""
+    gains = taught.gains << (ROW.frac + DROPPED - _TIMES_SAMPLE.frac - GAIN_WEIGHT)
+    offsets = taught.offsets << (ROW.frac + DROPPED - SLOPE.frac - OFFSET_WEIGHT)
+    return gains, offsets
+
+
+def _row(taught: Corrected, slopes: Codes, samples: Codes, unit: Unit) -> Codes:
+    """The derivatives by theta, of those by the corrected samples."""
+    by_gain = unit.word("slope times sample", slopes * coefficient(samples), 1)
+    gains, offsets = row_weights(taught)
+    return np.hstack([unit.word("row", by_gain * gains, 1), unit.word("row", slopes * offsets, 1)])
+
+
+def start(lesson: Lesson, taught: Corrected) -> Codes:
+    """Theta without any correction, shape (drifts, 2 sensors)."""
+    return np.zeros((lesson.drifts, 2 * taught.sensors), dtype=np.int64)
+
+
+def bounded(theta: Codes, wanted: Codes, unit: Unit) -> Codes:
+    """The new theta, or the old one where the step would leave its format, which is counted.
+
+    Parameters
+    ----------
+    theta, wanted : int64 array, shape (drifts, 2 sensors)
+    unit : Unit
+    """
+    inside = (wanted >= THETA.low) & (wanted <= THETA.high)
+    fits = np.asarray(inside.all(axis=1), dtype=bool)
+    unit.judge("step", fits)
+    return np.where(fits[:, np.newaxis], wanted, theta)

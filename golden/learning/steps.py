@@ -1,0 +1,261 @@
+"""Two rules as steps of an engine: what a program that learns would hold.
+
+LMS with a constant step needs no quotient; Kaczmarz, or normalised LMS, does. Both are those of
+``golden.learning.gradient``, bit for bit.
+
+A *sum* is what it is in an engine: products, one in each step, then half a unit, rounding and
+saturation, and a word that is stored. Today's engine lacks:
+
+=========  =======================================================================================
+what       how
+=========  =======================================================================================
+PRODUCT    the coefficient is a second word without its three lowest bits, with the sign kept
+QUOTIENT   a word, shifted to the left, over another one, by subtraction beside the multiplier;
+           Kaczmarz alone needs it
+places     a word is stored where the step says, not at the next address
+exchange   theta stands twice; an equation reads the one copy and writes the other, and they are
+           exchanged unless a new word saturated: the step is not taken then, and flagged
+=========  =======================================================================================
+
+Samples and known outputs lie where the sequencer of placements points. The steps of all equations,
+one after the other, are one pass over one placement.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.integer_network import line_at
+from golden.fixed import Fix
+from golden.function import TANH
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import QUOTIENT_SHIFT
+from golden.learning.lesson import Lesson, row_weights
+from golden.learning.unit import SHORT
+
+_WORD = Fix(WIDTH, 0)
+_HALF = 1 << (DROPPED - 1)
+
+
+class Kind(Enum):
+    """What a step does; those in ``NEW`` are not in today's engine."""
+
+    WEIGHT = "a word times a weight"
+    ONE = "the number one times a weight"
+    LOOK_UP = "intercept or slope of the table"
+    PRODUCT = "a word times a second word"
+    QUOTIENT = "a word over a second word"
+
+
+NEW = (Kind.PRODUCT, Kind.QUOTIENT)
+
+
+@dataclass(frozen=True)
+class Term:
+    """One step of a sum.
+
+    Parameters
+    ----------
+    kind : Kind
+    source : str
+        The name of the word that is read; empty for none.
+    weight : int
+        The weight of the program.
+    second : str
+        The word that is the coefficient of a product.
+    """
+
+    kind: Kind
+    source: str
+    weight: int = 0
+    second: str = ""
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A sum of products.
+
+    Parameters
+    ----------
+    name : str
+        The name of its word.
+    terms : tuple of Term
+        One for a quotient.
+    rounded : bool
+        Whether it begins with half a unit of a word, and not with what its terms hold.
+    """
+
+    name: str
+    terms: tuple[Term, ...]
+    rounded: bool = True
+
+
+def one(weight: int) -> Iterator[Term]:
+    """The number one times a weight, in as many steps as the weight needs."""
+    while weight:
+        part = max(_WORD.low, min(_WORD.high, weight))
+        yield Term(Kind.ONE, "", part)
+        weight -= part
+
+
+def by(source: str, weight: int) -> Term:
+    """A word times a weight."""
+    return Term(Kind.WEIGHT, source, weight)
+
+
+def times(source: str, second: str) -> Term:
+    """A word times a second word."""
+    return Term(Kind.PRODUCT, source, second=second)
+
+
+def whole(source: str, sign: int = 1) -> Term:
+    """A word itself, as a term of a sum in its own format."""
+    return by(source, sign << DROPPED)
+
+
+def lms(taught: Corrected, constants: Sequence[int]) -> list[list[Sum]]:
+    """The sums of the equation of each output, for LMS with constant steps.
+
+    Parameters
+    ----------
+    taught : Corrected
+    constants : sequence of int
+        The step of each output, in the format ``STEP``.
+    """
+    return [
+        [*_equation(taught, k), Sum("step", (by("error", constant),)), *_new_theta(taught)]
+        for k, constant in enumerate(constants)
+    ]
+
+
+def kaczmarz(taught: Corrected, noise: Sequence[int], halvings: int) -> list[list[Sum]]:
+    """The sums of the equation of each output, for Kaczmarz.
+
+    Parameters
+    ----------
+    taught : Corrected
+    noise : sequence of int
+        r^2 of each output, in the format ``LENGTH``.
+    halvings : int
+        The rate is ``2**-halvings``.
+    """
+    row = [f"row {k}" for k in range(2 * taught.sensors)]
+    quotient = Term(Kind.QUOTIENT, "error", QUOTIENT_SHIFT - halvings, "length")
+    return [
+        [
+            *_equation(taught, k),
+            Sum("length", (*one(square), *(times(word, word) for word in row))),
+            Sum("step", (quotient,)),
+            *_new_theta(taught),
+        ]
+        for k, square in enumerate(noise)
+    ]
+
+
+def _equation(taught: Corrected, output: int) -> Iterator[Sum]:
+    yield from _corrected(taught)
+    yield from _network(taught, output)
+    yield from _row(taught, output)
+
+
+def _corrected(taught: Corrected) -> Iterator[Sum]:
+    pairs = zip(taught.gains.tolist(), taught.offsets.tolist(), strict=True)
+    for k, (gain, offset) in enumerate(pairs):
+        yield Sum(f"gain {k}", (by(f"theta {k}", gain),))
+        yield Sum(f"offset {k}", (by(f"theta {taught.sensors + k}", offset),))
+        terms = whole(f"sample {k}"), times(f"gain {k}", f"sample {k}"), whole(f"offset {k}")
+        yield Sum(f"z {k}", terms)
+
+
+def _network(taught: Corrected, output: int) -> Iterator[Sum]:
+    hidden, last = taught.networks[output].layers
+    seen = [f"z {k}" for k in range(taught.sensors)] + [f"known {k}" for k in range(output)]
+    for j, (row, begun) in enumerate(zip(hidden.weights, hidden.starts, strict=True)):
+        terms = [by(name, weight) for name, weight in zip(seen, row, strict=True)]
+        yield Sum(f"q {j}", (*one(begun >> DROPPED), *terms))
+        yield Sum(f"h {j}", (Term(Kind.LOOK_UP, f"q {j}"), Term(Kind.LOOK_UP, f"q {j}")))
+    # The start holds what an output is rounded by, which is no half of a word.
+    terms = [by(f"h {j}", weight) for j, weight in enumerate(last.weights[0])]
+    yield Sum("y", (*one(last.starts[0] >> DROPPED), *terms), rounded=False)
+    yield Sum("error", (whole(f"known {output}"), whole("y", -1)))
+
+
+def _row(taught: Corrected, output: int) -> Iterator[Sum]:
+    of_one, of_square = taught.slope_weights[output]
+    gains, offsets = row_weights(taught)
+    for j in range(len(of_square)):
+        yield Sum(f"square {j}", (times(f"h {j}", f"h {j}"),))
+    for k in range(taught.sensors):
+        terms = [by(f"square {j}", -int(weight)) for j, weight in enumerate(of_square[:, k])]
+        yield Sum(f"slope {k}", (*one(int(of_one[k])), *terms))
+        yield Sum(f"by gain {k}", (times(f"slope {k}", f"sample {k}"),))
+        yield Sum(f"row {k}", (by(f"by gain {k}", int(gains[k])),))
+        yield Sum(f"row {taught.sensors + k}", (by(f"slope {k}", int(offsets[k])),))
+
+
+def _new_theta(taught: Corrected) -> Iterator[Sum]:
+    for k in range(2 * taught.sensors):
+        yield Sum(f"new theta {k}", (whole(f"theta {k}"), times("step", f"row {k}")))
+
+
+def counted(program: Sequence[Sequence[Sum]]) -> Counter[Kind]:
+    """How many steps of each kind a pass over one placement takes."""
+    return Counter(term.kind for sums in program for one in sums for term in one.terms)
+
+
+@dataclass
+class Run:
+    """A program that runs, on one drift.
+
+    Attributes
+    ----------
+    taught : Corrected
+    program : list of lists of Sum
+    theta : list of int
+    flags : int
+        How many steps were not taken.
+    """
+
+    taught: Corrected
+    program: list[list[Sum]]
+    theta: list[int]
+    flags: int = 0
+
+    def show(self, lesson: Lesson, placement: int) -> None:
+        """One pass over one placement of the first drift of a lesson."""
+        memory = {f"sample {k}": int(x) for k, x in enumerate(lesson.words(placement)[0])}
+        memory |= {f"known {k}": int(y) for k, y in enumerate(lesson.known(placement)[0])}
+        for sums in self.program:
+            memory |= {f"theta {k}": word for k, word in enumerate(self.theta)}
+            fits = True
+            for one in sums:
+                kept = self._kept(one, memory)
+                memory[one.name] = max(_WORD.low, min(_WORD.high, kept))
+                fits = fits and (memory[one.name] == kept or not one.name.startswith("new theta"))
+            if fits:
+                self.theta = [memory[f"new theta {k}"] for k in range(len(self.theta))]
+            self.flags += not fits
+
+    def _kept(self, one: Sum, memory: dict[str, int]) -> int:
+        """The word of a sum before it is saturated."""
+        first = one.terms[0]
+        if first.kind is Kind.QUOTIENT:
+            above, below = memory[first.source] << first.weight, max(1, memory[first.second])
+            return abs(above) // below * (1 if above >= 0 else -1)
+        if first.kind is Kind.LOOK_UP:
+            width = self.taught.networks[0].segment_width
+            return (line_at(TANH, width, memory[first.source]) + _HALF) >> DROPPED
+        begun = _HALF if one.rounded else 0
+        return (sum(_product(term, memory) for term in one.terms) + begun) >> DROPPED
+
+
+def _product(term: Term, memory: dict[str, int]) -> int:
+    if term.kind is Kind.ONE:
+        return term.weight << DROPPED
+    if term.kind is Kind.PRODUCT:
+        return memory[term.source] * (memory[term.second] >> SHORT)
+    return memory[term.source] * term.weight
