@@ -88,6 +88,13 @@ class FrameCheck(Block):
         return (State("samples before", range(self.inputs)), State("dropping", range(2)))
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        if self.results:
+            return {}
+        aside = (1 << self.addr_width) - 1
+        return {f"write_addr={n}": "no results are counted" for n in range(self.inputs, aside)}
+
+    @property
     def latency(self) -> int:
         return 1
 

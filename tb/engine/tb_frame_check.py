@@ -19,8 +19,8 @@ from tb.common.small import ENGINES, OVERLAPPED
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
-# This counts samples alone.
-CASES["rails-loop"] = OVERLAPPED["rails-loop"]
+# These count samples alone. In the second one there are addresses that no sample has.
+CASES |= {name: OVERLAPPED[name] for name in ("rails-loop", "chain-loop")}
 FAULTS = [
     (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
     (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
