@@ -64,6 +64,7 @@ def drawn_case(rng: np.random.Generator, large: bool) -> Case:
         sections=surroundings,
         interface="axi_stream" if not surroundings and rng.random() < 0.3 else "stream",
         hardware="\n".join([*drawn_hardware(rng, design), *clock]),
+        learned=kind.learned_functions,
         window=window,
     )
 
@@ -89,6 +90,11 @@ def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
     lines = []
     if design == "adder_graph" and rng.random() < 0.5:
         lines.append(f"adders_per_clock = {rng.integers(1, 4)}")
+    if design == "table_graph":
+        # Few bits, because a drawn network has many functions.
+        lines.append(f"sample_bits = {rng.integers(4, 9)}")
+        lines.append(f"hidden_bits = {rng.integers(4, 9)}")
+        lines.append(f"output_bits = {rng.integers(4, 15)}")
     if design == "lanes" and rng.random() < 0.7:
         lines.append(f"lanes = {rng.integers(2, 17)}")
     if design == "lanes" and rng.random() < 0.3:

@@ -56,7 +56,12 @@ NAMED = [
     ("abs_unit", r"^-8 in Fix\(18,14\)"),
     *((name, "most negative code, thesis") for name in ("gradient", "lut", "pade", "polynomial")),
     ("precise", "most negative code"),
-    *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in DESIGNS[name].precisions),
+    *(
+        (name, rf"Q_j to 2\d\d, {p}")
+        for name, design in DESIGNS.items()
+        for p in design.precisions
+        if not design.learned_functions
+    ),
     ("constants", "Q_j of 200000, thesis"),
     *(("deep engine", f"^{kinds}: all sensors at rails") for kinds in LAYERS),
     *(("deep engine", f"^{kind}, {kind}: all weights") for kind in ("relu", "linear")),

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.dense import Trained, passed
+from golden.dense import Trained, layers_of, passed
 from golden.fixed import Fix
 from golden.real import Real
 
@@ -96,3 +96,19 @@ def met_by(network: Trained, inputs: Real) -> tuple[float, ...]:
     words = (p.sums if p.layer.activation == "leaky_relu" else p.values for p in hidden)
     # Six digits, because the last bits of a sum depend on the machine.
     return tuple(float(f"{np.abs(w).max(initial=0.0):.6g}") for w in words)
+
+
+def reached_by(network: Trained, inputs: Real) -> tuple[tuple[float, float], ...]:
+    """The least and the largest sum of each node of the last hidden layer, in floating point.
+
+    Only for nodes that have functions of their own; without them there are none. The parameters
+    are those of ``met_by``.
+    """
+    *_, layer, _ = (None, *layers_of(network))
+    if layer is None or not layer.functions:
+        return ()
+    *_, last, _ = passed(network, inputs)
+    if not len(last.sums):
+        return ()
+    ends = zip(last.sums.min(axis=0), last.sums.max(axis=0), strict=True)
+    return tuple((float(f"{low:.6g}"), float(f"{high:.6g}")) for low, high in ends)

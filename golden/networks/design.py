@@ -35,6 +35,8 @@ class Design(Network):
         Whether a scene may set options of the activation.
     half_codes : bool
         Whether it accepts activations whose codes stand for the middle of their step.
+    learned_functions : bool
+        Whether it takes networks of learned functions, and no others.
     decides_itself : bool
         Whether it finds the largest output where a scene asks for it. A design whose outputs come
         one after the other leaves that to the readout.
@@ -52,6 +54,7 @@ class Design(Network):
     known_activations: ClassVar[tuple[str, ...]] = ()
     activation_choices: ClassVar[bool] = True
     half_codes: ClassVar[bool] = False
+    learned_functions: ClassVar[bool] = False
     decides_itself: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)

@@ -27,6 +27,9 @@ class Settings:
     met : sequence of sequences of float
         For each network the largest magnitudes on recorded frames (``golden.engine.ranges``); empty
         where no frames are known.
+    reached : sequence of sequences of pairs of float
+        For each network the least and the largest sum of each node of its last hidden layer on
+        recorded frames, where these nodes have functions; else empty.
     """
 
     precision: Precision = EXACT
@@ -35,6 +38,7 @@ class Settings:
     options: Mapping[str, object] = field(default_factory=dict)
     lean: bool = True
     met: Sequence[Sequence[float]] = ()
+    reached: Sequence[Sequence[tuple[float, float]]] = ()
 
 
 # The exact precision with its own activation, and the default of every option.

@@ -24,6 +24,8 @@ HARDWARE = KeyTable(
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
             "and needs no multiplier; it takes networks of any depth as `single`, and one hidden "
             "layer of tanh as `multiple`, in `exact` precision with the activation `bipartite`. "
+            "[table_graph](blocks/table_graph.md) does the same for networks of learned functions, "
+            "which it looks up in small tables. "
             "`auto` is the smallest of them that is fast enough, see "
             "[designs](designs.md#the-smallest-that-is-fast-enough).",
         ),
@@ -180,14 +182,15 @@ HARDWARE = KeyTable(
         "adders_per_clock": Key(
             Whole(absent=True),
             0,
-            "Only for `adder_graph`. How many adders stand one behind the other between two "
-            "registers. Fewer adders make the clock faster and the latency longer.",
+            "Only for `adder_graph` and `table_graph`. How many adders stand one behind the other "
+            "between two registers. Fewer adders make the clock faster and the latency longer.",
             "5",
         ),
         "adder_operands": Key(
             Whole(absent=True),
             0,
-            "Only for `adder_graph`. How many numbers an adder adds, 2 or 3. With 3 the hardware "
+            "Only for `adder_graph` and `table_graph`. How many numbers an adder adds, 2 or 3. "
+            "With 3 the hardware "
             "is smaller where LUTs have six inputs, as in Series 7 and UltraScale, and larger "
             "where they have four.",
             "2",
@@ -208,6 +211,27 @@ HARDWARE = KeyTable(
             "More runs take longer, and their graph never has more bits of adders in as many "
             "clocks.",
             "up to 40, fewer for a large matrix",
+        ),
+        "sample_bits": Key(
+            Whole(absent=True),
+            0,
+            "Only for `table_graph`. How many of the upper bits of a sample its tables read, 4 to "
+            "14. A bit that is below the noise of the readings only makes tables larger.",
+            "10",
+        ),
+        "hidden_bits": Key(
+            Whole(absent=True),
+            0,
+            "Only for `table_graph`. How many bits a hidden sum has for the tables behind it, 4 to "
+            "14.",
+            "10",
+        ),
+        "output_bits": Key(
+            Whole(absent=True),
+            0,
+            "Only for `table_graph`. How many bits of an output its tables give, 4 to 14. The bits "
+            "below them are 0.",
+            "10",
         ),
     },
     name="a section",

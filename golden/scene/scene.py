@@ -14,7 +14,7 @@ from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
 from golden.cli import naming
 from golden.dense import Trained
-from golden.engine.ranges import met_by
+from golden.engine.ranges import met_by, reached_by
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -312,6 +312,7 @@ class Scene:
 
     def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
+        given = self.networks() if networks is None else networks
         options = dict(self.design_options)
         if self.demand.interval and self.design == Lanes.block:
             options["interval"] = self.demand.interval
@@ -321,7 +322,8 @@ class Scene:
             self.activation_options,
             options,
             lean,
-            tuple(map(self._met, self.networks() if networks is None else networks)),
+            tuple(map(self._met, given)),
+            tuple(map(self._reached, given)),
         )
 
     def _met(self, network: Trained) -> tuple[float, ...]:
@@ -330,6 +332,10 @@ class Scene:
         One hidden layer of tanh needs no range, and so no frames.
         """
         return () if isinstance(network, Mlp) else met_by(network, self.inputs_of(network))
+
+    def _reached(self, network: Trained) -> tuple[tuple[float, float], ...]:
+        """The ends of the sums that take functions, on the recorded frames."""
+        return () if isinstance(network, Mlp) else reached_by(network, self.inputs_of(network))
 
     def inputs_of(self, network: Trained) -> Real:
         """The inputs of a network in the recorded frames, as signals.

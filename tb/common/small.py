@@ -94,6 +94,37 @@ DEEP_GRAPHS = {
 TREES = {name: DEEP_GRAPHS[name] for name in ("flat-graph", "relu-graph", "deep-graph")}
 ADDER_GRAPHS |= DEEP_GRAPHS
 
+# Networks of learned functions: sums that leave their words, as few bits as there may be, one
+# sensor, all bits of a sample, an adder between two registers, three operands, and two networks.
+TABLE_GRAPH = Case(
+    [(2, 2, 2)],
+    "exact",
+    activation="precise",
+    design="table_graph",
+    learned=True,
+    hardware="sample_bits = 7\nhidden_bits = 7\noutput_bits = 8",
+)
+TABLE_GRAPHS = {
+    "rails-tables": replace(TABLE_GRAPH, spread=8.0),
+    "least-tables": replace(
+        TABLE_GRAPH,
+        shapes=[(1, 1, 1)],
+        hardware="sample_bits = 4\nhidden_bits = 4\noutput_bits = 4\nadders_per_clock = 1",
+    ),
+    "whole-tables": replace(
+        TABLE_GRAPH,
+        shapes=[(1, 2, 1)],
+        hardware="sample_bits = 14\nhidden_bits = 9\noutput_bits = 14",
+    ),
+    "operands-tables": replace(
+        TABLE_GRAPH,
+        shapes=[(3, 3, 2)],
+        hardware="adders_per_clock = 1\nadder_operands = 3",
+        seed=9,
+    ),
+    "two-tables": replace(TABLE_GRAPH, shapes=[(2, 3, 1), (2, 2, 1)], arrangement="multiple"),
+}
+
 # Networks that need more clocks from frame to frame than a frame has elements.
 SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
 SLOWER = "{ rho = 1.5, iterations = 11 }"

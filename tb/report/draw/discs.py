@@ -18,6 +18,7 @@ COLOURS = {
     "hybrid": INK,
     "parallel": "#00807a",
     "adder_graph": "#1b7a3d",
+    "table_graph": "#6b5a1e",
     "printed": "#b34700",
 }
 # The networks of the digit that the thesis prints with their share of its device.

@@ -33,6 +33,7 @@ _COLOURS = {
     "lanes": "#e69f00",
     "hybrid": "#000000",
     "adder_graph": "#009e73",
+    "table_graph": "#f0e442",
     "parallel": "#cc79a7",
     "thesis": "#d55e00",
 }

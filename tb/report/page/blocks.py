@@ -43,6 +43,7 @@ COMMAND = "make pages"
 README = ROOT / "docs" / "README.md"
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
+LEARNED = "comparison/digit-tables"
 # A counter of so many bits makes a scan long enough for every converter.
 WIDE = 13
 AREAS = (
@@ -85,7 +86,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 reader = front.converter_reader(top.readout)
                 yield scene.precision.name, ConverterInstrument(reader, readout=top.readout)
     (mlp,) = load_scene(EXAMPLE).mlps()
-    for design in DESIGNS.values():
+    for design in (one for one in DESIGNS.values() if not one.learned_functions):
         for name, scheme in SCHEMES.items():
             if name not in (design.known_activations or SCHEMES):
                 continue
@@ -106,6 +107,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
             precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
             settings = Settings(precision, name, options={"reload": True})
             yield precision.name, design.of([mlp], settings)
+    # No shipped scene has learned functions.
+    learned = load_scene(LEARNED)
+    yield learned.precision.name, learned.twin()
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:

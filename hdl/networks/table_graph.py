@@ -1,0 +1,101 @@
+"""Table graph: a network of learned functions as small tables and sums, a frame every clock."""
+
+from myhdl import always, always_comb, block, concat
+
+from golden.networks.small_tables import SmallTable
+from golden.networks.table_graph import TableGraph
+from hdl.common.delay import delay
+from hdl.common.rom import rom
+from hdl.common.signals import Stream, Words, fixed, unsigned
+from hdl.layers.constant_matrix import constant_matrix
+from hdl.networks.adder_graph import never
+
+
+@block
+def address_of(word, address, *, table: SmallTable, start: int):
+    """The bits of a word that address a table; ``start`` is the lowest bit that tables read."""
+    part = table.part
+    count = len(word)
+    above, high, low = count - part.top, start + part.high, start + part.low
+
+    if part.high == part.low:
+
+        @always_comb
+        def look():
+            address.next = word[count:above]
+
+    elif part.top:
+
+        @always_comb
+        def look():
+            address.next = concat(word[count:above], word[high:low])
+
+    else:
+
+        @always_comb
+        def look():
+            address.next = word[high:low]
+
+    return look
+
+
+@block
+def small_table(clk, word, found, *, table: SmallTable, start: int):
+    """What a table holds for a word, one clock later."""
+    address, code = unsigned(table.part.width), unsigned(table.width)
+    codes = [value & (1 << table.width) - 1 for value in table.words]
+
+    @always(clk.posedge)
+    def keep():
+        found.next = code.signed()
+
+    return (
+        address_of(word, address, table=table, start=start),
+        rom(address, code, words=codes),
+        keep,
+    )
+
+
+@block
+def table_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: TableGraph):
+    """A frame of samples in one clock, all outputs in another, from tables and adders.
+
+    Parameters
+    ----------
+    in_valid : bool
+        The samples of a frame stand on all ports of ``in_data``.
+    in_data : Words of signed Fix(14,13)
+        Ports ``in_data_0``, ``in_data_1``, ..., in the order of the sensors.
+    out_valid, out_data : bool, Words of signed Fix(14,13)
+        The outputs, ports ``out_data_0``, ``out_data_1``, ...
+    frame_error : bool
+        It is always low, because every frame is good.
+    spec : TableGraph
+
+    Notes
+    -----
+    Latency: ``spec.latency`` clocks, a frame every clock. Reset clears the valid flags.
+    """
+    words, later = (
+        Words(matrix.inputs, lambda fmt=matrix.in_fmt: fixed(fmt))
+        for matrix in (spec.hidden, spec.output)
+    )
+    sums = Words(len(spec.hidden.weights), lambda: fixed(spec.hidden.out_fmt))
+    unread = len(in_.data[0]) - spec.sample_bits
+    for k in range(spec.inputs):
+        # MyHDL refuses a port that nothing reads.
+        in_.data[k].read = True
+    return (
+        [
+            small_table(clk, in_.data[table.source], words[n], table=table, start=unread)
+            for n, table in enumerate(spec.first)
+        ],
+        constant_matrix(clk, words, sums, spec=spec.hidden),
+        [
+            small_table(clk, sums[table.source], later[n], table=table, start=0)
+            for n, table in enumerate(spec.second)
+        ],
+        constant_matrix(clk, later, out.data, spec=spec.output),
+        delay(clk, rst, in_.valid, out.valid, clocks=spec.latency),
+        never(clk, frame_error),
+    )

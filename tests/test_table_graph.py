@@ -1,0 +1,282 @@
+"""The design table_graph: functions in small tables, sums of them, and what it refuses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import random_mlp, write_scene
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from golden.dense import Dense, DenseNetwork
+from golden.function_network import FunctionNetwork
+from golden.input_error import InputError
+from golden.networks.left_out import left_out
+from golden.networks.oracle import error_bounds, exact, hidden_weights
+from golden.networks.settings import Settings
+from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
+from golden.networks.table_graph import TableGraph
+from golden.precision import EXACT, SIGNAL
+from golden.scene import load_scene
+from tb.common.cases import random_learned
+from tb.common.small import TABLE_GRAPHS
+
+ONE = 1 << FINE
+FEW = {"sample_bits": 7, "hidden_bits": 8, "output_bits": 9}
+# The slope of a straight edge.
+STRAIGHT = 0.25
+
+
+def frames(inputs: int, seed: int = 1, count: int = 400) -> np.ndarray:
+    found = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
+    found[0], found[1] = SIGNAL.low, SIGNAL.high
+    return found
+
+
+def graph(network: FunctionNetwork, **options: int) -> TableGraph:
+    return TableGraph.of([network.layers()], Settings(options=FEW | options))
+
+
+def read(tables: tuple, width: int) -> np.ndarray:
+    """The sum of tables at every code, from its least, as a circuit looks it up."""
+    found = []
+    for code in range(-(1 << width - 1), 1 << width - 1):
+        bits = f"{code & (1 << width) - 1:0{width}b}"
+        total = 0
+        for table in tables:
+            part = table.part
+            lower = bits[width - part.high : width - part.low]
+            total += table.words[int(bits[: part.top] + lower, 2)]
+        found.append(total)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("width", [4, 7, 10])
+@pytest.mark.parametrize("slope", [0.3, -1.0, 7.7])
+def test_a_straight_line_takes_no_upper_bits_twice(width: int, slope: float) -> None:
+    codes = np.arange(1 << width)
+    values = np.rint(slope * codes * ONE).astype(np.int64)
+    tables = tables_of(0, values, ONE * 7 // 10)
+    assert all(table.part.top == 0 for table in tables[1:])
+    assert np.abs(read(tables, width) * ONE - values).max() <= 1.5 * ONE
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(4, 10), st.integers(0, 1000), st.integers(1, 400))
+def test_tables_are_near_to_a_smooth_function(width: int, seed: int, size: int) -> None:
+    """Every address fits a LUT of six inputs, and the square mean of the errors is as asked."""
+    a, b, c = np.random.default_rng(seed).normal(0, 1, 3)
+    x = np.linspace(-1, 1, 1 << width)
+    values = np.rint(size * ONE * (a * x + b * x**2 + 0.2 * c * x**3)).astype(np.int64)
+    tables = tables_of(3, values, ONE)
+    assert all(table.source == 3 and table.part.width <= MOST_ADDRESS for table in tables)
+    off = (read(tables, width) * ONE - values) / ONE
+    assert np.sqrt((off**2).mean()) <= 1
+
+
+def test_tables_of_a_function_that_none_fits_are_the_nearest() -> None:
+    values = np.zeros(1 << 9, dtype=np.int64)
+    values[200] = 1000 * ONE
+    tables = tables_of(0, values, ONE)
+    assert np.abs(read(tables, 9) * ONE - values).max() < 1000 * ONE
+
+
+def test_a_function_within_half_a_step_needs_no_table() -> None:
+    assert tables_of(0, np.full(1 << 8, ONE // 3), ONE) == ()
+
+
+@pytest.mark.parametrize("shape", [(3, 3, 2), (1, 1, 1), (4, 2, 3)])
+def test_outputs_are_looked_up_and_added(shape: tuple[int, int, int]) -> None:
+    """The outputs of a loop over plain numbers, and those of unlimited integers."""
+    design = graph(random_learned(shape, 0, 3.0, 4))
+    given_frames = frames(shape[0], count=60)
+
+    def layer(tables, matrix, words: list[int], width: int) -> list[int]:
+        looked = []
+        for table in tables:
+            bits = f"{words[table.source] & (1 << width) - 1:0{width}b}"
+            lower = bits[width - table.part.high : width - table.part.low]
+            looked.append(table.words[int(bits[: table.part.top] + lower, 2)])
+        sums = [
+            sum(w * x for w, x in zip(row, looked, strict=True)) + bias >> matrix.out_shift
+            for row, bias in zip(matrix.weights, matrix.biases, strict=True)
+        ]
+        return [max(matrix.out_fmt.low, min(matrix.out_fmt.high, total)) for total in sums]
+
+    by_hand = []
+    for frame in given_frames.tolist():
+        read_bits = [code >> SIGNAL.width - design.sample_bits for code in frame]
+        hidden = layer(design.first, design.hidden, read_bits, design.sample_bits)
+        by_hand.append(layer(design.second, design.output, hidden, design.hidden.out_fmt.width))
+    assert np.array_equal(design.process(given_frames), by_hand)
+    assert np.array_equal(exact(design, given_frames), by_hand)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("spread", [0.5, 3.0])
+def test_outputs_are_within_their_bounds(seed: int, spread: float) -> None:
+    """Without recorded frames a hidden sum has its whole range, and so the bound always holds."""
+    network = random_learned((3, 2, 2), 0, spread, seed)
+    design, layers = graph(network), network.layers()
+    codes = frames(3, seed)
+    real = layers.process(SIGNAL.to_real(codes)).clip(-1, SIGNAL.to_real(SIGNAL.high))
+    off = np.abs(SIGNAL.to_real(design.process(codes)) - real).max(axis=0)
+    bounds = error_bounds(design, layers, EXACT, 3)
+    assert (off <= bounds).all()
+    assert (off > bounds / 50).all()
+
+
+def test_recorded_frames_give_the_range_of_a_hidden_sum() -> None:
+    """Its word is finer then, and sums beyond it are counted."""
+    network = random_learned((2, 2, 2), 0, 1.0, 3).layers()
+    codes = frames(2) // 2
+    real = SIGNAL.to_real(codes)
+    *_, sums, _ = network.layers
+    copies = network.layers[0]
+    values, _ = copies.activate(real @ copies.weights.T + copies.biases)
+    reached = values @ sums.weights.T + sums.biases
+    ends = [tuple(zip(reached.min(axis=0).tolist(), reached.max(axis=0).tolist(), strict=True))]
+    fine = TableGraph.of([network], Settings(options=FEW, reached=ends))
+    coarse = TableGraph.of([network], Settings(options=FEW))
+
+    def off(design: TableGraph) -> np.ndarray:
+        return np.abs(SIGNAL.to_real(design.process(codes)) - network.process(real)).mean(axis=0)
+
+    assert (off(fine) < off(coarse)).all()
+    assert not fine.saturations(codes)["hidden sums"].any()
+    assert fine.saturations(2 * codes)["hidden sums"].any()
+    assert not coarse.saturations(2 * codes)["hidden sums"].any()
+
+
+def test_only_the_chosen_bits_are_read_and_given() -> None:
+    design = graph(random_learned((2, 2, 2), 0, 1.0, 3))
+    codes = frames(2) & -(1 << 7)
+    found = design.process(codes)
+    assert np.array_equal(design.process(codes | 127), found)
+    assert not np.array_equal(design.process(codes ^ 128), found)
+    assert not (found[(found > SIGNAL.low) & (found < SIGNAL.high)] & 31).any()
+
+
+def test_the_ends_of_hidden_sums_are_those_of_all_frames() -> None:
+    design = graph(random_learned((2, 2, 1), 0, 1.0, 3))
+    low, high = design.extremes[0::2], design.extremes[1::2]
+    every = np.arange(SIGNAL.low, SIGNAL.high + 1, 1 << 7)
+    both = np.stack(np.meshgrid(every, every), axis=-1).reshape(-1, 2)
+    for h in range(2):
+        row = np.array(design.hidden.weights[h])
+        sums = design.hidden_words(both) @ row
+        assert (design.hidden_words(low[[h]]) @ row)[0] == sums.min()
+        assert (design.hidden_words(high[[h]]) @ row)[0] == sums.max()
+    assert hidden_weights(design) == high.tolist()
+
+
+def test_nothing_is_built_that_changes_no_output() -> None:
+    """A sum that no output takes, one without an edge, an edge that is left out."""
+    made = random_learned((2, 4, 2), 0, 1.0, 3)
+    first, second = ([list(edges) for edges in layer] for layer in (made.first, made.second))
+    used = graph(made)
+    for edges in second:
+        edges[0] = None
+    first[1] = [None, None]
+    first[2][0] = None
+    network = replace(made, first=first, second=second, offsets=[0.0, 0.1, 0.0, 0.0])
+    design = graph(network)
+    assert (used.useless_nodes, used.constant_nodes, len(used.hidden.weights)) == (0, 0, 4)
+    assert len(design.hidden.weights) == 2
+    assert len(design.first) < len(used.first) * 3 // 4
+    texts = " ".join(left_out(design))
+    assert "multiplier" in texts
+    codes = frames(2)
+    real = network.layers().process(SIGNAL.to_real(codes)).clip(-1, 1)
+    assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
+
+
+def test_a_network_that_never_changes_is_built() -> None:
+    network = FunctionNetwork([[STRAIGHT * 1e-6]], [[STRAIGHT]], [0.3], [1.0])
+    design = graph(network)
+    assert (np.abs(SIGNAL.to_real(design.process(frames(1))) - 0.3) <= design.bounds[0]).all()
+
+
+def test_networks_side_by_side_are_those_alone() -> None:
+    networks = [random_learned((2, n, 1), 0, 1.0, n).layers() for n in (1, 3)]
+    settings_ = Settings(options=FEW)
+    both = TableGraph.of(networks, settings_, "multiple")
+    alone = [TableGraph.of([network], settings_).process(frames(2)) for network in networks]
+    assert np.array_equal(both.process(frames(2)), np.concatenate(alone, axis=1))
+
+
+def test_more_bits_err_less() -> None:
+    network = random_learned((3, 2, 2), 0, 1.0, 3)
+    codes = frames(3)
+    real = network.layers().process(SIGNAL.to_real(codes))
+    errors = [
+        np.abs(SIGNAL.to_real(graph(network, **bits).process(codes)) - real).mean()
+        for bits in ({"sample_bits": n, "hidden_bits": n, "output_bits": n} for n in (5, 7, 9, 11))
+    ]
+    assert all(less < more / 2 for more, less in pairwise(errors))
+
+
+def test_latency_is_that_of_tables_and_adders() -> None:
+    network = random_learned((3, 3, 2), 0, 1.0, 3)
+    slow, fast = (graph(network, adders_per_clock=n) for n in (1, 9))
+    assert slow.latency == 2 + slow.hidden.latency + slow.output.latency
+    assert fast.latency == 4
+    assert np.array_equal(slow.process(frames(3)), fast.process(frames(3)))
+
+
+def relu_network() -> DenseNetwork:
+    hidden = Dense(np.eye(2), np.zeros(2), "relu")
+    return DenseNetwork((hidden, hidden, Dense(np.eye(2), np.zeros(2))))
+
+
+@pytest.mark.parametrize(
+    "network", [random_mlp((2, 2, 1), 1.0, 1), relu_network()], ids=["mlp", "relu"]
+)
+def test_other_networks_are_refused(network) -> None:
+    message = "got 'table_graph' for a network with other layers, expected one of learned functions"
+    with pytest.raises(InputError, match=message):
+        TableGraph.of([network])
+
+
+def test_a_scene_with_another_network_is_refused(tmp_path: Path) -> None:
+    networks = [random_mlp((2, 3, 1), 1.0, 1)]
+    path = write_scene(
+        tmp_path, "mlp", "exact", networks, activation="precise", design="table_graph"
+    )
+    with pytest.raises(InputError, match=r"mlp.toml: hardware.design: got 'table_graph' for a net"):
+        load_scene(str(path)).twin()
+
+
+@pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])
+@pytest.mark.parametrize("bits", [3, 15])
+def test_bits_out_of_range_are_refused(key: str, bits: int) -> None:
+    with pytest.raises(InputError, match=rf"hardware.{key}: got {bits}, expected 4 to 14"):
+        graph(random_learned((1, 1, 1), 0, 1.0, 1), **{key: bits})
+
+
+def test_its_keys_belong_to_it(tmp_path: Path) -> None:
+    case = replace(TABLE_GRAPHS["least-tables"], design="engine", hardware="output_bits = 9")
+    with pytest.raises(InputError, match=r"hardware.output_bits: got 9 with design 'engine'"):
+        case.scene(tmp_path, "wrong")
+
+
+def test_tables_that_do_not_fit_their_matrix_are_refused() -> None:
+    design = graph(random_learned((2, 2, 1), 0, 1.0, 3))
+    with pytest.raises(InputError, match=r"table_graph: got \d+ tables of 2 words, expected"):
+        replace(design, first=design.first[1:])
+
+
+def test_the_scene_that_is_compared_with_digit_fast() -> None:
+    scene = load_scene("comparison/digit-tables")
+    design = scene.twin()
+    assert isinstance(design, TableGraph)
+    assert (design.latency, design.interval, design.outputs) == (5, 1, 4)
+    assert all(table.part.width <= MOST_ADDRESS for table in design.first + design.second)
+    codes = scene.vectors().codes
+    assert not design.saturations(codes)["hidden sums"].any()
+    real = scene.process_real(SIGNAL.to_real(codes))
+    assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
