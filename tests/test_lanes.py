@@ -246,10 +246,6 @@ def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
         ({"lanes": 17}, "hardware.lanes: got 17, expected 1 to 16"),
         ({"lanes": 0}, "hardware.lanes: got 0, expected 1 to 16"),
         (
-            {"reload": True},
-            "lanes: hardware: got 'reload', expected lanes or segment_width or pipeline",
-        ),
-        (
             {"multiplier": "serial"},
             "lanes: hardware: got 'multiplier', expected lanes or segment_width or",
         ),

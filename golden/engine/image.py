@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from binascii import crc_hqx
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 from golden.engine.formats import WIDTH
 from golden.engine.function_table import (
@@ -19,7 +21,7 @@ from golden.engine.line_table import LineTable
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program, assemble
 from golden.engine.tanh_table import tanh_table
-from golden.function import Function
+from golden.function import TANH, Function
 from golden.input_error import InputError
 
 # Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
@@ -36,7 +38,6 @@ WORD_BYTES = -(-WORD_WIDTH // 8)
 CHECK_BYTES = 2
 # The value of the check before the bytes that say for which hardware an image is made.
 CHECK_PRESET = 0xFFFF
-VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,15 @@ class Sizes:
         Blocks for the tables of any functions; see ``golden.engine.function_table``. Without them
         there is the table of tanh alone, which is shorter than a block.
 
+    Attributes
+    ----------
+    version : int
+        Tells images apart whose words are laid out in other ways.
+    most_program_bits : int
+        The most bits of the address of a word of the program.
+    kind : str
+        What ``words`` are, as text.
+
     Raises
     ------
     InputError
@@ -66,6 +76,9 @@ class Sizes:
         that take too much memory.
     """
 
+    version: ClassVar[int] = 1
+    most_program_bits: ClassVar[int] = LAST_ADDR[1]
+    kind: ClassVar[str] = "program words"
     program_words: int = 512
     operand_words: int = 128
     segment_width: int = SEGMENT_WIDTH
@@ -76,7 +89,10 @@ class Sizes:
     table_blocks: int = 0
 
     def __post_init__(self) -> None:
-        for name, most in (("program_words", LAST_ADDR[1]), ("operand_words", BEFORE_LAST[1])):
+        for name, most in (
+            ("program_words", self.most_program_bits),
+            ("operand_words", BEFORE_LAST[1]),
+        ):
             words = getattr(self, name)
             if not 2 <= words <= 1 << most or words & (words - 1):
                 raise InputError(
@@ -103,6 +119,11 @@ class Sizes:
         return RELU_ACC_WIDTH if self.rectifies else ACC_WIDTH
 
     @property
+    def words(self) -> int:
+        """Words of the memory that an image is loaded into."""
+        return self.program_words
+
+    @property
     def table_words(self) -> int:
         """Words of the tables. The program begins behind them."""
         if self.table_blocks:
@@ -122,8 +143,12 @@ class Sizes:
         It covers bytes that are not sent: the version of the format, and what the hardware depends
         on. So an image for other hardware fails its check.
         """
-        hardware = [
-            VERSION,
+        return crc_hqx(bytes([self.version, *self.hardware]), CHECK_PRESET)
+
+    @property
+    def hardware(self) -> list[int]:
+        """The bytes that say what the hardware depends on."""
+        return [
             self.program_addr_width,
             self.operand_addr_width,
             self.segment_width,
@@ -131,7 +156,48 @@ class Sizes:
             *([self.cut, self.even] if self.rectifies else []),
             *([self.table_blocks] if self.table_blocks else []),
         ]
-        return crc_hqx(bytes(hardware), CHECK_PRESET)
+
+    def assembled(self, graph: Graph, table: LineTable) -> Program:
+        """The program of a graph with a table for all of the hardware's blocks.
+
+        Raises
+        ------
+        InputError
+            See ``assemble``.
+        """
+        return assemble(graph, table, self.pipeline, self.rectifies)
+
+    def laid_out(self, program: Program, graph: Graph) -> tuple[Sequence[int], Sequence[str]]:
+        """The words of the image of a graph's program, and what each of them stands for."""
+        words = (*program.table, *program.words, *(0 for _ in range(self.more)))
+        return words, (*program.notes, *("" for _ in range(self.more)))
+
+    def program_size(self, program: Program) -> int:
+        """Words of the program memory that a program takes."""
+        return len(program.table) + len(program.words) + self.more
+
+    @property
+    def more(self) -> int:
+        """Words behind a program that the counter reads until it has returned.
+
+        They have no effect; in an image they are zeros so that they are defined too.
+        """
+        return 1 + self.pipeline.memory_registers
+
+    def program_of(self, inputs: int, words: Sequence[int], notes: Sequence[str]) -> Program:
+        """The program that the words of an image make the hardware execute."""
+        return Program(
+            inputs,
+            self.segment_width,
+            tuple(words[: self.table_words]),
+            tuple(words[self.table_words :]),
+            self.pipeline,
+            tuple(notes),
+            self.rectifies,
+            self.cut,
+            self.even,
+            max(1, self.table_blocks),
+        )
 
     def text(self) -> str:
         return (
@@ -172,23 +238,12 @@ class Image:
     @property
     def program(self) -> Program:
         """The program that the hardware executes once the image is loaded."""
-        return Program(
-            self.inputs,
-            self.sizes.segment_width,
-            self.words[: self.sizes.table_words],
-            self.words[self.sizes.table_words :],
-            self.sizes.pipeline,
-            self.notes,
-            self.sizes.rectifies,
-            self.sizes.cut,
-            self.sizes.even,
-            max(1, self.sizes.table_blocks),
-        )
+        return self.sizes.program_of(self.inputs, self.words, self.notes)
 
     @property
     def contents(self) -> tuple[int, ...]:
         """The words, and zeros up to the end of the memory."""
-        return self.words + (0,) * (self.sizes.program_words - len(self.words))
+        return self.words + (0,) * (self.sizes.words - len(self.words))
 
     def to_bytes(self) -> bytes:
         """The bytes that are sent: a header, the words from the last to the first, and the check.
@@ -204,6 +259,28 @@ class Image:
             word.to_bytes(WORD_BYTES, "big") for word in (header, *reversed(self.words))
         )
         return sent + crc_hqx(sent, self.sizes.check_start).to_bytes(CHECK_BYTES, "big")
+
+
+def own_image(graph: Graph, kind: type[Sizes], chosen: Mapping[str, Any]) -> Image:
+    """The image of a graph for hardware that is built for it.
+
+    Parameters
+    ----------
+    graph : Graph
+    kind : type of Sizes
+    chosen : dict
+        Arguments of ``kind``, without those that follow from the graph. Without ``table_blocks``
+        there are as many as the functions of the graph take.
+
+    Raises
+    ------
+    InputError
+        See ``Sizes`` and ``image_of``.
+    """
+    own = 0 if graph.functions == (TANH,) else blocks_of(graph.functions)
+    sizes = kind(**{"table_blocks": own, **chosen})
+    sizes = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
+    return image_of(graph, sizes)
 
 
 def image_of(graph: Graph, sizes: Sizes) -> Image:
@@ -225,13 +302,14 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
     with more blocks of tables than its functions need; those that are left hold zeros.
     """
     table = sizes.table_for(graph.functions)
-    program = assemble(graph, table, sizes.pipeline, sizes.rectifies)
-    # The counter reads a few words more until it has returned. They have no effect; here they
-    # become zeros so that they are defined too.
-    more = 1 + sizes.pipeline.memory_registers
-    words = (*program.table, *program.words, *(0 for _ in range(more)))
+    program = sizes.assembled(graph, table)
     needed = (
-        ("program words", len(words), sizes.program_words, " (hardware.program_words)"),
+        (
+            "program words",
+            sizes.program_size(program),
+            sizes.program_words,
+            " (hardware.program_words)",
+        ),
         ("operand words", program.addresses, sizes.operand_words, " (hardware.operand_words)"),
         ("bits of a sum", graph.sum_bits(table), sizes.acc_width, ""),
     )
@@ -249,4 +327,5 @@ def image_of(graph: Graph, sizes: Sizes) -> Image:
         faults.append(f"{wanted.results}, there is {sizes.results}")
     if faults:
         raise InputError(f"the image needs {'; '.join(faults)}")
-    return Image(sizes, program.inputs, words, (*program.notes, *("" for _ in range(more))))
+    words, notes = sizes.laid_out(program, graph)
+    return Image(sizes, program.inputs, tuple(words), tuple(notes))

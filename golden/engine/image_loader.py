@@ -48,8 +48,10 @@ class ImageLoader(Block):
 
     Parameters
     ----------
-    program_addr_width, operand_addr_width : int
-        Bits of the addresses of the memories.
+    words : int
+        Words of the memory that an image is loaded into.
+    operand_addr_width : int
+        Bits of the address of the operand memory.
     check_start : int
         Value of the check before the first byte, 16 bits.
 
@@ -65,9 +67,14 @@ class ImageLoader(Block):
 
     block = "image_loader"
     area = "engine"
-    program_addr_width: int
+    words: int
     operand_addr_width: int
     check_start: int
+
+    @property
+    def program_addr_width(self) -> int:
+        """Bits of the address of a word."""
+        return (self.words - 1).bit_length()
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -98,10 +105,9 @@ class ImageLoader(Block):
 
     @property
     def states(self) -> tuple[State, ...]:
-        words = 1 << self.program_addr_width
         return (
             State("bytes before, at most two words", range(2 * WORD_BYTES + 1)),
-            State("last address written", range(words - 1, words)),
+            State("last address written", range(self.words - 1, self.words)),
         )
 
     @property
@@ -170,7 +176,7 @@ class ImageLoader(Block):
         return (header >> low) % (1 << bits) + 1
 
     def _fits(self, words: int) -> bool:
-        return words <= 1 << self.program_addr_width
+        return words <= self.words
 
     def _place(self, received: bytearray) -> int | None:
         """The address of the word that the last byte completes; None if it completes none."""

@@ -154,12 +154,16 @@ class _Shared:
         self.place[number] = opened, wanted
 
 
-def shared_out(graph: Graph, lanes: int) -> LaneGraph:
-    """Share the neurons of a graph out to lanes, but to no more lanes than any group fills."""
+def shared_out(graph: Graph, lanes: int, every: bool = False) -> LaneGraph:
+    """Share the neurons of a graph out to lanes.
+
+    Unless ``every`` lane is there already, there are no more lanes than any group fills.
+    """
     found = _Shared(graph, lanes)
     for number, neuron in enumerate(graph.neurons):
         _share(found, number, neuron)
-    lanes = found.lanes = max(len(group.members) for group in found.groups)
+    if not every:
+        lanes = found.lanes = max(len(group.members) for group in found.groups)
     weights: dict[tuple[int, ...], int] = {(0,) * lanes: 0}
     made = [_neuron(found, place, weights) for place in range(len(found.groups))]
     whole = replace(graph, neurons=tuple(made))

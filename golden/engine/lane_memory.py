@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,12 +36,17 @@ class LaneMemory(Block):
         Blocks of the table, a power of two. With more than one, the place of a step that looks up
         names the first block of a function, which has the next one for words below 0 if the lowest
         bit of the place is set; see ``golden.engine.function_table``.
+    written : bool
+        Whether the words can be written. Then ``weights`` and ``table`` are what they are before,
+        and their numbers are those for which there is room.
 
     Notes
     -----
     The table lies in the lower half of the memory, and the weights in the upper one, each from its
     beginning. So the address needs no adder, and where no sum lies beyond the last segment no
     comparison either.
+
+    A word that is read in the clock in which it is written has its old value.
     """
 
     block = "lane_memory"
@@ -50,6 +56,12 @@ class LaneMemory(Block):
     segment_width: int
     notes: tuple[str, ...] = ()
     blocks: int = 1
+    written: bool = False
+
+    @classmethod
+    def empty(cls, weights: int, table: int, segment_width: int, blocks: int) -> Self:
+        """A memory that can be written, with room for so many weights and words of a table."""
+        return cls((0,) * weights, (0,) * table, segment_width, (), blocks, written=True)
 
     @property
     def last_place(self) -> int:
@@ -116,10 +128,16 @@ class LaneMemory(Block):
                 Unsigned(2),
             ),
         )
+        puts = (
+            input_port("write", "`data` is written"),
+            input_port("write_addr", "address of the write", Unsigned(self.addr_width)),
+            input_port("data", "a weight, or a word of the table", Unsigned(WIDTH)),
+        )
         return (
             CLOCK,
             input_port("place", f"address of a weight{named}", place, "place_width"),
             *(looks if self.table else ()),
+            *(puts if self.written else ()),
             output_port("coeff", "weight or word of the table, one clock later", Unsigned(WIDTH)),
         )
 
@@ -154,6 +172,26 @@ class LaneMemory(Block):
     def process(self, place: ArrayLike, word: ArrayLike = 0, kind: ArrayLike = 0) -> Codes:
         """The word that is read for each place, word and kind."""
         return np.array(self.contents, dtype=np.int64)[self.address(place, word, kind)]
+
+    def process_written(
+        self,
+        place: ArrayLike,
+        word: ArrayLike,
+        kind: ArrayLike,
+        write: ArrayLike,
+        write_addr: ArrayLike,
+        data: ArrayLike,
+    ) -> Codes:
+        """The word that is read in each clock from a memory that is written meanwhile."""
+        memory = np.array(self.contents, dtype=np.int64)
+        read = self.address(place, word, kind)
+        columns = [np.asarray(c).tolist() for c in (read, write, write_addr, data)]
+        found = []
+        for source, writes, to, given in zip(*columns, strict=True):
+            found.append(memory[source])
+            if writes:
+                memory[to] = given
+        return np.array(found, dtype=np.int64)
 
 
 def block_of(name: ArrayLike, negative: ArrayLike) -> Codes:

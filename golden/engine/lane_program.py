@@ -233,7 +233,11 @@ def start_of(opens: int, lane: int) -> int:
 
 
 def assemble_lanes(
-    graph: Graph, table: LineTable | None, lanes: int, pipeline: LanePipeline
+    graph: Graph,
+    table: LineTable | None,
+    lanes: int,
+    pipeline: LanePipeline,
+    every: bool = False,
 ) -> LaneProgram:
     """The program of a graph.
 
@@ -244,6 +248,8 @@ def assemble_lanes(
         That of the graph's functions; None where no neuron looks anything up.
     lanes : int
     pipeline : LanePipeline
+    every : bool
+        Whether all of these lanes are there, even if the graph has no work for some.
 
     Raises
     ------
@@ -253,7 +259,7 @@ def assemble_lanes(
     """
     if table:
         check_words(table)
-    shared = shared_out(graph, lanes)
+    shared = shared_out(graph, lanes, every)
     _check(shared)
     steps = shared.schedule(pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)

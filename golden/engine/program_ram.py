@@ -25,7 +25,7 @@ class ProgramRam(Stepped):
     begin : int
         First address of the program, which stands behind the table.
     segment_addr_width : int
-        Bits of a segment's address.
+        Bits of a segment's address; 0 for no table.
     registers : int
         Number of registers behind the memory.
 
@@ -49,22 +49,29 @@ class ProgramRam(Stepped):
 
     def __post_init__(self) -> None:
         words = 1 << self.addr_width
-        if not 0 < self.begin < words:
+        least = int(self.segment_addr_width > 0)
+        if not least <= self.begin < words:
             raise InputError(
-                f"{self.entity}: got {self.begin} words of the table, expected 1 to {words - 1} "
-                f"in a memory of {words}"
+                f"{self.entity}: got {self.begin} words of the table, expected {least} to "
+                f"{words - 1} in a memory of {words}"
             )
 
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
-        return (
-            *self.counter_ports,
+        looked = (
             self.segment_port,
             input_port(
                 "look_up",
                 "the word at `segment` is read; otherwise, and in a write, `table_word` is 0",
             ),
+        )
+        found = output_port(
+            "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
+        )
+        return (
+            *self.counter_ports,
+            *(looked if self.segment_addr_width else ()),
             input_port("write", "`data` is written, and nothing is read"),
             input_port(
                 "write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"
@@ -75,9 +82,7 @@ class ProgramRam(Stepped):
                 f"the word at the counter, {later(self.latency)}; unchanged by a write",
                 word,
             ),
-            output_port(
-                "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
-            ),
+            *([found] if self.segment_addr_width else ()),
         )
 
     @property

@@ -14,9 +14,9 @@ from golden.dense import Trained
 from golden.engine.formats import DROPPED, HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
-from golden.engine.function_table import SEGMENT_WIDTH, blocks_of, joined, table_of
+from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
 from golden.engine.graph import Graph
-from golden.engine.image import Image, Sizes, image_of
+from golden.engine.image import Image, Sizes, image_of, own_image
 from golden.engine.image_loader import ImageLoader
 from golden.engine.integer_network import IntegerNetwork
 from golden.engine.multiply_accumulate import MultiplyAccumulate
@@ -135,7 +135,7 @@ class Engine(Design):
                 "hardware.reload: got true with multiplier 'serial', expected multiplier 'dsp'"
             )
         integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
-        graph = graph_of(integers, lean)
+        graph = cls.graph_for(integers, lean)
         # Straight functions alone need no table, so the width of its segments is any.
         table = joined(
             graph.functions, chosen["segment_width"] if graph.looks_up else SEGMENT_WIDTH
@@ -147,10 +147,7 @@ class Engine(Design):
         loaded = None
         program: Program
         if reload:
-            own = 0 if graph.functions == (TANH,) else blocks_of(graph.functions)
-            sizes = Sizes(**{"table_blocks": own, **chosen}, pipeline=pipeline)
-            sizes = replace(sizes, rectifies=graph.rectifies, cut=graph.cut, even=graph.even)
-            loaded = image_of(graph, sizes)
+            loaded = own_image(graph, Sizes, {**chosen, "pipeline": pipeline})
             program, acc_width = loaded.program, loaded.sizes.acc_width
         elif serial:
             program = assemble_serial(graph, table, SerialPipeline())
@@ -268,7 +265,18 @@ class Engine(Design):
             When they do not fit, or when the program is part of the hardware.
         """
         integers = integer_networks(arrangement, networks, met, self._sizes.segment_width)
-        return image_of(graph_of(integers), self._sizes)
+        return image_of(self.graph_for(integers), self._sizes)
+
+    @classmethod
+    def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
+        """The graph of networks that the design can compute.
+
+        Raises
+        ------
+        InputError
+            For networks that it cannot.
+        """
+        return graph_of(integers, lean)
 
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""
@@ -299,7 +307,7 @@ class Engine(Design):
     @property
     def image_loader(self) -> ImageLoader:
         sizes = self._sizes
-        return ImageLoader(sizes.program_addr_width, self.addr_width, sizes.check_start)
+        return ImageLoader(sizes.words, self.addr_width, sizes.check_start)
 
     @property
     def program_ram(self) -> ProgramRam:

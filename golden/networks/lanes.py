@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -12,15 +12,20 @@ from golden.block import Block
 from golden.dense import Trained
 from golden.engine.frame_check import FrameCheck
 from golden.engine.function_table import SEGMENT_WIDTH, joined
+from golden.engine.graph import Graph
+from golden.engine.image import own_image
+from golden.engine.integer_network import IntegerNetwork
 from golden.engine.lane_accumulate import LaneAccumulate
+from golden.engine.lane_groups import shared_out
+from golden.engine.lane_image import LaneSizes
 from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
 from golden.engine.loop_program import LoopProgram, looped
-from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.program_memory import ProgramMemory
+from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.fixed import Codes
 from golden.input_error import InputError
@@ -40,14 +45,23 @@ class Lanes(Engine):
     Parameters
     ----------
     program : LaneProgram
-    acc_width, integers, graph
+    acc_width, integers, graph, loaded
         See ``Engine``.
     asked : int
         The lanes that the scene asks for. No more are built than a layer has nodes for.
     """
 
     block = "lanes"
-    options: ClassVar[tuple[str, ...]] = ("lanes", "segment_width", "pipeline", "interval")
+    options: ClassVar[tuple[str, ...]] = (
+        "lanes",
+        "segment_width",
+        "pipeline",
+        "interval",
+        "reload",
+        "program_words",
+        "operand_words",
+        "table_blocks",
+    )
     program: LaneProgram
     asked: int = LANES
 
@@ -55,36 +69,44 @@ class Lanes(Engine):
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        lanes = settings.options.get("lanes", LANES)
-        width = settings.options.get("segment_width", SEGMENT_WIDTH)
-        assert isinstance(lanes, int)
-        assert isinstance(width, int)
+        chosen: dict[str, Any] = {
+            "lanes": LANES,
+            "segment_width": SEGMENT_WIDTH,
+            "pipeline": "short",
+            **settings.options,
+        }
+        lanes, width = chosen["lanes"], chosen["segment_width"]
+        reload, asked = chosen.pop("reload", False), chosen.pop("interval", None)
         if not 1 <= lanes <= MOST_LANES:
             raise InputError(f"hardware.lanes: got {lanes}, expected 1 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
-        graph = graph_of(integers, settings.lean)
-        if any(layer.added for network in integers for layer in network.layers):
-            raise InputError(
-                "network: got sums of functions with design 'lanes', which looks up one function "
-                "in a sum, expected design 'engine'"
-            )
-        looked_up = graph.looks_up
-        table = joined(graph.functions, width)
-        if settings.lean:
-            table = table.within(graph.reach(table))
-        pipeline = LanePipeline(int(settings.options.get("pipeline") == "deep"))
-        least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
+        graph = cls.graph_for(integers, settings.lean)
+        pipeline = LanePipeline(int(chosen.pop("pipeline") == "deep"))
+        loaded = None
+        if reload:
+            loaded = own_image(graph, LaneSizes, {**chosen, "pipeline": pipeline})
+            acc_width = loaded.sizes.acc_width
+            program = loaded.program
+            assert isinstance(program, LaneProgram)
+            program = replace(program, shared=shared_out(graph, lanes, every=True))
+        else:
+            table = joined(graph.functions, width)
+            if settings.lean:
+                table = table.within(graph.reach(table))
+            least = LEAST_ACC_WIDTH if settings.lean else WHOLE_ACC_WIDTH
+            acc_width = max(least, graph.sum_bits(table))
+            program = assemble_lanes(graph, table if graph.looks_up else None, lanes, pipeline)
         built = cls(
-            assemble_lanes(graph, table if looked_up else None, lanes, pipeline),
-            max(least, graph.sum_bits(table)),
+            program,
+            acc_width,
             integers,
             graph,
+            loaded,
             asked=lanes,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-        interval = settings.options.get("interval", built.interval)
-        assert isinstance(interval, int)
+        interval = built.interval if asked is None else asked
         if interval >= built.interval:
             return built
         if built.loaded:
@@ -92,6 +114,15 @@ class Lanes(Engine):
                 f"hardware.interval: got {interval} with reload, expected {built.interval} or more"
             )
         return replace(built, program=looped(built.program, graph, interval))
+
+    @classmethod
+    def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
+        if any(layer.added for network in integers for layer in network.layers):
+            raise InputError(
+                "network: got sums of functions with design 'lanes', which looks up one function "
+                "in a sum, expected design 'engine'"
+            )
+        return super().graph_for(integers, lean)
 
     @property
     def lanes(self) -> int:
@@ -166,9 +197,22 @@ class Lanes(Engine):
         return ProgramMemory((), program.words, program.notes, 1, registers)
 
     @property
+    def program_ram(self) -> ProgramRam:
+        registers = self.program.pipeline.memory_registers
+        return ProgramRam(self._sizes.program_addr_width, 0, 0, registers)
+
+    @property
     def lane_memories(self) -> tuple[LaneMemory, ...]:
         """The weights of each lane, and its table."""
         program = self.program
+        if self.loaded:
+            room = LaneMemory.empty(
+                self.loaded.sizes.program_words,
+                self.loaded.sizes.table_words,
+                program.segment_width,
+                program.blocks,
+            )
+            return (replace(room, variant=self.variant),) * self.lanes
         return tuple(
             LaneMemory(
                 tuple(row[lane] for row in program.weights),
@@ -207,9 +251,11 @@ class Lanes(Engine):
         )
 
     def parts(self) -> tuple[Block, ...]:
+        control: tuple[Block, ...] = (self.frame_check, self.program_memory)
+        if self.loaded:
+            control = (self.image_loader, self.frame_guard, self.program_ram)
         return (
-            self.frame_check,
-            self.program_memory,
+            *control,
             *([self.sample_memory] if self.loops else []),
             *[self.operand_memory] * self.lanes,
             *self.lane_memories,

@@ -108,7 +108,7 @@ def _(network: Lanes) -> Flow:
             network.accumulators[0],
             Carried(f"{network.outputs} y", SIGNAL),
         ),
-        watcher=network.frame_check,
+        watcher=network.frame_guard if network.loaded else network.frame_check,
     )
 
 

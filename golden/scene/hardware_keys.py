@@ -151,17 +151,20 @@ HARDWARE = KeyTable(
         "reload": Key(
             Flag(),
             False,
-            "Only for `engine`. With `true` the program is not part of the hardware: it is an "
-            "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
-            "depends only on `program_words`, `operand_words`, `table_blocks`, `segment_width` and "
-            "`pipeline`, on whether the scene's own network has ReLU, and on the kinds of its "
-            "quantisers. A scene with a section [uart](#uart) loads the image over that line. Any "
-            "other scene must have no front end, no visualisation and no `axi_stream`.",
+            "Only for `engine` and `lanes`. With `true` the program is not part of the hardware: "
+            "it is an image that is loaded ([image_loader](blocks/image_loader.md)). The hardware "
+            "then depends only on `program_words`, `operand_words`, `table_blocks`, "
+            "`segment_width`, `pipeline` and `lanes`, on whether the scene's own network has ReLU, "
+            "and on the kinds of its quantisers. A scene with a section [uart](#uart) loads the "
+            "image over that line. Any other scene must have no front end, no visualisation and "
+            "no `axi_stream`.",
         ),
         "program_words": Key(
             Whole(absent=True),
             0,
-            "Only with `reload`. The number of words of the program memory, a power of two.",
+            "Only with `reload`. The number of words of the program memory, a power of two. With "
+            "`lanes` each half of a lane's memory has as many: 8192 at most, and no fewer than the "
+            "tables take, which for tanh are 512.",
             "512",
         ),
         "operand_words": Key(
@@ -174,9 +177,9 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only with `reload`. The number of blocks for [tables of functions]"
-            "(#functions-of-your-own) in the program memory. With any blocks, each image brings "
-            "the functions of its own network, as many as the blocks hold; without them there is "
-            "the table of tanh alone.",
+            "(#functions-of-your-own) in the program memory, or in that of each lane. With any "
+            "blocks, each image brings the functions of its own network, as many as the blocks "
+            "hold; without them there is the table of tanh alone.",
             "what the scene's own functions take",
         ),
         "adders_per_clock": Key(

@@ -59,7 +59,7 @@ def image_loader(
     addr_top = addr_low + spec.program_addr_width
     samples_top = samples_low + spec.operand_addr_width
     count_top = addr_low + LAST_ADDR[1]
-    words = 1 << spec.program_addr_width
+    words = spec.words
     start = spec.check_start
     # The highest bits of a word's first byte are not used.
     held = unsigned(held_width)

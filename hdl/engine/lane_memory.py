@@ -10,7 +10,18 @@ from hdl.common.signals import flag, unsigned
 
 
 @block
-def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
+def lane_memory(
+    clk,
+    *,
+    place,
+    coeff,
+    word=None,
+    kind=None,
+    write=None,
+    write_addr=None,
+    data=None,
+    spec: LaneMemory,
+):
     """One word of 18 bits a clock: the weight at a place, or a word of the table.
 
     Parameters
@@ -21,6 +32,8 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
     word, kind : signed 18 bits, unsigned 2 bits
         Where there is a table: with kind 1 the intercept of the word's segment is read, with kind 2
         its slope.
+    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 18 bits
+        Where words can be written.
     coeff : unsigned 18 bits
         It comes one clock later.
     spec : LaneMemory
@@ -29,15 +42,26 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
     -----
     The table lies in the lower half of the memory, and the weights in the upper one.
     """
-    memory = Constants(spec.contents, WIDTH, spec.meanings)
     address = unsigned(spec.addr_width)
+    if spec.written:
+        memory = [unsigned(WIDTH) for _ in spec.contents]
+
+        @always(clk.posedge)
+        def keep():
+            if write:
+                memory[write_addr].next = data
+
+        kept = keep
+    else:
+        memory = Constants(spec.contents, WIDTH, spec.meanings)
+        kept = ()
 
     @always(clk.posedge)
     def read():
         coeff.next = memory[address]
 
     if not spec.table:
-        return read, connect(place, address)
+        return kept, read, connect(place, address)
 
     sign, low, bits = HIDDEN.width - 1, spec.segment_width, spec.segment_bits
     # One bit says whether the word is a slope, and those above the segment's are 0.
@@ -106,4 +130,4 @@ def lane_memory(clk, *, place, coeff, word=None, kind=None, spec: LaneMemory):
         else:
             address.next = concat(True, placed)
 
-    return read, look, cut, complement, named, find, widen, choose
+    return kept, read, look, cut, complement, named, find, widen, choose

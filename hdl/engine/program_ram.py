@@ -16,13 +16,13 @@ def program_ram(
     start,
     run,
     finish,
-    segment,
-    look_up,
+    segment=None,
+    look_up=None,
     write,
     write_addr,
     data,
     word,
-    table_word,
+    table_word=None,
     spec: ProgramRam,
 ):
     """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
@@ -39,6 +39,7 @@ def program_ram(
         In the clock of a write nothing is read: ``word`` keeps its value, and ``table_word`` is 0.
     word, table_word : unsigned 36 bits
         They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
+        Without a table there is no word of it, and nothing that asks for one.
     spec : ProgramRam
 
     Notes
@@ -79,11 +80,17 @@ def program_ram(
         else:
             fetched.next = memory[addr]
 
+    counted = decide, step, choose, fetch
+    if not spec.segment_addr_width:
+        if spec.registers:
+            return counted, delay(clk, None, fetched, word, clocks=spec.registers)
+        return counted, connect(fetched, word)
+
     @always_comb
     def ask():
         asked.next = look_up and not write
 
-    common = decide, step, choose, fetch, ask
+    common = counted, ask
     if not spec.registers:
 
         @always(clk.posedge)

@@ -10,16 +10,20 @@ from golden.networks.lanes import Lanes
 from golden.precision import SIGNAL
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
+from hdl.engine.frame_guard import frame_guard
+from hdl.engine.image_loader import image_loader
 from hdl.engine.lane_accumulate import lane_accumulate
 from hdl.engine.lane_memory import lane_memory
 from hdl.engine.lane_round import lane_round
 from hdl.engine.operand_memory import operand_memory
 from hdl.engine.program_memory import program_memory
+from hdl.engine.program_ram import program_ram
+from hdl.network_parts.lane_image import lane_image
 from hdl.network_parts.lane_loop import lane_loop
 
 
 @block
-def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
+def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=None, spec: Lanes):
     """A frame of sensor samples in, a frame of outputs out, on several multipliers.
 
     Parameters
@@ -32,13 +36,17 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
         It is high for one clock for each frame that has the wrong length, or that begins before the
         last output of the frame before has left. Such a frame yields no result. In a loop a frame
         may begin sooner, ``spec.busy`` clocks after the last sample of the good frame before.
+    load, image : Group
+        Lanes that can be reloaded have them: ``valid``, ``data``, ``last`` and ``ready`` of the
+        bytes of an image, and ``error`` after an image that is not good. Frames raise
+        ``frame_error`` until a good image is there.
     spec : Lanes
 
     Notes
     -----
     The fields of a step stand in several words of the program, each where the clock of its use
     finds it; docs/blocks/lanes.md shows which. Clocks from the last sample to the outputs:
-    ``spec.clocks_text``. Reset clears every flag and counter.
+    ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.
     """
     count = spec.lanes
     memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
@@ -58,6 +66,15 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     acc = Words(count, lambda: signed(spec.acc_width))
     high, low = (Words(count, flag) for _ in range(2))
     first_data = data[0]
+    # What an image writes into the memory of each lane, if one is loaded.
+    lane_put, lane_word, lane_addr = (None,) * count, (None,) * count, None
+    if spec.loaded:
+        sizes, loader = spec.loaded.sizes, spec.image_loader
+        halt, busy, put, put_program = (flag() for _ in range(4))
+        put_addr, put_word = unsigned(loader.program_addr_width), unsigned(WORD_WIDTH)
+        before_last, row = unsigned(spec.addr_width), unsigned(sizes.program_addr_width)
+        lane_put, lane_addr = Words(count, flag), unsigned(memories[0].addr_width)
+        lane_word = Words(count, lambda: unsigned(WIDTH))
     source_low, kind_low, opens_low = fields("source")[0], fields("kind")[0], fields("opens")[0]
     place_top = memories[0].place_width
     source_top, kind_top, opens_top = source_low + spec.source_width, kind_low + 2, opens_low + 2
@@ -120,7 +137,62 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
     else:
         rectified = ()
 
-    if spec.loops:
+    if spec.loaded:
+        control = (
+            image_loader(
+                clk,
+                rst,
+                load,
+                busy=busy,
+                halt=halt,
+                write=put,
+                write_addr=put_addr,
+                word=put_word,
+                before_last=before_last,
+                image_error=image.error,
+                spec=loader,
+            ),
+            lane_image(
+                write=put,
+                write_addr=put_addr,
+                word=put_word,
+                row=row,
+                put=put_program,
+                lane_put=lane_put,
+                lane_addr=lane_addr,
+                lane_word=lane_word,
+                sizes=sizes,
+            ),
+            frame_guard(
+                clk,
+                rst,
+                in_,
+                halt=halt,
+                before_last=before_last,
+                store=store,
+                finish=finish,
+                start=start,
+                run=run,
+                busy=busy,
+                write=write,
+                write_addr=write_addr,
+                frame_error=frame_error,
+                spec=spec.frame_guard,
+            ),
+            program_ram(
+                clk,
+                rst,
+                start=start,
+                run=run,
+                finish=finish,
+                write=put_program,
+                write_addr=row,
+                data=put_word,
+                word=word,
+                spec=spec.program_ram,
+            ),
+        )
+    elif spec.loops:
         control = lane_loop(
             clk,
             rst,
@@ -185,6 +257,9 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Lanes):
                 coeff=coeff[j],
                 word=read[j] if spec.looks_up else None,
                 kind=kind if spec.looks_up else None,
+                write=lane_put[j],
+                write_addr=lane_addr,
+                data=lane_word[j],
                 spec=memories[j],
             )
             for j in range(count)

@@ -469,6 +469,18 @@ RELOADED = {
         hardware='reload = true\npipeline = "deep"\nprogram_words = 1024\noperand_words = 256',
     ),
 }
+# The same of several multipliers: an odd number of them, of which one has no node of its own; with
+# ReLU, registers behind the memories and tables of other functions.
+RELOADED_LANES = {
+    "rails-lanes-reload": replace(LANE, shapes=[(3, 2, 3)], hardware="lanes = 3\nreload = true"),
+    "tables-lanes-reload": replace(
+        LANES["tables-lanes"],
+        shapes=[(2, 3, 3, 1)],
+        activations=("table:soft,bell,soft", "relu"),
+        hardware='lanes = 2\nreload = true\npipeline = "deep"\nsegment_width = 12\n'
+        "program_words = 256",
+    ),
+}
 # For a block inside an engine: the sums reach every segment of the table, or few of a finer one, or
 # there are registers behind the memories.
 ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}

@@ -29,7 +29,7 @@ def properties(twin):
             {check_byte("load_data")}
         end
         wire [{bits}:0] words = header[{low + bits - 1}:{low}] + 1;
-        wire room = words <= {1 << addr};
+        wire room = words <= {twin.words};
         wire inside = count != 0 && room && count <= words;
         wire ends_good = count != 0 && room && count == words + 1 && part == 1 && sum == 0;
         always @(posedge clk) begin
@@ -88,7 +88,7 @@ def properties(twin):
                 (r"check\[8-1:0\] == 0\)", "1'b1)"),
                 (r"headed && ended && \(place == 1\)", "headed && ended"),
                 (r"whole <= \(load_last && good\)", "whole <= good"),
-                (r"fits = \(named < 512\)", "fits = 1'b1"),
+                (rf"fits = \(named < {twin.words}\)", "fits = 1'b1"),
                 (r"accept \|\| \(!whole\)", "!whole"),
             ),
             clocks=14,
@@ -111,7 +111,7 @@ def properties(twin):
             refuted_by=(
                 (r"addr <= gathered\[9-1:0\]", "addr <= gathered[10-1:1]"),
                 (r"full && headed && \(!ended\)", "full && (!ended)"),
-                (r"fits = \(named < 512\)", "fits = (named[17:10] == 0)"),
+                (rf"fits = \(named < {twin.words}\)", "fits = (named[17:10] == 0)"),
                 (r"load_valid && \(!busy\)", "load_valid"),
                 (r"held <= gathered\[28-1:0\]", "held <= {gathered[27:1], 1'b0}"),
             ),

@@ -6,6 +6,9 @@ large a memory.
 
 from tb.engine.prove_program_memory import counted
 
+# It has no table.
+ALSO = ("rails-lanes-reload",)
+
 
 def properties(twin):
     return [counted(twin, 1 << twin.addr_width)]

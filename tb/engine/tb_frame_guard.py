@@ -18,10 +18,10 @@ import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, writer
 from tb.common.framing import random_lengths
-from tb.common.small import RELOADED
+from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, spread
 
-CASES = RELOADED
+CASES = RELOADED | RELOADED_LANES
 FAULTS = [
     (r"\(halt && \(in_valid \|\| started\)\)", "(halt && in_valid)"),
     (r"finish \|\| broken \|\| halt", "finish || broken"),

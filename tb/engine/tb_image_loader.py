@@ -14,18 +14,20 @@ other.
 Does not prove: that every change of an image is found, which no check of 16 bits can do.
 """
 
+from dataclasses import replace
+
 import cocotb
 import numpy as np
 
-from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
+from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image
 from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.images import fitting_checks, naming, with_check
-from tb.common.small import RELOADED
+from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets
 
-CASES = RELOADED
+CASES = RELOADED | RELOADED_LANES
 FAULTS = [
     (r"check_byte0_spread\[0\]", "check_byte0_spread[1]"),
     (r"accept = \(load_valid && \(!busy\)\)", "accept = load_valid"),
@@ -55,7 +57,7 @@ def random_image(bench, words):
 def matching(bench, words):
     """Wrong images of so many words, whose check, or a part of it, is right all the same."""
     sizes = bench.around(Engine)[0].loaded.sizes
-    most, image = sizes.program_words, random_image(bench, words).to_bytes()
+    most, image = sizes.words, random_image(bench, words).to_bytes()
     sent = image[:-CHECK_BYTES]
     # The header names one word more than the memory has, or more by the size of the memory, or more
     # by a power of two. The low bits of the larger counts are those of the words that come.
@@ -81,12 +83,12 @@ def streams(bench):
         changed = bytearray(image)
         changed[place] ^= 1 << rng.integers(0, 8)
         wrong.append(bytes(changed))
-    other = Sizes(2 * sizes.program_words, sizes.operand_words, sizes.segment_width)
+    other = replace(sizes, program_words=2 * sizes.program_words)
     wrong.append(Image(other, 3, (1, 2, 3)).to_bytes())
     wrong += [*matching(bench, 1), *matching(bench, 3)]
     found = [(data, True) for data in 4 * whole] + [(data, False) for data in wrong]
     order = rng.permutation(len(found))
-    full = (random_image(bench, sizes.program_words).to_bytes(), True)
+    full = (random_image(bench, sizes.words).to_bytes(), True)
     return [found[n] for n in order] + [full, (whole[0], True)]
 
 

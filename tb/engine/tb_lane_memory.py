@@ -3,7 +3,8 @@
 Sweeps: every weight, with each kind that reads weights. Where there is a table: four codes of every
 segment that a code of a hidden sum can lie in, with both of its ends among them, on either side of
 0, each with both kinds that look up, and in each block if there are several.
-Drives: a place, a word and a kind every clock, in random order.
+Drives: a place, a word and a kind every clock, in random order. A memory that can be written gets
+random words at every address first, and then at random ones, half of them those that are read.
 Checks: the coefficient bit for bit, and the clock in which it appears.
 Does not prove: that the weights are the right ones (tests/test_lanes.py does).
 """
@@ -11,14 +12,14 @@ Does not prove: that the weights are the right ones (tests/test_lanes.py does).
 import cocotb
 import numpy as np
 
-from golden.engine.formats import HIDDEN
+from golden.engine.formats import HIDDEN, WIDTH
 from golden.engine.graph import Kind
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LANES
+from tb.common.small import LANES, RELOADED_LANES
 
 # The first has weights alone, the second smaller segments, and the others several blocks.
 ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes")
-CASES = {name: LANES[name] for name in ("rails-lanes", *ALSO)}
+CASES = {name: LANES[name] for name in ("rails-lanes", *ALSO)} | RELOADED_LANES
 FAULTS = [
     (r"(memory\[1\] <= \S+);", r"\1 ^ 1;"),
     (r"segment = \(~part\)", "segment = part"),
@@ -55,16 +56,38 @@ def timeline(bench):
     return {name: np.append(column[order], 0) for name, column in columns.items()}
 
 
+def with_writes(bench, drive):
+    """The columns with those of writes, and the number of clocks in which every word is written."""
+    twin, rng = bench.twin, bench.rng
+    words, length = len(twin.contents), len(drive["place"])
+    read = twin.address(drive["place"], drive["word"], drive["kind"])
+    some = np.where(rng.random(length) < 1 / 2, read, rng.integers(0, words, length))
+    writes = {
+        "write": np.concatenate([np.ones(words, dtype=np.int64), rng.random(length) < 1 / 4]),
+        "write_addr": np.concatenate([rng.permutation(words), some]),
+        "data": rng.integers(0, 1 << WIDTH, words + length),
+    }
+    longer = {name: np.concatenate([np.zeros(words, np.int64), c]) for name, c in drive.items()}
+    return longer | writes, words
+
+
 @cocotb.test()
 async def coefficients(dut):
     bench = Bench(dut)
-    drive = timeline(bench)
+    twin, drive, before = bench.twin, timeline(bench), 0
+    if twin.written:
+        drive, before = with_writes(bench, drive)
     recording = await bench.play(drive, ["coeff"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     seen = [recording.unsigned("place", rows)]
-    if bench.twin.table:
+    if twin.table:
         seen += [recording.signed("word", rows), recording.unsigned("kind", rows)]
         bench.meet("word", seen[1])
-    got = recording.unsigned("coeff", rows + bench.latency)
-    bench.compare("coeff", got, bench.twin.process(*seen), place=seen[0])
-    bench.finish(at_least=len(bench.twin.weights))
+    if twin.written:
+        seen += [recording.unsigned(name, rows) for name in ("write", "write_addr", "data")]
+        expected = twin.process_written(*seen)[before:]
+    else:
+        expected = twin.process(*seen)
+    got = recording.unsigned("coeff", rows[before:] + bench.latency)
+    bench.compare("coeff", got, expected, place=seen[0][before:])
+    bench.finish(at_least=len(twin.weights))

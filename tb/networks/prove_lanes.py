@@ -5,11 +5,12 @@ the same for every frame.
 """
 
 from golden.engine.loop_program import LoopProgram
-from tb.networks.prove_engine import built_in
+from tb.networks.prove_engine import built_in, loaded
 from tb.sign_off.properties import Property
 
-# The first has ReLU, eight lanes and no table. In the second frames overlap.
-ALSO = ("relu-lanes", "rails-loop")
+# The first has ReLU, eight lanes and no table. In the second frames overlap. Into the third images
+# are loaded.
+ALSO = ("relu-lanes", "rails-loop", "rails-lanes-reload")
 # What a reset clears of the model.
 CLEARED = (
     *("samples", "pause", "at", "skipping", "told", "loops", "asked", "began", "began_before"),
@@ -20,6 +21,8 @@ CLEARED = (
 def properties(twin):
     if isinstance(twin.program, LoopProgram):
         return [outputs_of_a_loop(twin)]
+    if twin.loaded:
+        return [*loaded(), placed(twin)]
     return built_in(twin, "samples")
 
 
@@ -104,4 +107,44 @@ def outputs_of_a_loop(twin):
         ),
         clocks=inputs + 9,
         induction=3,
+    )
+
+
+def placed(twin):
+    """Where the words of an image go."""
+    sizes, lanes = twin.loaded.sizes, range(twin.lanes)
+    table, columns = sizes.table_words, sizes.columns
+    own = [f"behind && column == {1 + lane // 2}" for lane in lanes]
+    high = [f"put_word[{18 * (lane % 2) + 17}:{18 * (lane % 2)}]" for lane in lanes]
+    return Property(
+        name="words where they belong",
+        sentence=f"The first {table} words of an image are written to the tables of every lane. "
+        f"Behind them are rows of {columns} words: the first is that of the program, and in each "
+        "further one there are the weights of two lanes, at the place of the row.",
+        states=(
+            "put_program == (put && behind && column == 0)",
+            *(f"lane_put_{n} == (put && (!behind || ({own[n]})))" for n in lanes),
+            f"!behind || (row == number && lane_addr == {sizes.program_words} + number)",
+            "behind || lane_addr == put_addr",
+            *(f"lane_word_{n} == {high[n]}" for n in lanes),
+        ),
+        watch=f"""
+            wire [31:0] address = put_addr;
+            wire behind = address >= {table};
+            wire [31:0] number = (address - {table}) / {columns};
+            wire [31:0] column = (address - {table}) % {columns};
+        """,
+        assumes={
+            "No address is beyond those that an image may have, which image_loader proves.": (
+                f"put_addr < {sizes.words}"
+            )
+        },
+        free=("put", "put_addr", "put_word"),
+        reached=("put_program && row == 3", "put && !behind"),
+        refuted_by=(
+            (r"put_addr\[\d+-1:\d+\] - 1\)", "put_addr[10:9])"),
+            (r"lane_put_0 = .*;", "lane_put_0 = put;"),
+            (r"lane_word_1 = .*;", "lane_word_1 = put_word[17:0];"),
+        ),
+        clocks=2,
     )
