@@ -10,6 +10,7 @@ import pytest
 
 from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
 from golden.function import read_function
+from golden.function_network import of_parabolas
 from golden.input_error import InputError
 from golden.mlp import tanh
 from golden.networks.adder_graph import AdderGraph
@@ -214,6 +215,9 @@ def test_what_it_cannot_compute_is_refused_by_name() -> None:
     deep = [random_network((2, 3, 3, 1), ("relu", "relu"), 1.0, seed) for seed in (1, 2)]
     with pytest.raises(InputError, match="got 'adder_graph' for hidden layers of relu, relu, exp"):
         AdderGraph.of(deep, Settings(EXACT, "bipartite"), "multiple")
+    many = of_parabolas((3, 2, 1), 0).layers()
+    with pytest.raises(InputError, match="for hidden layers of 6 functions, table:g1_1,g1_2, exp"):
+        Hybrid.of([many], Settings(EXACT, "gradient"))
     for width, said in ((2, "expected 3 to 18"), (19, "expected 3 to 18")):
         with pytest.raises(InputError, match=rf"hardware.word_width: got {width}, {said}"):
             AdderGraph.of(deep[:1], narrow(width))

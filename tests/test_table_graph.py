@@ -147,9 +147,9 @@ def test_recorded_frames_give_the_range_of_a_hidden_sum() -> None:
         return np.abs(SIGNAL.to_real(design.process(codes)) - network.process(real)).mean(axis=0)
 
     assert (off(fine) < off(coarse)).all()
-    assert not fine.saturations(codes)["hidden sums"].any()
-    assert fine.saturations(2 * codes)["hidden sums"].any()
-    assert not coarse.saturations(2 * codes)["hidden sums"].any()
+    assert not fine.saturations(codes)["layer of hidden sums"].any()
+    assert fine.saturations(2 * codes)["layer of hidden sums"].any()
+    assert not coarse.saturations(2 * codes)["layer of hidden sums"].any()
 
 
 def test_only_the_chosen_bits_are_read_and_given() -> None:
@@ -277,6 +277,6 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     assert (design.latency, design.interval, design.outputs) == (5, 1, 4)
     assert all(table.part.width <= MOST_ADDRESS for table in design.first + design.second)
     codes = scene.vectors().codes
-    assert not design.saturations(codes)["hidden sums"].any()
+    assert not design.saturations(codes)["layer of hidden sums"].any()
     real = scene.process_real(SIGNAL.to_real(codes))
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()

@@ -7,11 +7,15 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
 from golden.dense import Trained
+from golden.function import table_names
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.network import Network
 from golden.networks.settings import DEFAULTS, Settings
 from golden.precision import PRECISIONS
+
+# A message names the functions of a layer if there are fewer than these.
+MOST_NAMED = 4
 
 
 @dataclass(frozen=True)
@@ -128,9 +132,11 @@ class Design(Network):
         found = []
         for network in networks:
             if not isinstance(network, Mlp):
+                several = ((kind, len(table_names(kind))) for kind in network.activations)
+                kinds = [kind if n < MOST_NAMED else f"{n} functions" for kind, n in several]
                 raise InputError(
                     f"hardware.design: got {cls.block!r} for hidden layers of "
-                    f"{', '.join(network.activations) or 'none'}, expected 'engine', which takes "
+                    f"{', '.join(kinds) or 'none'}, expected 'engine', which takes "
                     "any, or a network of one hidden layer of tanh"
                 )
             found.append(network)

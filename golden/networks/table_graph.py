@@ -183,7 +183,7 @@ class TableGraph(Design):
     def saturations(self, frames: Codes) -> dict[str, Codes]:
         words = np.stack(self.hidden.words(self.hidden_words(frames).T), axis=-1)
         fmt = self.hidden.out_fmt
-        return {"hidden sums": ((words < fmt.low) | (words > fmt.high)).sum(axis=-1)}
+        return {"layer of hidden sums": ((words < fmt.low) | (words > fmt.high)).sum(axis=-1)}
 
     @property
     def extremes(self) -> Codes:
