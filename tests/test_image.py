@@ -35,10 +35,11 @@ ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 
-def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
-    """The networks of a shipped scene, on an engine that can be reloaded."""
+def reloadable(name: str, folder: Path, keys: str = "", design: str = "engine") -> Scene:
+    """The networks of a shipped scene, on hardware that can be reloaded."""
     path = scene_path(name)
-    text = re.sub(r'design = "\w+"', f'design = "engine"\nreload = true\n{keys}', path.read_text())
+    text = path.read_text()
+    text = re.sub(r'design = "\w+"', f'design = "{design}"\nreload = true\n{keys}', text)
     text = re.sub(
         r'"([^"]+\.(?:csv|npz))"', lambda found: f'"{(path.parent / found[1]).resolve()}"', text
     )

@@ -5,7 +5,6 @@ What the loader does with bytes is tested in ``tests/test_image.py``.
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from binascii import crc_hqx
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_engine import random_codes
+from test_image import reloadable
 
 from golden.commands.image import main
 from golden.dense import Quantiser, Trained, layers_of
@@ -28,7 +28,7 @@ from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
-from golden.scene import Scene, load_scene, scene_path
+from golden.scene import Scene, load_scene
 from golden.scene.image import scene_image
 from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
@@ -42,16 +42,9 @@ CASES = {
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 
-def reloadable(name: str, folder: Path, keys: str = "lanes = 3") -> Scene:
+def on_lanes(name: str, folder: Path, keys: str = "lanes = 3") -> Scene:
     """The networks of a shipped scene, on lanes that can be reloaded."""
-    path = scene_path(name)
-    text = re.sub(r'design = "\w+"', f'design = "lanes"\nreload = true\n{keys}', path.read_text())
-    text = re.sub(
-        r'"([^"]+\.(?:csv|npz))"', lambda found: f'"{(path.parent / found[1]).resolve()}"', text
-    )
-    file = folder / f"{name}.toml"
-    file.write_text(text)
-    return load_scene(str(file))
+    return reloadable(name, folder, keys, "lanes")
 
 
 def lanes_for(network: Trained, **options: object) -> Lanes:
@@ -76,7 +69,7 @@ def check_results(hardware: Engine, image: Image, other: Design) -> None:
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_what_is_loaded_computes_what_the_scene_does(name: str, tmp_path: Path) -> None:
-    hardware = reloadable("digit", tmp_path).twin()
+    hardware = on_lanes("digit", tmp_path).twin()
     assert isinstance(hardware, Lanes)
     scene = load_scene(name)
     image = scene_image(scene, hardware)
@@ -235,7 +228,7 @@ def test_the_hardware_does_not_depend_on_the_image() -> None:
 
 
 def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> None:
-    scenes = [reloadable(name, tmp_path) for name in ("digit", "swing-single")]
+    scenes = [on_lanes(name, tmp_path) for name in ("digit", "swing-single")]
     for scene in scenes:
         for language in ("vhdl", "verilog"):
             command = [sys.executable, "-m", "hdl.export", str(scene.path), language]
@@ -250,7 +243,7 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> N
 
 
 def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    hardware = reloadable("digit", tmp_path)
+    hardware = on_lanes("digit", tmp_path)
     words = ["swing-single", "--hardware", str(hardware.path), "--build", str(tmp_path)]
     monkeypatch.setattr("sys.argv", ["image", *words])
     main()

@@ -9,6 +9,7 @@ import pytest
 
 from golden.dense import DenseNetwork
 from golden.function_network import Edge, FunctionNetwork
+from golden.networks.function_sums import learned
 from golden.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
 from tb.report.draw.pictures import pictures
@@ -17,7 +18,7 @@ from tb.report.measure.learned_edges import (
     INPUT,
     SUM,
     VALUES,
-    is_sum_of_functions,
+    form_of,
     nodes_of,
     scene_edges,
 )
@@ -39,10 +40,10 @@ def test_sums_and_outputs_are_those_of_the_network() -> None:
     inputs = np.random.default_rng(1).uniform(-1, 1, (50, 3))
     outputs = np.tile(model.layers[-1].biases, (50, 1))
     for found in nodes_of(model, inputs):
-        outer = [(place, edge.at(s)) for side, place, edge, s in found if side == SUM]
+        outer = [(place, edge.at(s)) for side, place, edge, s in found if side == SUM and edge]
         for place, values in outer:
             outputs[:, place] += values
-        inner = sum(edge.at(x) for side, _, edge, x in found if side == INPUT)
+        inner = sum(edge.at(x) for side, _, edge, x in found if side == INPUT and edge)
         sums = next(s for side, _, _, s in found if side == SUM)
         # What is left is the constant of the sum.
         assert np.ptp(sums - inner) < 1e-12
@@ -51,7 +52,8 @@ def test_sums_and_outputs_are_those_of_the_network() -> None:
 
 def test_every_edge_has_its_form() -> None:
     forms = [
-        [edge.form for _, _, edge, _ in found] for found in nodes_of(network(), np.zeros((2, 3)))
+        [form_of(edge) for _, _, edge, _ in found]
+        for found in nodes_of(network(), np.zeros((2, 3)))
     ]
     assert forms == [
         ["curved", "straight", "flat", "curved", "flat"],
@@ -60,7 +62,7 @@ def test_every_edge_has_its_form() -> None:
 
 
 def test_other_networks_have_no_such_edges(tmp_path: Path) -> None:
-    assert not is_sum_of_functions(random_mlp((2, 3, 1), 1.0, 1))
+    assert not learned(random_mlp((2, 3, 1), 1.0, 1))
     path = write_scene(tmp_path, "plain", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     scene = load_scene(str(path))
     assert scene_edges(scene) is None
@@ -94,7 +96,7 @@ def test_the_picture_of_a_scene_has_every_function(tmp_path: Path, arrangement: 
         else {"y0": ["x0", "x1", "x2", "y0"], "y1": ["x0", "x1", "x2", "y0", "y1"]}
     )
     for row in table.rows:
-        assert sum(map(float, row[-BINS:])) == pytest.approx(1)
+        assert sum(float(str(cell)) for cell in row[-BINS:]) == pytest.approx(1)
         assert (row[4] == "flat") == (not any(row[VALUES:-BINS]))
     drawn = next(
         one for one in pictures(scene) if isinstance(one, Picture) and one.name == "functions"

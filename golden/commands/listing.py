@@ -11,6 +11,7 @@ import sys
 from golden.block import walk
 from golden.cli import run, would
 from golden.engine.lane_listing import lane_listing
+from golden.engine.lane_program import LaneProgram
 from golden.engine.listing import listing
 from golden.engine.loop_listing import loop_listing
 from golden.engine.loop_program import LoopProgram
@@ -41,9 +42,9 @@ def main() -> None:
         )
     (engine,) = engines
     would(f"print the program of {engine.entity}")
-    if isinstance(engine, Lanes) and isinstance(engine.program, LoopProgram):
+    if isinstance(engine.program, LoopProgram):
         lines = loop_listing(engine.graph, engine.program)
-    elif isinstance(engine, Lanes):
+    elif isinstance(engine.program, LaneProgram):
         lines = lane_listing(engine.graph, engine.program)
     else:
         lines = listing(engine.graph, engine.program)

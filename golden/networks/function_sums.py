@@ -112,7 +112,7 @@ def function_sums(
     InputError
         For another network.
     """
-    if not _learned(network):
+    if not learned(network):
         raise InputError(
             f"hardware.design: got {design!r} for a network with other layers, expected one of "
             'learned functions, as training.functions = "spline" makes them; "engine" takes any'
@@ -159,7 +159,8 @@ def beside(networks: Sequence[FunctionSums]) -> FunctionSums:
     return FunctionSums(hidden, ranges, tuple(outputs))
 
 
-def _learned(network: Trained) -> bool:
+def learned(network: Trained) -> bool:
+    """Whether it is a network of learned functions."""
     if not isinstance(network, DenseNetwork) or len(network.layers) != HIDDEN_LAYERS + 1:
         return False
     if any(layer.quantiser for layer in network.layers):

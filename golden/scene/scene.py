@@ -24,7 +24,6 @@ from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
-from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL, THESIS, Precision
@@ -313,29 +312,25 @@ class Scene:
     def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
         given = self.networks() if networks is None else networks
-        options = dict(self.design_options)
-        if self.demand.interval and self.design == Lanes.block:
+        options, design = dict(self.design_options), DESIGNS.get(self.design)
+        if self.demand.interval and design and "interval" in design.options:
             options["interval"] = self.demand.interval
+        # One hidden layer of tanh needs no range, and so no frames.
+        ends = [((), ()) if isinstance(one, Mlp) else self._ends(one) for one in given]
         return Settings(
             self.precision,
             self.activation,
             self.activation_options,
             options,
             lean,
-            tuple(map(self._met, given)),
-            tuple(map(self._reached, given)),
+            tuple(met for met, _ in ends),
+            tuple(reached for _, reached in ends),
         )
 
-    def _met(self, network: Trained) -> tuple[float, ...]:
-        """The largest magnitudes in the hidden layers of a network on the recorded frames.
-
-        One hidden layer of tanh needs no range, and so no frames.
-        """
-        return () if isinstance(network, Mlp) else met_by(network, self.inputs_of(network))
-
-    def _reached(self, network: Trained) -> tuple[tuple[float, float], ...]:
-        """The ends of the sums that take functions, on the recorded frames."""
-        return () if isinstance(network, Mlp) else reached_by(network, self.inputs_of(network))
+    def _ends(self, network: Trained) -> tuple[tuple[float, ...], tuple[tuple[float, float], ...]]:
+        """What its layers, and its sums that take functions, come to on the recorded frames."""
+        inputs = self.inputs_of(network)
+        return met_by(network, inputs), reached_by(network, inputs)
 
     def inputs_of(self, network: Trained) -> Real:
         """The inputs of a network in the recorded frames, as signals.
