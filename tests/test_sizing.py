@@ -12,6 +12,7 @@ from refused import Desk
 
 from golden.block import walk
 from golden.input_error import InputError
+from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
@@ -140,9 +141,10 @@ def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[S
 def test_a_design_that_would_be_built_as_another_stands_once(tmp_path: Path) -> None:
     """Hidden layers of 5 nodes fill 5 lanes, and 16 lanes would not be more."""
     rows, _ = compared(auto(tmp_path, "", shape=(4, 5, 2)))
-    names = [row.candidate.name for row in rows if row.candidate.design == "lanes"]
+    found = [row for row in rows if isinstance(row.network, Lanes) and not row.network.loops]
+    names = [row.candidate.name for row in found]
     assert names == ["lanes, lanes 1", "lanes, lanes 2", "lanes, lanes 4", "lanes, lanes 5"]
-    assert [row.multipliers for row in rows if row.candidate.name in names] == [1, 2, 4, 5]
+    assert [row.multipliers for row in found] == [1, 2, 4, 5]
 
 
 def test_the_front_has_no_design_that_another_one_beats(found: tuple[Scene, list[Sized]]) -> None:
@@ -192,7 +194,10 @@ def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
     prices = {row.candidate.name: scene.price.of(row.cells("xc2v")) for row in rows}
     for row in rows:
         limited = auto(tmp_path, f"clocks = {row.clocks}\ninterval = {row.interval}")
-        fit = [o for o in rows if o.clocks <= row.clocks and o.interval <= row.interval]
+        known, _ = compared(limited)
+        assert {one.candidate.name for one in rows} <= {one.candidate.name for one in known}
+        prices |= {one.candidate.name: scene.price.of(one.cells("xc2v")) for one in known}
+        fit = [o for o in known if o.clocks <= row.clocks and o.interval <= row.interval]
         assert limited.choice is not None
         assert (
             limited.choice.row.candidate.name
@@ -250,6 +255,57 @@ def test_the_scene_that_is_chosen_builds_the_same(tmp_path: Path) -> None:
     scene = auto(tmp_path, "interval = 30")
     assert scene.chosen.design != "auto"
     assert scene.chosen.twin() == scene.twin()
+
+
+def loops(rows: list[Sized]) -> list[Sized]:
+    """The rows in which frames overlap."""
+    return [row for row in rows if isinstance(row.network, Lanes) and row.network.loops]
+
+
+def test_auto_takes_lanes_whose_frames_overlap(tmp_path: Path) -> None:
+    """Fewer lanes do in a loop, and a scene that names it builds the same."""
+    shape = 4, 16, 4
+    plain = {
+        row.candidate.name: row.interval for row in compared(auto(tmp_path, "", shape=shape))[0]
+    }
+    wanted = plain["lanes, lanes 4"] - 5
+    assert plain["lanes, lanes 8"] <= wanted
+    scene = auto(tmp_path, f"interval = {wanted}", shape=shape)
+    assert scene.choice is not None
+    row, smaller = scene.choice.row, scene.choice.smaller
+    assert row.candidate.options == {"lanes": 4, "interval": row.interval}
+    assert row.interval <= wanted
+    assert row.multipliers == 4
+    assert smaller.interval > wanted
+    chosen, missed, _ = scene.choice.lines()
+    assert chosen.startswith(f"chosen: lanes, lanes 4, interval {row.interval}: {row.clocks} clock")
+    assert f"every {smaller.interval} clocks, {smaller.interval - wanted} too many" in missed
+    assert scene.chosen.twin() == scene.twin() == row.network
+    lines = f"lanes = 4\ninterval = {row.interval}"
+    networks = [random_mlp(shape, 1.0, 4)]
+    path = write_scene(
+        tmp_path, "named", "exact", networks, "single", "precise", design="lanes", hardware=lines
+    )
+    assert load_scene(str(path)).twin() == scene.twin()
+
+
+def test_lanes_are_compared_in_their_shortest_loop_and_in_that_which_is_demanded(
+    tmp_path: Path,
+) -> None:
+    shape = 4, 16, 4
+    rows, _ = compared(auto(tmp_path, "", shape=shape))
+    few = {row.candidate.options["lanes"]: row.interval for row in loops(rows)}
+    assert len(few) == len(loops(rows)) >= 4
+    wanted = few[4] + 3
+    more = loops(compared(auto(tmp_path, f"interval = {wanted}", shape=shape))[0])
+    found = [row.interval for row in more if row.candidate.options["lanes"] == 4]
+    assert found == [few[4], wanted]
+
+
+def test_frames_do_not_overlap_behind_a_front_end(tmp_path: Path) -> None:
+    rows, _ = compared(auto(tmp_path, "", "\n[front_end]\ncounter_width = 8\n", (4, 16, 4)))
+    assert "lanes, lanes 4" in {row.candidate.name for row in rows}
+    assert not loops(rows)
 
 
 FASTEST = "expected .* or more, which the nearest design, .*, takes from the last sample"

@@ -23,6 +23,7 @@ from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
 from golden.engine.loop_program import LoopProgram, looped
+from golden.engine.loop_schedule import shortest_loop
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
@@ -183,7 +184,16 @@ class Lanes(Engine):
 
     @property
     def options_built(self) -> Mapping[str, object]:
-        return {"lanes": self.lanes}
+        built = {"lanes": self.lanes}
+        return {**built, "interval": self.interval} if self.loops else built
+
+    @property
+    def shortest_interval(self) -> int:
+        """That of the shortest loop that is found, or else its interval."""
+        program, most = self.program, self.interval
+        assert isinstance(program.pipeline, LanePipeline)
+        found = shortest_loop(program.shared, program.pipeline, most)
+        return found.length if found else most
 
     @property
     def looks_up(self) -> bool:

@@ -74,6 +74,11 @@ class Network(Block):
         raise NotImplementedError
 
     @property
+    def shortest_interval(self) -> int:
+        """Least clocks from one frame to the next where a scene lets frames overlap."""
+        return self.interval
+
+    @property
     def input_controller(self) -> FrameJudge:
         """The block that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError

@@ -38,6 +38,8 @@ def task_of(scene: Scene) -> Task:
             tuple(name for name, there in around.items() if there),
             scene.argmax,
             np.asarray(codes)[:, :inputs],
+            scene.front_end is None and scene.visualisation is None,
+            scene.demand.interval,
         )
 
 

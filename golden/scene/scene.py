@@ -314,7 +314,7 @@ class Scene:
         given = self.networks() if networks is None else networks
         options, design = dict(self.design_options), DESIGNS.get(self.design)
         if self.demand.interval and design and "interval" in design.options:
-            options["interval"] = self.demand.interval
+            options.setdefault("interval", self.demand.interval)
         # One hidden layer of tanh needs no range, and so no frames.
         ends = [((), ()) if isinstance(one, Mlp) else self._ends(one) for one in given]
         return Settings(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import le
 from typing import Any
@@ -54,8 +54,8 @@ class Candidate:
         )
 
 
-# Options that a scene's own design does not keep: a limit, and those of an engine that is loaded.
-LEFT_OUT = ("clocks", "reload", "program_words", "operand_words", "table_blocks")
+# Options that a scene's own design does not keep: limits, and those of an engine that is loaded.
+LEFT_OUT = ("clocks", "interval", "reload", "program_words", "operand_words", "table_blocks")
 
 
 def adders(count: int) -> Candidate:
@@ -64,9 +64,9 @@ def adders(count: int) -> Candidate:
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
 
 
-def lanes(count: int) -> Candidate:
-    """An engine with so many multipliers side by side."""
-    return Candidate("lanes", {"lanes": count})
+def lanes(count: int, interval: int = 0) -> Candidate:
+    """An engine with so many multipliers side by side, whose frames may overlap."""
+    return Candidate("lanes", {"lanes": count, **({"interval": interval} if interval else {})})
 
 
 SERIAL = Candidate("engine", {"multiplier": "serial", "pipeline": "short"})
@@ -107,6 +107,10 @@ class Task:
         Whether the scene asks for the number of the largest output.
     frames : int64 array, shape (frames, inputs)
         Codes of the recorded frames.
+    overlaps : bool
+        Whether frames may overlap in the networks.
+    interval : int
+        The most clocks from frame to frame that the scene allows; 0 for no limit.
     """
 
     arrangement: str
@@ -116,6 +120,8 @@ class Task:
     serial: tuple[str, ...]
     decides: bool
     frames: Codes
+    overlaps: bool
+    interval: int
 
 
 @dataclass(frozen=True)
@@ -266,11 +272,29 @@ def known(design: str, precision: Precision) -> list[str]:
 
 
 def all_sized(task: Task, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
-    """What ``sized`` gives for each candidate, without those that are built as an earlier one."""
+    """What ``sized`` gives for each candidate, without those that are built as an earlier one.
+
+    Behind lanes stand their loops.
+    """
     found: dict[str, Sized | Refused] = {}
     for one in (sized(task, candidate) for candidate in candidates):
-        found.setdefault(one.candidate.name, one)
+        if one.candidate.name in found:
+            continue
+        found[one.candidate.name] = one
+        for loop in (sized(task, candidate) for candidate in loops(task, one)):
+            found.setdefault(loop.candidate.name, loop)
     return list(found.values())
+
+
+def loops(task: Task, plain: Sized | Refused) -> Iterator[Candidate]:
+    """The same design with frames that overlap: as often as they can, and as the scene demands."""
+    if not task.overlaps or isinstance(plain, Refused):
+        return
+    shortest = plain.network.shortest_interval
+    for interval in sorted({shortest, task.interval}):
+        if shortest <= interval < plain.interval:
+            options = {**plain.candidate.options, "interval": interval}
+            yield replace(plain.candidate, options=options)
 
 
 def sized(task: Task, candidate: Candidate) -> Sized | Refused:

@@ -14,8 +14,8 @@ from golden.input_error import InputError
 from golden.sizing.features import in_logic
 
 # Words of 36 bits in a block RAM of a Virtex-II, and in the two of an ECP5 that have two read ports
-# of 36 bits.
-WORDS = {"xc2v": (512, 1), "ecp5": (1024, 2)}
+# of 36 bits; and up to how many bits of its address a memory of operands is built of LUTs.
+WORDS = {"xc2v": (512, 1, 4), "ecp5": (1024, 2, 6)}
 # Words of 18 bits in a block RAM of either family.
 HALF_WORDS = 1024
 
@@ -62,12 +62,12 @@ def _not_counted(block: Block) -> int:
     )
 
 
-def _program(block: Any, words: int, each: int) -> int:
+def _program(block: Any, words: int, each: int, *_: int) -> int:
     if in_logic(block):
         return 0
     if not block.table:
         # One port of 36 bits is what a block RAM of either family has.
-        words, each = WORDS["xc2v"]
+        words, each = WORDS["xc2v"][:2]
     return max(1, (1 << int(block.addr_width)) // words) * each
 
 
@@ -92,7 +92,7 @@ _MEMORIES: dict[str, Callable[..., int]] = {
     "bipartite": lambda block, *_: 2 * (block.memory == "block_ram"),
     "bipartite_pair": lambda block, *_: 2 * (block.activation.memory == "block_ram"),
     "lane_memory": _weights,
-    "operand_memory": lambda *_: 1,
+    "operand_memory": lambda block, _words, _each, logic: int(block.addr_width > logic),
     "precise": lambda block, *_: int(block.coefficients == "block_ram"),
     "program_memory": _program,
     "replay_memory": _program,

@@ -217,7 +217,9 @@ def _lanes(block: Any) -> Features:
     words = len(program.words) * in_logic(program)
     # What chooses between the sums of other lanes.
     choices = sum(max(0, one.partners - 1) for one in block.accumulators)
-    return Features((1, lanes, looked_up, words, choices), (1, lanes, words))
+    # A loop costs LUTs only where lanes have tables.
+    loop = block.loops * block.looks_up
+    return Features((1, lanes, looked_up, words, choices, loop), (1, lanes, words, block.loops))
 
 
 def _program_memory(block: Any) -> Features:
