@@ -28,8 +28,9 @@ from golden.scene.image import scene_image
 from tb.common.cases import Case, random_mlp, random_network
 from tb.common.images import networks_of_other_depth
 from tb.common.runner import plan, run_jobs
-from tb.common.small import LAYERED, RELOADED
+from tb.common.small import LAYERED, RELOADED, RELOADED_LANES
 from tb.common.tools import SIMULATORS
+from tb.networks.tb_engine import SCENES, shipped_with_room
 
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
@@ -365,3 +366,11 @@ def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
     for name, case in (RELOADED | layered).items():
         assert isinstance(case, Case)
         assert case.scene(tmp_path, name).twin().image
+
+
+@pytest.mark.parametrize("name", [*RELOADED, "rails-lanes-reload"])
+def test_the_bench_loads_every_shipped_scene(name: str, tmp_path: Path) -> None:
+    """It passes over scenes for which the hardware of a user has no room, and over none here."""
+    case = (RELOADED | RELOADED_LANES)[name]
+    found = shipped_with_room(case.scene(tmp_path, name).twin())
+    assert tuple(scene.name for scene, _ in found) == SCENES
