@@ -51,8 +51,9 @@ def check(program: LoopProgram) -> None:
     ]
     assert len({time % length for time in steps}) == len(steps) <= length
     stored = {n: end + mark for n, end in enumerate(loop.ends[: loop.stored])}
-    words = [time % length for time in (*loop.copies, *stored.values())]
-    assert len(set(words)) == len(words), "a word stores twice"
+    # A sum that leaves, and is not stored, goes through the same registers.
+    words = [time % length for time in (*loop.copies, *(end + mark for end in loop.ends))]
+    assert len(set(words)) == len(words), "two of a sample, a result and an output at once"
     assert all(before < after for before, after in pairwise(loop.copies))
     assert loop.copies[-1] < length, "the next frame would take its place"
     leaves = [loop.ends[n] for n in loop.leaving]
@@ -104,6 +105,13 @@ def test_networks_of_any_shape(several: tuple, lanes: int, share: float, deep: b
     one = Engine.of(mlps, Settings(), arrangement)
     assert np.array_equal(many.process(codes), one.process(codes))
     check(loop_of(many))
+
+
+@pytest.mark.parametrize("interval", range(115, 140, 3))
+def test_outputs_leave_where_no_sample_is_stored(interval: int) -> None:
+    """The loop of a window stores many samples, and sends outputs later."""
+    mlps = load_scene("swing-window").mlps()
+    check(loop_of(Lanes.of(mlps, Settings(options={"lanes": 4, "interval": interval}))))
 
 
 @pytest.mark.parametrize("quantiser", [None, Quantiser(2.0**-3, 0, 0, 15)], ids=["plain", "codes"])

@@ -88,9 +88,8 @@ def sizes_of(shared: LaneGraph) -> list[int]:
 
 
 def least_length(shared: LaneGraph) -> int:
-    """No loop is shorter: it has all steps, and in each clock a lane stores one word."""
-    stored = shared.graph.inputs + len(shared.groups) - sum(map(sends, shared.groups))
-    return max(LEAST, sum(sizes_of(shared)), stored)
+    """No loop is shorter: it has all steps, and in each clock a lane stores or sends one word."""
+    return max(LEAST, sum(sizes_of(shared)), shared.graph.inputs + len(shared.groups))
 
 
 def shortest_loop(shared: LaneGraph, pipeline: LanePipeline, most: int) -> LoopSchedule | None:
@@ -195,7 +194,8 @@ def _copies(loop: LoopSchedule, pipeline: LanePipeline) -> tuple[int, ...]:
             if 0 <= term.source < inputs:
                 time = begin + k - pipeline.result_ready + pipeline.mark
                 latest[term.source] = min(latest[term.source], time)
-    taken = {(end + pipeline.mark) % length for end in loop.ends[: loop.stored]}
+    # A sum that leaves goes through the registers of what is stored, even if it is not stored.
+    taken = {(end + pipeline.mark) % length for end in loop.ends}
     found: list[int] = []
     for k in range(inputs):
         # The last sample is there one clock after the loop begins.

@@ -62,6 +62,15 @@ def begun(twin: Network, recording: Recording, ended: np.ndarray) -> np.ndarray:
     return np.concatenate([ended[:0], *parts])
 
 
+def longest_wait(twin: Network) -> int:
+    """For how many clocks a good frame waits at most until its outputs are counted.
+
+    It waits longest when it ends one clock after the beginning that it might have had.
+    """
+    ended = np.array([0, twin.interval + 1])
+    return int((twin.begun(ended) - ended).max())
+
+
 def yielding(
     recording: Recording,
     ended: np.ndarray,

@@ -617,12 +617,16 @@ UART_INSTRUMENTS = {
     "plain-uart": PLAIN_UART,
 }
 
-# For a readout: the largest output beside the stream alone, of a network with past samples, of an
-# engine that is loaded, of lanes in which frames overlap, and beside held outputs and a profile.
-# With the weights of the first and of the last case each output is the largest of some frames.
+# For a readout: the largest output beside the stream alone, of a network with few and with many
+# past samples, of an engine that is loaded, of lanes in which frames overlap, and beside held
+# outputs and a profile. With the weights of the first and of the last case each output is the
+# largest of some frames.
 READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),
+    "winner-long": replace(
+        PAST, shapes=[(4, 2, 2)], window=Window(((0, 64), (0, 3))), hardware="argmax = true"
+    ),
     "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
     "winner-loop": replace(
         OVERLAPPED["rails-loop"], hardware="argmax = true\nlanes = 3\ninterval = 38", seed=15

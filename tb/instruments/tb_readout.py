@@ -19,6 +19,7 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import Bench, test_of
+from tb.common.framing import longest_wait
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded
 from tb.common.network import (
     WATCH,
@@ -71,7 +72,7 @@ async def check(bench, frames, resets=None):
         # Too few random distances would be short enough.
         pause[:, 0] = twin.interval
     items = {"in_data": elements, "in_last": last}
-    tail = twin.output_clocks[-1] + 2 * drawing + 9
+    tail = twin.output_clocks[-1] + longest_wait(twin) + 2 * drawing + 9
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
@@ -95,7 +96,7 @@ async def shown(dut):
     """Play frames and compare held outputs, winners and profiles."""
     bench = Bench(dut)
     random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
-    frames = [recorded_frames(bench)[:16], random]
+    frames = [recorded_frames(bench)[: bench.twin.past + 16], random]
     if bench.twin.load_profile:
         frames.append(readout.extremes(bench, bench.twin, times=4))
     played = np.concatenate(frames)
@@ -106,9 +107,10 @@ async def shown(dut):
 @cocotb.test()
 async def shown_and_resets(dut):
     bench = Bench(dut)
-    frames = random_elements(bench, 24 * bench.twin.inputs).reshape(24, -1)
-    # Some frames of a slow network end between resets, too.
-    await check(bench, frames, resets=max(1000, 3 * bench.twin.interval))
+    twin = bench.twin
+    # Some frames of a slow network, or of one with a long past, end between resets, too.
+    frames = random_elements(bench, (24 + 8 * twin.past) * twin.inputs).reshape(-1, twin.inputs)
+    await check(bench, frames, resets=max(1000, (3 + 2 * twin.past) * twin.interval))
     bench.finish(at_least=3 * compared(bench.twin))
 
 
