@@ -276,7 +276,7 @@ class ConstantMatrix(Block):
     @property
     def unreachable(self) -> dict[str, str]:
         ends = [(f"in_data_{k}", "sample", self.in_fmt, e) for k, e in enumerate(self.in_ends)]
-        if self.finishes:
+        if self.finishes or self.in_ends:
             results = enumerate(self.result_ends)
             ends += [(f"out_data_{i}", "result", self.out_fmt, e) for i, e in results]
         return {

@@ -87,6 +87,15 @@ def random_resets(rng: np.random.Generator, length: int, every: int) -> np.ndarr
     return column
 
 
+def resets_before(rng: np.random.Generator, length: int, every: int, tail: int) -> np.ndarray:
+    """Random resets, of which there is at least one, and none in the last ``tail`` clocks."""
+    column = random_resets(rng, length, every)
+    column[length - tail :] = 0
+    if not column.any():
+        column[rng.integers(0, length - tail)] = 1
+    return column
+
+
 def random_runs(
     rng: np.random.Generator, length: int, longest: int, every: int
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,7 @@ from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.network import check_outputs, recorded_frames
 from tb.common.small import CONVERTERS
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import resets_before
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
 
@@ -114,8 +114,7 @@ async def random_faults_and_resets(dut):
     }
     column = column_for(bench, scans)
     await check(bench, frames, column, faults.get)
-    resets = random_resets(bench.rng, len(column), 3 * twin.interval)
     # A complete scan follows the last reset.
-    resets[-twin.interval - twin.output_clocks[-1] - twin.outputs - 5 :] = 0
-    await check(bench, frames, resets)
+    tail = twin.interval + twin.output_clocks[-1] + twin.outputs + 5
+    await check(bench, frames, resets_before(bench.rng, len(column), 3 * twin.interval, tail))
     bench.finish(at_least=twin.outputs)

@@ -20,7 +20,7 @@ from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.network import check_outputs, recorded_frames
 from tb.common.small import INSTRUMENTS
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import resets_before
 
 LEAST = INSTRUMENTS["least-instrument"]
 CASES = INSTRUMENTS | {"winner-instrument": replace(LEAST, hardware="argmax = true", seed=14)}
@@ -51,9 +51,9 @@ async def check(bench, codes, resets=None):
     tail = random_codes(bench, bench.twin.output_clocks[-1] + bench.twin.outputs + 2 * drawing + 5)
     drive = {"adc": np.concatenate([codes, tail])}
     if resets:
-        drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)
         # A complete scan follows the last reset.
-        drive["rst"][-scan.scan_clocks - len(tail) :] = 0
+        last = scan.scan_clocks + len(tail)
+        drive["rst"] = resets_before(bench.rng, len(drive["adc"]), resets, last)
     recording = await bench.play(drive, WATCH + readout.ports(shown))
 
     marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
