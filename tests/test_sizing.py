@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,12 +24,14 @@ from golden.scene.comparison import compared
 from golden.sizing.candidates import Sized, front
 from golden.sizing.exact import block_rams, multipliers
 from golden.sizing.features import columns, tree_bits
-from golden.sizing.model import Held, held_out, recorded, size_of
+from golden.sizing.model import Held, held_out, held_out_alone, recorded, size_of
 from golden.sizing.price import Price, shares_of
 from golden.sizing.routed import clock_of, placed
+from golden.sizing.table_luts import bit_columns, luts_of
 from hdl.synth.sizing import EXTRAS, networks, rows_of
 from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import random_mlp, write_scene
+from tb.common.small import TABLE_GRAPHS
 from tb.report.draw.designs import spots
 from tb.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
 from tb.report.page.summary import built
@@ -46,10 +50,10 @@ def core_of(scene: Scene) -> Network:
 
 @pytest.fixture(scope="module")
 def found() -> tuple[Scene, list[Sized]]:
-    """The designs of a scene that every design takes."""
+    """The designs of a scene that every design takes, except that of learned functions."""
     scene = load_scene("digit-single")
     rows, refused = compared(scene)
-    assert refused == []
+    assert {one.candidate.design for one in refused} == {"table_graph"}
     return scene, rows
 
 
@@ -108,12 +112,47 @@ def test_estimates_of_networks_that_were_held_out(one: Held) -> None:
 
 
 def test_every_design_was_held_out() -> None:
+    """All records of small tables have the same weights, as the page says."""
     assert {one.design for one in held_out()} == DESIGNS
+    tables = [row for row in recorded() if row.design == "table_graph"]
+    assert {row.weights for row in tables} == {"digit-tables"}
+
+
+@pytest.mark.parametrize("one", held_out_alone("table_graph"), ids=lambda one: one.network)
+def test_estimates_of_small_tables_with_other_bits(one: Held) -> None:
+    assert abs(one.percent) <= MOST, one
 
 
 def test_tables_in_luts_share_equal_columns() -> None:
     # Of the columns 0011, 0101, 0110 and 1111, two are bits of the address and one is constant.
     assert columns([0b1000, 0b1101, 0b1011, 0b1110], 4, 2) == 1
+
+
+def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
+    """A function of the bits of an address, from the highest one, at each address."""
+    return tuple(function(*bits) for bits in product((0, 1), repeat=inputs))
+
+
+@pytest.mark.parametrize(
+    ("luts", "inputs", "function"),
+    [
+        (1, 4, lambda a, b, c, d: a ^ b ^ c ^ d),
+        (0, 4, lambda a, b, c, d: c),
+        (3, 5, lambda a, b, c, d, e: a ^ b ^ c ^ d ^ e),
+        (1, 5, lambda a, b, c, d, e: a & b | d & e),
+        # Bits a and b choose between the others; behind other bits there would be more LUTs.
+        (1, 6, lambda a, b, c, d, e, f: (c, d, e, f)[2 * a + b]),
+        (3, 6, lambda a, b, c, d, e, f: (c & d, d, e | f, f)[2 * a + b]),
+    ],
+)
+def test_luts_of_a_table_are_counted_from_its_bits(
+    luts: int, inputs: int, function: Callable[..., int]
+) -> None:
+    assert luts_of(column_of(function, inputs)) == luts
+
+
+def test_equal_and_constant_bits_of_a_table_take_nothing() -> None:
+    assert len(bit_columns([0b1001, 0b1111, 0b1001, 0b1000], 4)) == 2
 
 
 def test_an_adder_tree_adds_a_constant_for_nothing() -> None:
@@ -251,6 +290,52 @@ def test_a_share_is_that_of_the_device() -> None:
     assert small.shares
 
 
+def auto_tables(folder: Path, lines: str) -> Scene:
+    """A small scene of learned functions whose design is to be chosen."""
+    networks = TABLE_GRAPHS["rails-tables"].networks()
+    path = write_scene(folder, "small", "exact", networks, design="auto", hardware=lines)
+    kept = [line for line in path.read_text().splitlines() if not line.startswith("activation")]
+    path.write_text("\n".join(kept))
+    return load_scene(str(path))
+
+
+def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None:
+    rows, refused = compared(auto_tables(tmp_path, ""))
+    assert {one.candidate.design for one in refused} == {
+        *("lanes", "hybrid", "parallel", "adder_graph")
+    }
+    tables = {row.candidate.name: row for row in rows if row.candidate.design == "table_graph"}
+    assert list(tables) == [f"table_graph, adders_per_clock {count}" for count in (5, 2, 1)]
+    for row in tables.values():
+        assert (row.multipliers, row.block_rams, row.interval) == (0, 0, 1)
+        assert row.clocks == row.network.output_clocks[-1]
+        assert row.worst > max(one.worst for one in rows if one.candidate.design == "engine")
+    luts, flip_flops, clocks = zip(
+        *((row.size.luts, row.size.flip_flops, row.clocks) for row in tables.values()), strict=True
+    )
+    assert list(flip_flops) == sorted(flip_flops)
+    assert list(clocks) == sorted(clocks)
+    assert max(luts) < 1.1 * min(luts)
+
+
+def test_auto_takes_small_tables_where_nothing_else_is_fast_enough(tmp_path: Path) -> None:
+    fast = auto_tables(tmp_path, "interval = 1")
+    assert fast.choice is not None
+    row = fast.choice.row
+    assert row.candidate.design == "table_graph"
+    assert fast.choice.lines()[0].endswith(f"errors of 2^-13 times {row.mean:.3g} on average")
+    assert fast.twin().interval == 1
+    # They are cheaper than an engine with its block RAMs, and still not chosen.
+    scene = auto_tables(tmp_path, "")
+    assert scene.choice is not None
+    assert scene.choice.row.candidate.design == "engine"
+    assert scene.choice.smaller is not None
+    chosen, smaller, _ = scene.choice.lines()
+    assert "errors of" not in chosen
+    assert smaller.startswith(f"next smaller: {scene.choice.smaller.candidate.name} at ")
+    assert "is further from the networks: errors of 2^-13 times" in smaller
+
+
 def test_the_scene_that_is_chosen_builds_the_same(tmp_path: Path) -> None:
     scene = auto(tmp_path, "interval = 30")
     assert scene.chosen.design != "auto"
@@ -379,5 +464,7 @@ def test_a_reason_that_all_options_share_is_told_once() -> None:
     assert refused_lines(refused) == [
         "parallel: not possible: network.arrangement: got 'cascade', expected single",
         "adder_graph: not possible: network.arrangement: got 'cascade', expected single or "
+        "multiple",
+        "table_graph: not possible: network.arrangement: got 'cascade', expected single or "
         "multiple",
     ]

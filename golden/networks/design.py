@@ -41,6 +41,9 @@ class Design(Network):
         Whether it accepts activations whose codes stand for the middle of their step.
     learned_functions : bool
         Whether it takes networks of learned functions, and no others.
+    coarse : bool
+        Whether its words have only the bits that a scene gives them, so that its outputs are
+        further from the networks than those of other designs.
     decides_itself : bool
         Whether it finds the largest output where a scene asks for it. A design whose outputs come
         one after the other leaves that to the readout.
@@ -59,6 +62,7 @@ class Design(Network):
     activation_choices: ClassVar[bool] = True
     half_codes: ClassVar[bool] = False
     learned_functions: ClassVar[bool] = False
+    coarse: ClassVar[bool] = False
     decides_itself: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)

@@ -77,6 +77,7 @@ class TableGraph(Design):
     known_activations = (EXACT.activation,)
     activation_choices = False
     learned_functions = True
+    coarse = True
     options = tuple(OPTIONS)
     stream = "words"
     samples: int

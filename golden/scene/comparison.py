@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from golden.cli import naming
-from golden.sizing.candidates import CANDIDATES, Refused, Sized, Task, all_sized
+from golden.sizing.candidates import CANDIDATES, Refused, Sized, SizingTask, all_sized
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
 
 
-def task_of(scene: Scene) -> Task:
+def task_of(scene: Scene) -> SizingTask:
     """The networks of a scene, its settings and its recorded frames.
 
     Raises
@@ -30,7 +30,7 @@ def task_of(scene: Scene) -> Task:
     codes = scene.vectors().codes
     inputs = scene.members[0].inputs
     with naming(scene.path):
-        return Task(
+        return SizingTask(
             scene.arrangement,
             scene.networks(),
             scene.settings(),

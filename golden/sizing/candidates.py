@@ -64,6 +64,14 @@ def adders(count: int) -> Candidate:
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
 
 
+def tables(count: int, **bits: int) -> Candidate:
+    """Small tables of learned functions, with at most so many adders between two registers.
+
+    ``bits`` are further keys of the design: the bits of samples, of hidden sums, of outputs.
+    """
+    return Candidate("table_graph", {"adders_per_clock": count, **bits})
+
+
 def lanes(count: int, interval: int = 0) -> Candidate:
     """An engine with so many multipliers side by side, whose frames may overlap."""
     return Candidate("lanes", {"lanes": count, **({"interval": interval} if interval else {})})
@@ -84,11 +92,14 @@ CANDIDATES = (
     adders(5),
     adders(2),
     adders(1),
+    tables(5),
+    tables(2),
+    tables(1),
 )
 
 
 @dataclass(frozen=True)
-class Task:
+class SizingTask:
     """What is to be built.
 
     Attributes
@@ -164,6 +175,11 @@ class Sized:
         return self.network.interval
 
     @property
+    def coarse(self) -> bool:
+        """See ``Design``."""
+        return DESIGNS[self.candidate.design].coarse
+
+    @property
     def kind(self) -> str:
         """The name under which recorded networks of the same design stand."""
         return kind_of(self.candidate.design, self.options)
@@ -224,7 +240,7 @@ def kind_of(design: str, options: Mapping[str, object]) -> str:
     return f"{design} ternary" if options.get("adder_operands") == 3 else design
 
 
-def build(task: Task, candidate: Candidate) -> Network:
+def build(task: SizingTask, candidate: Candidate) -> Network:
     """The networks of a task in a design.
 
     Raises
@@ -245,7 +261,7 @@ def build(task: Task, candidate: Candidate) -> Network:
     return arrange(task.arrangement, task.networks, design, settings)
 
 
-def settings_for(task: Task, candidate: Candidate) -> Settings:
+def settings_for(task: SizingTask, candidate: Candidate) -> Settings:
     """The settings of a task for a design: its own activation if it has one, and its options."""
     design, settings = DESIGNS[candidate.design], task.settings
     own = settings.options if candidate.design == task.design else {}
@@ -271,7 +287,7 @@ def known(design: str, precision: Precision) -> list[str]:
     ] or names
 
 
-def all_sized(task: Task, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
+def all_sized(task: SizingTask, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
     """What ``sized`` gives for each candidate, without those that are built as an earlier one.
 
     Behind lanes stand their loops.
@@ -286,7 +302,7 @@ def all_sized(task: Task, candidates: Sequence[Candidate]) -> list[Sized | Refus
     return list(found.values())
 
 
-def loops(task: Task, plain: Sized | Refused) -> Iterator[Candidate]:
+def loops(task: SizingTask, plain: Sized | Refused) -> Iterator[Candidate]:
     """The same design with frames that overlap: as often as they can, and as the scene demands."""
     if not task.overlaps or isinstance(plain, Refused):
         return
@@ -297,7 +313,7 @@ def loops(task: Task, plain: Sized | Refused) -> Iterator[Candidate]:
             yield replace(plain.candidate, options=options)
 
 
-def sized(task: Task, candidate: Candidate) -> Sized | Refused:
+def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:
     """A design of a task with its costs, or why it cannot be built or counted."""
     try:
         network = build(task, candidate)
@@ -316,7 +332,7 @@ def sized(task: Task, candidate: Candidate) -> Sized | Refused:
         return Refused(candidate, str(error))
 
 
-def errors(task: Task, network: Network) -> tuple[float, float]:
+def errors(task: SizingTask, network: Network) -> tuple[float, float]:
     """The largest and the mean difference from floating point, in units of 2**-13."""
     if not len(task.frames):
         return 0.0, 0.0

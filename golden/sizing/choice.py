@@ -7,7 +7,15 @@ from dataclasses import dataclass
 
 from golden.input_error import InputError
 from golden.networks.network import Network
-from golden.sizing.candidates import CANDIDATES, Candidate, Cells, Refused, Sized, Task, all_sized
+from golden.sizing.candidates import (
+    CANDIDATES,
+    Candidate,
+    Cells,
+    Refused,
+    Sized,
+    SizingTask,
+    all_sized,
+)
 from golden.sizing.price import Price
 
 # What a scene names in the place of a design.
@@ -87,8 +95,8 @@ class Choice:
     demand : Demand
     price : Price
     smaller, faster : Sized or None
-        The dearest design that is cheaper, which is too slow; and the cheapest that takes fewer
-        clocks, or frames more often where there is only a limit to their interval.
+        The dearest design that is cheaper, which is too slow or coarse; and the cheapest that takes
+        fewer clocks, or frames more often where there is only a limit to their interval.
     """
 
     row: Sized
@@ -102,7 +110,9 @@ class Choice:
         """What was chosen, by how much the next smaller one misses, and what would be faster."""
         found = [f"chosen: {self._told(self.row)}"]
         if self.smaller:
-            missing = self.demand.misses(self.smaller.clocks, self.smaller.interval)
+            missing = self.demand.misses(self.smaller.clocks, self.smaller.interval) or [
+                f"is further from the networks: {_apart(self.smaller)}, not {self.row.mean:.3g}"
+            ]
             found.append(
                 f"next smaller: {self.smaller.candidate.name} at {self._price(self.smaller)} "
                 f"{' and '.join(missing)}"
@@ -121,6 +131,7 @@ class Choice:
             f"{row.candidate.name}: {row.clocks} clocks, a frame every {row.interval}; about "
             f"{cells.size.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
             f"{_counted(cells.block_rams, 'block RAM')}, {self.price.text(cells)}"
+            f"{f'; {_apart(row)}' if row.coarse else ''}"
         )
 
     def _price(self, row: Sized) -> str:
@@ -128,9 +139,11 @@ class Choice:
 
 
 def choose(
-    task: Task, demand: Demand, price: Price, candidates: Sequence[Candidate] = CANDIDATES
+    task: SizingTask, demand: Demand, price: Price, candidates: Sequence[Candidate] = CANDIDATES
 ) -> Choice:
     """The cheapest design of a task that meets a demand.
+
+    A coarse design is taken only where no other one meets it.
 
     Raises
     ------
@@ -152,7 +165,7 @@ def choose(
         nearest = min(rows, key=lambda row: demand.excess(row.clocks, row.interval))
         name = f"the nearest design, {nearest.candidate.name},"
         demand.refuse(nearest.network, name)
-    row = fit[0]
+    row = next((one for one in fit if not one.coarse), fit[0])
     place = rows.index(row)
     by_clocks = bool(demand.clocks or not demand.interval)
     faster = [
@@ -168,6 +181,10 @@ def choose(
         rows[place - 1] if place else None,
         faster[0] if faster else None,
     )
+
+
+def _apart(row: Sized) -> str:
+    return f"errors of 2^-13 times {row.mean:.3g} on average"
 
 
 def _counted(count: int, what: str) -> str:

@@ -19,6 +19,8 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.shift_add import Constant, Sum
+from golden.networks.table_graph import TableGraph
+from golden.sizing.table_luts import bit_columns, luts_of
 
 # The words of 9 bits that a block RAM holds.
 NARROW_WORDS = 2048
@@ -29,6 +31,9 @@ LOGIC_ADDR_WIDTH = 6
 IN_ONE_PIECE = ("lanes",)
 # Blocks that differ only in how many nodes they serve have their costs together.
 ALIKE = {"bipartite_pair": "bipartite"}
+# A matrix that adds words up, without a product, has costs of its own: an adder that is not
+# shifted takes in more of what is before and behind it.
+PLAIN_SUMS = "constant_matrix of sums"
 
 Numbers = tuple[float, ...]
 
@@ -49,7 +54,15 @@ class Features:
 
 def group_of(block: Block) -> str:
     """The name under which the costs of a block are fitted."""
+    if isinstance(block, ConstantMatrix) and _adds_alone(block):
+        return PLAIN_SUMS
     return ALIKE.get(block.block, block.block)
+
+
+def _adds_alone(matrix: ConstantMatrix) -> bool:
+    """Whether no sample is multiplied by anything, except by one power of two for all."""
+    weights = {weight for row in matrix.weights for weight in row if weight}
+    return len(weights) < 2 and all(weight > 0 and not weight & weight - 1 for weight in weights)
 
 
 def features_of(block: Block) -> Features:
@@ -183,12 +196,17 @@ def _constant_matrix(block: Any) -> Features:
         for place, node in enumerate(graph.nodes)
         if not isinstance(node, Constant)
     )
-    widths = [min(spec.out_fmt.width, width) for width in spec.result_widths]
+    # Bits below a sum that is moved left are always 0.
+    empty = [max(0, -spec.drop(row)) for row in graph.rows]
+    pairs = zip(spec.result_widths, empty, strict=True)
+    widths = [min(spec.out_fmt.width, width) - below for width, below in pairs]
     # What is rectified becomes 0 by the reset of its register, and so does half of saturation.
     saturated = sum(
         kept
-        for kept, width, kind in zip(widths, spec.result_widths, spec.row_finishes, strict=True)
-        if width > kept and not kind.rectified
+        for kept, width, below, kind in zip(
+            widths, spec.result_widths, empty, spec.row_finishes, strict=True
+        )
+        if width - below > kept and not kind.rectified
     )
     return Features((two, three, saturated), (registers + sum(widths),))
 
@@ -220,6 +238,16 @@ def _lanes(block: Any) -> Features:
     # A loop costs LUTs only where lanes have tables.
     loop = block.loops * block.looks_up
     return Features((1, lanes, looked_up, words, choices, loop), (1, lanes, words, block.loops))
+
+
+def _table_graph(block: Any) -> Features:
+    spec: TableGraph = block
+    columns = [
+        column
+        for table in (*spec.first, *spec.second)
+        for column in bit_columns(table.words, table.width)
+    ]
+    return Features((sum(map(luts_of, columns)),), (len(columns) + spec.latency,))
 
 
 def _program_memory(block: Any) -> Features:
@@ -267,4 +295,5 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "sign_retriever": _one,
     "stream_multiplexer": _one,
     "table_address": lambda block: _both(1, block.beyond, block.addr_width),
+    "table_graph": _table_graph,
 }

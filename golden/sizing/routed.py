@@ -18,6 +18,8 @@ from golden.input_error import InputError
 from golden.sizing.model import Size, held_out, recorded
 from golden.table import read_csv_file
 
+# Designs that have a register after some adders.
+GRAPHS = ("adder_graph", "table_graph")
 ROUTED = Path(__file__).with_name("routed.csv")
 COLUMNS: tuple[str, ...] = (
     "network",
@@ -92,7 +94,7 @@ def path_of(design: str, options: Mapping[str, object]) -> int:
     if design.startswith(("engine", "lanes")):
         return int(options.get("pipeline") == "deep")
     count = options.get("adders_per_clock")
-    return count if design == "adder_graph" and isinstance(count, int) else 0
+    return count if design in GRAPHS and isinstance(count, int) else 0
 
 
 def routed_size(design: str, options: Mapping[str, object], size: Size) -> Routed | None:

@@ -33,6 +33,7 @@ from golden.sizing.candidates import (
     build,
     kind_of,
     lanes,
+    tables,
 )
 from golden.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
 from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
@@ -70,6 +71,7 @@ class Extra:
         return f"{self.scene}, {self.candidate.name}"
 
 
+TABLES = "comparison/digit-tables"
 # The quick ones first. Each design has networks of different weights here, so that all of a network
 # can be held out.
 EXTRAS = (
@@ -98,6 +100,9 @@ EXTRAS = (
     Extra("swing-single", adders(1)),
     Extra("swing-multiple", adders(5)),
     Extra("classes/loads", adders(2)),
+    Extra(TABLES, tables(5, sample_bits=8, hidden_bits=8, output_bits=8)),
+    Extra(TABLES, tables(2, sample_bits=9, hidden_bits=10, output_bits=10)),
+    Extra(TABLES, tables(5, sample_bits=12, hidden_bits=9, output_bits=12)),
 )
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 
+from golden.networks.table_graph import TableGraph
 from golden.scene import Scene, load_scene
 from golden.scene.comparison import compared
 from golden.sizing.candidates import Refused, Sized
-from golden.sizing.model import held_out
+from golden.sizing.model import Held, held_out, held_out_alone
 from tb.report.draw.designs import picture_of
 from tb.report.measure.designs import designs, refused_lines
 from tb.report.measure.table import Cell, cell_text
 
-# The scenes of the page: the default one, and one whose network every design takes.
-CASCADE, SINGLE = "digit", "digit-single"
+# The scenes of the page: the default one, one whose network every design of tanh neurons takes, and
+# one of learned functions.
+CASCADE, SINGLE, LEARNED = "digit", "digit-single", "comparison/digit-tables"
 
 
 @cache
@@ -33,16 +36,25 @@ def rows(name: str, family: str = "xc2v") -> str:
 
 
 def spreads() -> str:
-    """Every recorded network, estimated by a model that does not know it."""
+    """Every recorded network, estimated by a model that does not know its weights."""
+    return _estimates(held_out())
+
+
+def alone() -> str:
+    """Every recorded network of small tables, estimated by a model that knows the others."""
+    return _estimates(held_out_alone(TableGraph.block))
+
+
+def _estimates(found: Iterable[Held]) -> str:
     lines = ["| network | design | LUTs | estimated | error % |", "|---|---|---|---|---|"]
-    for one in held_out():
+    for one in found:
         cells = [f"`{one.network}`", one.design, str(one.luts)]
         lines.append(f"| {' | '.join(cells)} | {one.estimated:.0f} | {one.percent:+.1f} |")
     return "\n".join(lines)
 
 
 def picture() -> str:
-    """LUTs against clocks of the scene that every design takes."""
+    """LUTs against clocks of the scene that every design of tanh neurons takes."""
     scene, found, _ = _compared(SINGLE)
     return picture_of(scene, found, "xc2v")
 
