@@ -22,7 +22,7 @@ from golden.scene import Scene
 from golden.scene.scale import on_readings, on_signals
 from golden.spline_layers import function_network
 from golden.splines import training as splines
-from golden.splines.training import Learned, Settings
+from golden.splines.training import Learned, SplineSettings
 from golden.training.objective import Rows
 from golden.training.search import Result, bit_true_errors, shift_biases
 from golden.training.task import Frames, Task, task_for
@@ -52,7 +52,7 @@ def train(task: Task, hidden: int, number: int) -> Learned:
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    settings = Settings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent)
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent)
     return splines.trained(settings, rng, task.training, task.validation)
 
 

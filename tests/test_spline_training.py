@@ -17,7 +17,7 @@ from golden.scene import Scene, load_scene
 from golden.spline_layers import function_network
 from golden.spline_training import SplineStages, candidates, choices, train
 from golden.splines import training as splines
-from golden.splines.training import Learned, Settings
+from golden.splines.training import Learned, SplineSettings
 from golden.training.objective import Rows
 from golden.training.search import bit_true_error
 
@@ -108,7 +108,7 @@ def test_what_hardware_gets_is_what_was_trained() -> None:
     inputs = rng.uniform(-0.4, 0.6, (200, 3))
     target = (inputs[:, :1] ** 2 + 0.5 * inputs[:, 1:2]) * (0.4 + inputs[:, 2:])
     rows = Rows(inputs, target, np.ones_like(target))
-    learned = splines.trained(Settings(2, 2, 4, 0.01), rng, rows, rows)
+    learned = splines.trained(SplineSettings(2, 2, 4, 0.01), rng, rows, rows)
     learned = splines.pruned(learned, rows, rows, _rms)
     network = function_network(learned, inputs, 0).layers()
     assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9

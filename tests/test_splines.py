@@ -14,7 +14,7 @@ from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Objective, Penalty
-from golden.splines.training import Settings, pruned, refitted, trained
+from golden.splines.training import SplineSettings, pruned, refitted, trained
 from golden.training.objective import Rows
 
 BASIS = Basis(-0.5, 1.5, 4)
@@ -182,7 +182,7 @@ def test_bends_are_what_straightening_changes() -> None:
 def test_a_law_is_learnt_and_pruned() -> None:
     """The functions of the input that tells nothing become flat, and the error stays."""
     training, validation, test = (curve(120, seed, 0.01) for seed in (1, 2, 3))
-    settings = Settings(1, 4, 4, 1e-3)
+    settings = SplineSettings(1, 4, 4, 1e-3)
     found = min(
         (
             trained(settings, np.random.default_rng(start), training, validation)

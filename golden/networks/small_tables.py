@@ -30,7 +30,7 @@ ADDRESSES = (4, 5, 6)
 
 
 @dataclass(frozen=True)
-class Part:
+class TablePart:
     """The bits of a word that address a table, counted from the lowest bit of the word.
 
     Parameters
@@ -65,13 +65,13 @@ class SmallTable:
     ----------
     source : int
         Which word of a frame.
-    part : Part
+    part : TablePart
     words : tuple of int
         In the order of the addresses, for bits as they stand in a signal.
     """
 
     source: int
-    part: Part
+    part: TablePart
     words: tuple[int, ...]
 
     @property
@@ -95,7 +95,7 @@ class SmallTable:
         return found
 
 
-def cost(part: Part, bits: int) -> float:
+def cost(part: TablePart, bits: int) -> float:
     """LUTs of six inputs and half those of four, for words of so many bits and an adder for them.
 
     A bit that is simpler than others takes fewer.
@@ -133,12 +133,12 @@ def tables_of(source: int, values: Codes, tolerance: int) -> tuple[SmallTable, .
 
 # Training asks for the same functions again.
 @lru_cache(maxsize=1024)
-def _cheapest(data: bytes, tolerance: int) -> tuple[tuple[Part, tuple[int, ...]], ...]:
+def _cheapest(data: bytes, tolerance: int) -> tuple[tuple[TablePart, tuple[int, ...]], ...]:
     """The parts and the words of ``tables_of``."""
     values = np.frombuffer(data, dtype=np.int64)
     width = len(values).bit_length() - 1
     span = int(values.max() - values.min()) >> FINE
-    best: list[tuple[Part, Codes]] | None = None
+    best: list[tuple[TablePart, Codes]] | None = None
     least = True, 0.0
     for lowest, parts in _ordered(width, span.bit_length() - 1):
         if best is not None and (False, lowest) >= least:
@@ -156,7 +156,7 @@ def _cheapest(data: bytes, tolerance: int) -> tuple[tuple[Part, tuple[int, ...]]
 
 
 @lru_cache(maxsize=256)
-def _ordered(width: int, bits: int) -> list[tuple[float, tuple[Part, ...]]]:
+def _ordered(width: int, bits: int) -> list[tuple[float, tuple[TablePart, ...]]]:
     """The arrangements with what they cost at least where the values need so many bits."""
     pairs = [
         (cost(parts[0], bits) + sum(cost(part, 1) for part in parts[1:]), parts)
@@ -165,10 +165,10 @@ def _ordered(width: int, bits: int) -> list[tuple[float, tuple[Part, ...]]]:
     return sorted(pairs, key=lambda pair: pair[0])
 
 
-def arrangements(width: int) -> Iterator[tuple[Part, ...]]:
+def arrangements(width: int) -> Iterator[tuple[TablePart, ...]]:
     """The parts that tables of words of so many bits may have; the first one has the values."""
     if width <= MOST_ADDRESS:
-        yield (Part(width),)
+        yield (TablePart(width),)
     for top in range(min(LEAST_TOP, width - 1), min(MOST_ADDRESS, width - 1) + 1):
         for counts in _splits(width - top, MOST_TABLES - 1):
             ends = [width - top, *(width - top - cut for cut in accumulate(counts))]
@@ -181,7 +181,7 @@ def arrangements(width: int) -> Iterator[tuple[Part, ...]]:
                 if all(
                     a + m >= b + n for (a, m), (b, n) in pairwise(zip(highs, counts, strict=True))
                 ):
-                    yield Part(top), *map(Part, highs, ends, ends[1:])
+                    yield TablePart(top), *map(TablePart, highs, ends, ends[1:])
 
 
 def _splits(bits: int, most: int) -> Iterator[tuple[int, ...]]:
@@ -194,7 +194,7 @@ def _splits(bits: int, most: int) -> Iterator[tuple[int, ...]]:
                 yield first, *rest
 
 
-def fitted(values: Codes, parts: Sequence[Part]) -> tuple[list[Codes], int]:
+def fitted(values: Codes, parts: Sequence[TablePart]) -> tuple[list[Codes], int]:
     """The words of tables with these parts whose sum is near to some values.
 
     The sum of the squares of the errors comes with them.
@@ -236,12 +236,12 @@ def _means(values: Codes, address: Codes, count: int) -> Codes:
 
 
 @lru_cache(maxsize=1024)
-def _addresses(part: Part, width: int) -> Codes:
+def _addresses(part: TablePart, width: int) -> Codes:
     """The address for each code of a word, from the least."""
     return part.address(np.arange(1 << width), width)
 
 
-def _as_stored(words: Codes, part: Part) -> tuple[int, ...]:
+def _as_stored(words: Codes, part: TablePart) -> tuple[int, ...]:
     """The words in the order of the bits in a signal, where the highest is a sign."""
     ordered = np.roll(words, len(words) >> 1) if part.top else words
     return tuple(ordered.tolist())

@@ -21,7 +21,7 @@ from golden.networks.left_out import left_out, of_useless_nodes
 from golden.networks.oracle import error_bounds, exact, hidden_weights
 from golden.networks.pictures import flow_of
 from golden.networks.settings import Settings
-from golden.networks.small_tables import Part, SmallTable
+from golden.networks.small_tables import SmallTable, TablePart
 from golden.networks.table_sums import Grid, TableSum, table_sum
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
@@ -40,7 +40,7 @@ LEAST_BITS, MOST_BITS = 4, SIGNAL.width
 # Bits below the last place of a hidden sum that its tables have.
 GUARD = 1
 # What is read where no sum has a table.
-EMPTY = SmallTable(0, Part(1), (0, 0))
+EMPTY = SmallTable(0, TablePart(1), (0, 0))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from golden.real import Real
-from golden.splines.objective import Objective
+from golden.splines.objective import SplineObjective
 
 # The damping as a part of the diagonal: at the start, its least, and that at which no step helps.
 DAMPING, LEAST, MOST = 1e-3, 1e-12, 1e8
@@ -17,13 +17,13 @@ SETTLED = 1e-5
 ROUNDING = 1e-12
 
 
-def descend(objective: Objective, start: Real, steps: int) -> Real:
+def descend(objective: SplineObjective, start: Real, steps: int) -> Real:
     """The point that at most ``steps`` evaluations reach from ``start``."""
     return _descended(objective, start, steps, lambda point: False)
 
 
 def stopped_early(
-    objective: Objective, start: Real, steps: int, validation: Objective, patience: int
+    objective: SplineObjective, start: Real, steps: int, validation: SplineObjective, patience: int
 ) -> Real:
     """The point of a descent that has the least error on the rows of ``validation``.
 
@@ -44,7 +44,9 @@ def stopped_early(
     return best
 
 
-def _descended(objective: Objective, start: Real, steps: int, over: Callable[[Real], bool]) -> Real:
+def _descended(
+    objective: SplineObjective, start: Real, steps: int, over: Callable[[Real], bool]
+) -> Real:
     point, damping = start, DAMPING
     value, gradient, hessian = objective.around(point)
     for _ in range(steps):

@@ -30,7 +30,7 @@ class Penalty:
 
 
 @dataclass(frozen=True)
-class Objective:
+class SplineObjective:
     """sum(((y - t) / scale)**2) + penalties, over the training rows.
 
     Parameters

@@ -12,7 +12,7 @@ from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting
-from golden.splines.objective import Objective, Penalty
+from golden.splines.objective import Penalty, SplineObjective
 from golden.training.objective import Rows
 
 STEPS, PATIENCE, SIZE = 300, 40, 1e-6
@@ -25,7 +25,7 @@ PARTS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05)
 
 
 @dataclass(frozen=True)
-class Settings:
+class SplineSettings:
     """The settings of one candidate.
 
     Attributes
@@ -59,14 +59,14 @@ class Learned:
     ----------
     network : SplineNetwork
     edges : Edges
-    settings : Settings
+    settings : SplineSettings
     rows : int
         The number of rows on which it was trained first, for which the penalty is meant.
     """
 
     network: SplineNetwork
     edges: Edges
-    settings: Settings
+    settings: SplineSettings
     rows: int
 
     def process(self, frames: Real) -> Real:
@@ -88,20 +88,20 @@ class Learned:
         freedom = edges.freedom(self.network)
         settings = self.settings
         penalty = Penalty(settings.bend * len(rows.inputs) / self.rows, settings.size)
-        aim = Objective(self.network, rows, penalty, freedom)
+        aim = SplineObjective(self.network, rows, penalty, freedom)
         start: Real = np.asarray(
             np.linalg.lstsq(freedom, self.network.packed())[0], dtype=np.float64
         )
         if validation is None:
             point = descend(aim, start, settings.steps)
         else:
-            held_back = Objective(self.network, validation, penalty, freedom)
+            held_back = SplineObjective(self.network, validation, penalty, freedom)
             point = stopped_early(aim, start, settings.steps, held_back, settings.patience)
         return Learned(aim.network(point), edges, self.settings, self.rows)
 
 
 def trained(
-    settings: Settings, rng: np.random.Generator, training: Rows, validation: Rows
+    settings: SplineSettings, rng: np.random.Generator, training: Rows, validation: Rows
 ) -> Learned:
     """The network of one candidate."""
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)

@@ -21,7 +21,7 @@ from golden.real import Real
 from golden.scene import Scene, load_scene
 from golden.scene_errors import disturbed_errors, held_out_means
 from golden.splines import training as splines
-from golden.splines.training import Learned, Settings
+from golden.splines.training import Learned, SplineSettings
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.search import starting_weights
@@ -156,7 +156,7 @@ def mlps(hidden: Sequence[int]) -> Kind:
 
 def learned(nodes: int, pruned: bool = False) -> Kind:
     """Networks of learned functions with so many hidden sums."""
-    settings = [Settings(nodes, *pair, bend) for pair in INTERVALS for bend in BENDS]
+    settings = [SplineSettings(nodes, *pair, bend) for pair in INTERVALS for bend in BENDS]
     kind = Kind(f"functions, {nodes} nodes", settings, splines.trained, splines.refitted)
     return replace(kind, name=f"{kind.name}, pruned", prune=prune) if pruned else kind
 
