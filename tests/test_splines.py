@@ -13,7 +13,7 @@ from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting
-from golden.splines.objective import Objective, Penalty
+from golden.splines.objective import SplineObjective, Penalty
 from golden.splines.training import SplineSettings, pruned, refitted, trained
 from golden.training.objective import Rows
 
@@ -87,7 +87,7 @@ def test_derivatives_are_differences(kind: int) -> None:
     like = network()
     edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
     freedom = edges.freedom(like)
-    aim = Objective(like, rows(), Penalty(0.3, 0.01), freedom)
+    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     errors, jacobian = aim.jacobian(point)
     np.testing.assert_allclose(errors, aim.errors(point).ravel())
@@ -101,7 +101,7 @@ def test_derivatives_are_differences(kind: int) -> None:
 
 def test_the_penalty_is_of_bends_and_size() -> None:
     like = network(1, 1)
-    aim = Objective(like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())))
+    aim = SplineObjective(like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())))
     straight = [np.arange(basis.count, dtype=float) for basis in (*like.bases, like.hidden)]
     point = np.append(np.concatenate(straight), 5.0)
     size = 0.01 * sum(float(part @ part) for part in straight)
@@ -114,13 +114,13 @@ def test_the_penalty_is_of_bends_and_size() -> None:
 def test_a_descent_ends_lower_and_early() -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
-    aim = Objective(like, curve(60, 1), Penalty(1e-3), freedom)
+    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom)
     start = like.packed()
     assert aim.value(descend(aim, start, 50)) < 0.05 * aim.value(start)
     np.testing.assert_array_equal(descend(aim, start, 0), start)
     # The other rows are those of the start, so any step leads away from them.
     here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = Objective(like, here, Penalty(0), freedom)
+    watched = SplineObjective(like, here, Penalty(0), freedom)
     near = stopped_early(aim, start, 50, watched, 3)
     assert aim.value(near) < aim.value(start)
     assert watched.value(near) < watched.value(descend(aim, start, 50))
@@ -129,18 +129,18 @@ def test_a_descent_ends_lower_and_early() -> None:
 def test_patience_ends_a_descent(monkeypatch: pytest.MonkeyPatch) -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
-    aim = Objective(like, curve(60, 1), Penalty(1e-3), freedom)
+    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom)
     here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = Objective(like, here, Penalty(0), freedom)
-    errors, seen = Objective.errors, []
+    watched = SplineObjective(like, here, Penalty(0), freedom)
+    errors, seen = SplineObjective.errors, []
 
-    def counted(self: Objective, parameters: Real) -> Real:
+    def counted(self: SplineObjective, parameters: Real) -> Real:
         found = errors(self, parameters)
         if self is watched:
             seen.append(float((found**2).sum()))
         return found
 
-    monkeypatch.setattr(Objective, "errors", counted)
+    monkeypatch.setattr(SplineObjective, "errors", counted)
     stopped_early(aim, like.packed(), 50, watched, 3)
     assert len(seen) == 3 + 1 + int(np.argmin(seen))
 
