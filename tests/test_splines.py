@@ -13,7 +13,7 @@ from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
 from golden.splines.network import SplineNetwork, starting
-from golden.splines.objective import SplineObjective, Penalty
+from golden.splines.objective import Penalty, SplineObjective
 from golden.splines.training import SplineSettings, pruned, refitted, trained
 from golden.training.objective import Rows
 
