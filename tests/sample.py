@@ -1,7 +1,7 @@
-"""A drawn sample of the tests that ``make test ALL=1`` adds: ``make test SAMPLE=180``.
+"""A drawn sample of the tests that ``make test ALL=1`` adds: ``make test SAMPLE=60``.
 
-Tests that only ALL=1 runs must not break unnoticed between two nightly runs, so CI adds a few
-minutes of them to every run. The digest of the tree is the seed: the same tree draws the same
+Tests that only ALL=1 runs must not break unnoticed between two nightly runs, so CI adds a
+minute of them to every run. The digest of the tree is the seed: the same tree draws the same
 tests, and the next tree draws others. The time of each test is recorded, so that the sample fits
 its time. A test that takes longer than the whole sample is never drawn, and is left to the nightly
 run.

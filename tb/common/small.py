@@ -625,7 +625,7 @@ READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),
     "winner-long": replace(
-        PAST, shapes=[(4, 2, 2)], window=Window(((0, 64), (0, 3))), hardware="argmax = true"
+        WINDOWS["long-past"], shapes=[(4, 2, 2)], design="engine", hardware="argmax = true"
     ),
     "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
     "winner-loop": replace(
