@@ -19,7 +19,6 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.shift_add import Constant, Sum
-from golden.networks.table_graph import TableGraph
 from golden.sizing.table_luts import bit_columns, luts_of
 
 # The words of 9 bits that a block RAM holds.
@@ -241,13 +240,13 @@ def _lanes(block: Any) -> Features:
 
 
 def _table_graph(block: Any) -> Features:
-    spec: TableGraph = block
+    # No import of the design here: what reads a scene would depend on all that its twin imports.
     columns = [
         column
-        for table in (*spec.first, *spec.second)
+        for table in (*block.first, *block.second)
         for column in bit_columns(table.words, table.width)
     ]
-    return Features((sum(map(luts_of, columns)),), (len(columns) + spec.latency,))
+    return Features((sum(map(luts_of, columns)),), (len(columns) + block.latency,))
 
 
 def _program_memory(block: Any) -> Features:
