@@ -15,6 +15,7 @@ from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import BipartitePair
 from golden.block import Block
 from golden.engine.program_words import ProgramWords
+from golden.networks.learning_engine import LearningEngine
 from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off.mutate.initial import Word, drawn, flipped, score_words, words_of
@@ -22,14 +23,14 @@ from tb.sign_off.mutate.score import COUNT, SEED
 from tb.sign_off.record import read_record
 from tb.sign_off.subject import recorded_cases
 
-WITH_WORDS = ("program_memory", "replay_memory", "bipartite")
+WITH_WORDS = ("program_memory", "replay_memory", "bipartite", "learning_engine")
 SCENES = ("digit", "digit-load", "comparison/digit-serial", "digit-fast")
 Memories = dict[str, list[int]]
 
 
 def of_twin(twin: Block) -> Memories:
     """The words that a twin has, by the end of the memory's name."""
-    if isinstance(twin, ProgramWords):
+    if isinstance(twin, (ProgramWords, LearningEngine)):
         return {"memory": list(twin.contents)}
     node = twin.activation if isinstance(twin, BipartitePair) else twin
     assert isinstance(node, Bipartite)

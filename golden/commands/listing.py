@@ -18,9 +18,11 @@ from golden.engine.loop_program import LoopProgram
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
+from golden.learning.listing import lesson_listing
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
+from golden.networks.learning_engine import LearningEngine
 from golden.scene import load_scene
 
 
@@ -33,6 +35,11 @@ def main() -> None:
     if matrices:
         would(f"print the adders of {len(matrices)} matrices")
         print("\n\n".join("\n".join(adders(matrix)) for matrix in matrices))
+        return
+    lessons = [block for block in blocks if isinstance(block, LearningEngine)]
+    if lessons:
+        would(f"print the program of {lessons[0].entity}")
+        print("\n".join(lesson_listing(lessons[0].program)))
         return
     engines = [block for block in blocks if isinstance(block, Engine)]
     if not engines:

@@ -40,8 +40,9 @@ from golden.recalibration.placements import (
     noise_of_repeats,
     numbers_of,
 )
-from golden.recalibration.sensitivity import GAIN, OFFSET, Sensitivity
+from golden.recalibration.sensitivity import Sensitivity
 from golden.scene import Scene, load_scene
+from golden.scene.expected_drift import GAIN, OFFSET
 
 # The least number of proposed placements. With fewer, the error of one would have too much weight.
 PROPOSED = 8

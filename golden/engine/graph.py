@@ -54,12 +54,20 @@ class Term:
         Code of 18 bits; 0 where the coefficient comes from a table.
     function : Function
         The function from whose table the coefficient comes, where it does.
+    second : int
+        Number of the value that is the coefficient, without its lowest bits; -1 for none.
     """
 
     kind: Kind
     source: int
     weight: int
     function: Function = TANH
+    second: int = -1
+
+    @property
+    def values(self) -> tuple[int, int]:
+        """The numbers of the values that it reads."""
+        return self.source, self.second
 
 
 @dataclass(frozen=True)

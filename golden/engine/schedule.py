@@ -87,7 +87,7 @@ def schedule(
             neuron = graph.neurons[n]
             if neuron.output and n != next_output:
                 continue
-            if any(term.source not in ready for term in neuron.terms):
+            if any(value not in ready for term in neuron.terms for value in term.values):
                 continue
             planned = plan(graph, n, ready, now)
             rank = (planned.waits, -urgency[n], n)
@@ -107,8 +107,9 @@ def _urgency(graph: Graph) -> list[int]:
     following: list[list[int]] = [[] for _ in graph.neurons]
     for n, neuron in enumerate(graph.neurons):
         for term in neuron.terms:
-            if term.source >= graph.inputs:
-                following[term.source - graph.inputs].append(n)
+            for value in term.values:
+                if value >= graph.inputs:
+                    following[value - graph.inputs].append(n)
     urgency = [0] * len(graph.neurons)
     for n in reversed(range(len(graph.neurons))):
         longest = max((urgency[m] for m in following[n]), default=0)

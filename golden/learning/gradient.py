@@ -106,3 +106,23 @@ class Gradient:
         if not self.wide:
             return new
         return np.where((new == words).all(axis=1)[:, np.newaxis], wanted, kept)
+
+
+def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
+    """The constant step of each output: half of the largest with which no equation overshoots.
+
+    Parameters
+    ----------
+    taught : Corrected
+    codes : int64 array, shape (rows, sensors)
+        Samples of a recording.
+    targets : int64 array, shape (rows, outputs)
+        Its known outputs.
+    """
+    rows = Lesson(codes[:, np.newaxis], targets[:, np.newaxis])
+    unit, theta = Unit(rows.drifts), start(rows, taught)
+    found = [equation(taught, rows, theta, 0, output, unit) for output in range(taught.outputs)]
+    longest = np.array([(ROW.to_real(one.row) ** 2).sum(axis=1).max() for one in found])
+    # An output that no sensor moves has the largest step there is.
+    least = 0.5 / STEP.to_real(np.array(STEP.high))
+    return STEP.quantise(0.5 / np.maximum(longest, least))[0]

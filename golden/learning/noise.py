@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from golden.learning.lesson import ERROR, Lesson, start
 from golden.learning.unit import Unit
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.scene import Vectors
+
+if TYPE_CHECKING:
+    from golden.scene import Vectors
 
 
 @dataclass(frozen=True)

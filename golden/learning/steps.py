@@ -157,12 +157,13 @@ def kaczmarz(taught: Corrected, noise: Sequence[int], halvings: int) -> list[lis
 
 
 def _equation(taught: Corrected, output: int) -> Iterator[Sum]:
-    yield from _corrected(taught)
+    yield from corrected(taught)
     yield from _network(taught, output)
     yield from _row(taught, output)
 
 
-def _corrected(taught: Corrected) -> Iterator[Sum]:
+def corrected(taught: Corrected) -> Iterator[Sum]:
+    """The sums of the corrected samples."""
     pairs = zip(taught.gains.tolist(), taught.offsets.tolist(), strict=True)
     for k, (gain, offset) in enumerate(pairs):
         yield Sum(f"gain {k}", (by(f"theta {k}", gain),))

@@ -12,11 +12,8 @@ from golden.disturbance import Disturbance
 from golden.real import Real
 from golden.recalibration.placements import Placements
 from golden.scene import Scene
+from golden.scene.expected_drift import expected_drift, zero_signals
 from golden.scene.scale import Scale, signals
-
-# The expected drift if no other is given: standard deviations of the gain, and of the offset as a
-# part of the sensor's largest reading.
-GAIN, OFFSET = 0.05, 0.02
 
 # An own error of a network below this, in percent, does not count.
 LEAST_ERROR = 0.01
@@ -87,20 +84,17 @@ class Sensitivity:
         noise : float array, shape (sensors,)
             Standard deviation of one reading as a signal.
         drift : Disturbance, optional
-            Gain and offset of the expected drift, in the unit of the readings. The default is a
-            gain of ``GAIN`` and, for each sensor, an offset of ``OFFSET`` times the largest
-            recorded reading.
+            Gain and offset of the expected drift, in the unit of the readings. The default is
+            that of ``expected_drift``.
         """
-        recorded, zero = scene.vectors().inputs, _zero(scene)
         if drift is None:
-            largest = np.abs(recorded + zero).max(axis=0)
-            return cls(scene, np.full(len(zero), GAIN), OFFSET * largest, noise)
-        factors = [s.factor for s in scene.scales(scene.sensors)]
-        return cls(scene, np.full(len(zero), drift.gain), drift.offset / np.array(factors), noise)
+            return cls(scene, *expected_drift(scene), noise)
+        factors = np.array([s.factor for s in scene.scales(scene.sensors)])
+        return cls(scene, np.full(len(factors), drift.gain), drift.offset / factors, noise)
 
     def moves(self, samples: Real) -> Real:
         """What each element of ``theta`` adds to samples, shape (rows, 2 sensors)."""
-        by_gain = (samples + _zero(self.scene)) * self.gain
+        by_gain = (samples + zero_signals(self.scene)) * self.gain
         result: Real = np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
         return result
 
@@ -126,7 +120,7 @@ class Sensitivity:
         """The correction of each sensor: networks get ``offset + factor * signal``."""
         by_gain, by_offset = np.split(theta, 2)
         gains = by_gain * self.gain
-        offsets = gains * _zero(self.scene) + by_offset * self.offset
+        offsets = gains * zero_signals(self.scene) + by_offset * self.offset
         return [Scale(float(o), float(1 + g)) for o, g in zip(offsets, gains, strict=True)]
 
     def by_theta(self, slopes: Real, samples: Real) -> Real:
@@ -226,9 +220,3 @@ class Sensitivity:
 def spread_out(count: int, most: int) -> NDArray[np.intp]:
     """Indices of at most ``most`` of ``count`` rows, evenly spread."""
     return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
-
-
-def _zero(scene: Scene) -> Real:
-    """The offset that makes signals proportional to readings: minus the signal of reading 0."""
-    scales = scene.scales(scene.sensors)
-    return np.array([s.offset / s.factor for s in scales])

@@ -23,6 +23,7 @@ from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
 from golden.scene.demand import check_demand
+from golden.scene.learning import that_learns
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -46,6 +47,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network = _within_a_scan(scene, design, settings) or arrange(
             scene.arrangement, trained, design, settings
         )
+        network = that_learns(scene, network)
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, held in zip(scene.members, trained, strict=True):

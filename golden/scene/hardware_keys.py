@@ -88,6 +88,15 @@ HARDWARE = KeyTable(
             "the clocks and gives the same results.",
             "`dsp`",
         ),
+        "learning": Key(
+            Text(("lms",)),
+            "",
+            "Only for `engine`, with a cascade or one network of one output. With `lms` the engine "
+            "[learns gains and offsets of its sensors](blocks/learning_engine.md) from frames "
+            "whose outputs are known. It has one multiplier and the pipeline `short`, no reload, "
+            "no front end, no visualisation, no `axi_stream` and no `argmax`.",
+            "it does not learn",
+        ),
         "pipeline": Key(
             Text(("short", "deep")),
             "",

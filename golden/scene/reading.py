@@ -12,6 +12,7 @@ from golden.precision import PRECISIONS
 from golden.scene.demand import demand, price
 from golden.scene.front_end import front_end
 from golden.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
+from golden.scene.learning import check_learning
 from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
@@ -147,6 +148,7 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         clock_mhz=hardware["clock_mhz"],
         interface=hardware["interface"],
         argmax=hardware["argmax"],
+        learning=hardware["learning"],
         **parts,
     )
 
@@ -178,6 +180,7 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
             parts["members"] = members(data, values["network"], len(window.taps), path)
     with collect_faults(found):
         check_hardware(values, path)
+        check_learning(values, path)
         parts["design_options"] = design_options(hardware, path)
     with collect_faults(found):
         parts["price"] = price(hardware, path)

@@ -101,6 +101,8 @@ class Scene:
         ``stream``, the network's own ports, or ``axi_stream``.
     argmax : bool
         Whether the hardware gives the index and the margin of the largest output.
+    learning : str
+        The rule by which the hardware learns; empty for none.
     training : Training
     front_end : FrontEnd or None
         How the sensors are read, where the scene has that section.
@@ -144,6 +146,7 @@ class Scene:
     front_end: FrontEnd | None
     visualisation: Visualisation | None
     uart: Uart | None
+    learning: str = ""
     demand: Demand = NO_DEMAND
     price: Price = DEFAULT_PRICE
 
@@ -313,6 +316,8 @@ class Scene:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
         given = self.networks() if networks is None else networks
         options, design = dict(self.design_options), DESIGNS.get(self.design)
+        if self.learning:
+            options["multiplier"] = "dsp"
         if self.demand.interval and design and "interval" in design.options:
             options.setdefault("interval", self.demand.interval)
         # One hidden layer of tanh needs no range, and so no frames.

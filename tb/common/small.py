@@ -125,6 +125,27 @@ TABLE_GRAPHS = {
     "two-tables": replace(TABLE_GRAPH, shapes=[(2, 3, 1), (2, 2, 1)], arrangement="multiple"),
 }
 
+# Engines that learn: a cascade, and the smallest one.
+LESSONS = {
+    "lesson": Case(
+        [(2, 2, 1), (3, 1, 1)],
+        "exact",
+        spread=0.3,
+        activation="precise",
+        design="engine",
+        arrangement="cascade",
+        hardware='learning = "lms"',
+    ),
+    "least-lesson": Case(
+        [(1, 1, 1)],
+        "exact",
+        activation="precise",
+        seed=4,
+        design="engine",
+        hardware='learning = "lms"',
+    ),
+}
+
 # Networks that need more clocks from frame to frame than a frame has elements.
 SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
 SLOWER = "{ rho = 1.5, iterations = 11 }"

@@ -94,7 +94,10 @@ def entities(blocks: Collection[str]) -> Iterator[Entity]:
 
 
 def record_netlists(blocks: Collection[str], tell: Tell) -> list[Outcome]:
-    """Run the benches of some blocks on the netlists of all families, and record the results."""
+    """Run the benches of some blocks on the netlists of all families, and record the results.
+
+    A block of which a bench fails keeps the record that it has.
+    """
     runs: dict[str, list[dict[str, Any]]] = {}
     outcomes = []
     pairs = [(entity, family) for entity in entities(blocks) for family in entity.families()]
@@ -119,7 +122,8 @@ def record_netlists(blocks: Collection[str], tell: Tell) -> list[Outcome]:
                 }
             )
     for block, lines in runs.items():
-        write_record(KIND, block, {"runs": lines})
+        if all(line["passed"] for line in lines):
+            write_record(KIND, block, {"runs": lines})
     return outcomes
 
 

@@ -23,8 +23,8 @@ from golden.fixed import Codes, Fix
 from golden.learning.conjugate import Conjugate
 from golden.learning.corrected import Corrected
 from golden.learning.costs import luts
-from golden.learning.gradient import LENGTH, STEP, Gradient
-from golden.learning.lesson import ROW, Lesson, by_differences, equation, start
+from golden.learning.gradient import LENGTH, Gradient, constants
+from golden.learning.lesson import Lesson, by_differences
 from golden.learning.noise import Noise
 from golden.learning.output_layers import OutputLayers
 from golden.learning.perturbation import OVER_R, Perturbation
@@ -85,14 +85,14 @@ class Setting:
     noise : Noise
     readings : float array, shape (drifts,)
         Standard deviation of the noise of a reading.
-    longest : float array, shape (outputs,)
-        The largest ``row . row`` of each output over the recording.
+    steps : int64 array, shape (outputs,)
+        The constant step of each output.
     """
 
     taught: Corrected
     noise: Noise
     readings: Real
-    longest: Real
+    steps: Codes
 
     def squares(self, frac: int) -> Codes:
         """r^2 with so many fraction bits."""
@@ -104,7 +104,7 @@ class Setting:
 
     def constant(self) -> Gradient:
         """LMS whose constant step is half of what no equation of the recording overshoots with."""
-        return self.gradient(0, constant=STEP.quantise(0.5 / self.longest)[0])
+        return self.gradient(0, constant=self.steps)
 
     def recursive(self, width: int, root: bool) -> Recursive:
         return Recursive(self.taught, self.squares(SQUARE), width, root)
@@ -291,16 +291,9 @@ def draws(seed: int, noises: Sequence[float] = NOISES, count: int = DRAWS) -> Dr
         taught,
         Noise.of(taught, vectors),
         np.repeat(noises, count),
-        _longest(taught, vectors.codes, vectors.targets),
+        constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0]),
     )
     return Draws(scene, setting, np.array(readings), np.array(shown), np.array(noisy))
-
-
-def _longest(taught: Corrected, codes: Codes, targets: Real) -> Real:
-    rows = Lesson(codes[:, np.newaxis], SIGNAL.quantise(targets)[0][:, np.newaxis])
-    unit, theta = Unit(rows.drifts), start(rows, taught)
-    found = [equation(taught, rows, theta, 0, output, unit) for output in range(taught.outputs)]
-    return np.array([(ROW.to_real(one.row) ** 2).sum(axis=1).max() for one in found])
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ README = ROOT / "docs" / "README.md"
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
 LEARNED = "comparison/digit-tables"
+CASCADE = "digit"
 # A counter of so many bits makes a scan long enough for every converter.
 WIDE = 13
 AREAS = (
@@ -110,6 +111,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
     # No shipped scene has learned functions.
     learned = load_scene(LEARNED)
     yield learned.precision.name, learned.twin()
+    # Nor does one learn.
+    learning = replace(load_scene(CASCADE), learning="lms")
+    yield learning.precision.name, learning.twin()
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:

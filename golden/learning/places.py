@@ -1,0 +1,138 @@
+"""Where an engine that learns keeps its words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from golden.engine.program import SOURCE
+from golden.input_error import InputError
+
+
+def bits_for(count: int) -> int:
+    """The bits of an address of so many words."""
+    return (count - 1).bit_length()
+
+
+@dataclass(frozen=True)
+class Places:
+    """The addresses of the operand memory; the program holds them.
+
+    ============  ================================================================================
+    address       what is there
+    ============  ================================================================================
+    00 ...        words that a frame or an equation computes, from 0 on; at the end the samples of
+                  the last frame, and known outputs as they come in
+    01 b ... 1 k  theta, twice; b is the bank, and k counts up to the last address
+    1 p k         placement p: its samples, and behind them its known outputs
+    ============  ================================================================================
+
+    The program has 1 for every bit of b, and 0 for every bit of p. The hardware puts the bank and
+    the number of the placement there.
+
+    Parameters
+    ----------
+    sensors, outputs : int
+    scratch : int
+        The most words that a frame or an equation computes, theta aside.
+    least : int
+        The least bits of an address.
+
+    Raises
+    ------
+    InputError
+        When an address has more bits than a program can hold.
+    """
+
+    sensors: int
+    outputs: int
+    scratch: int
+    least: int
+
+    def __post_init__(self) -> None:
+        if self.addr_width > SOURCE[1]:
+            raise InputError(
+                f"hardware.learning: got {self.scratch} words that an equation computes, expected "
+                f"{(1 << (SOURCE[1] - 2)) - (1 << self.sample_width) - (1 << self.target_width)} "
+                "at most"
+            )
+
+    @cached_property
+    def sample_width(self) -> int:
+        """Bits of the number of a sample; the last number is for a sample that breaks a frame."""
+        return bits_for(self.sensors + 1)
+
+    @cached_property
+    def target_width(self) -> int:
+        """Bits of the number of a known output, as they come in."""
+        return bits_for(self.outputs + 1)
+
+    @cached_property
+    def placement_width(self) -> int:
+        """Bits of the place of a word within a placement."""
+        return bits_for(self.sensors + self.outputs)
+
+    @property
+    def unknowns(self) -> int:
+        return 2 * self.sensors
+
+    @cached_property
+    def addr_width(self) -> int:
+        """Bits of an address."""
+        incoming = (1 << self.sample_width) + (1 << self.target_width)
+        quarter = max(
+            bits_for(self.scratch + incoming),
+            bits_for(self.unknowns) + 1,
+            self.placement_width,
+        )
+        return max(self.least, quarter + 2)
+
+    @cached_property
+    def samples(self) -> int:
+        """The address of the first sample, of which the lowest bits are 0."""
+        return self._incoming[0]
+
+    @cached_property
+    def targets(self) -> int:
+        """The address of the first known output, as it comes in."""
+        return self._incoming[1]
+
+    @property
+    def _incoming(self) -> tuple[int, int]:
+        """Both addresses: the wider number stands at the end of the quarter, the other before."""
+        quarter, widths = 1 << (self.addr_width - 2), (self.sample_width, self.target_width)
+        last = quarter - (1 << max(widths))
+        before = last - (1 << min(widths))
+        return (last, before) if widths[0] > widths[1] else (before, last)
+
+    @property
+    def theta(self) -> int:
+        """The address of the first element of theta, in the program."""
+        return (1 << (self.addr_width - 1)) - self.unknowns
+
+    @cached_property
+    def bank_bit(self) -> int:
+        """The number of the bit of an address that says in which bank theta is."""
+        return self.addr_width - 3
+
+    @cached_property
+    def placement(self) -> int:
+        """The address of the first word of placement 0."""
+        return 1 << (self.addr_width - 1)
+
+    @cached_property
+    def number_width(self) -> int:
+        """Bits of the number of a placement."""
+        return self.addr_width - 1 - self.placement_width
+
+    def of_theta(self, address: int) -> bool:
+        """Whether an address of the program is one of theta."""
+        return address >> (self.addr_width - 2) == 1
+
+    def mapped(self, address: int, bank: int, number: int) -> int:
+        """The address of a word in the memory, for an address of the program."""
+        if address >= self.placement:
+            return address | number << self.placement_width
+        if self.of_theta(address):
+            return address & ~(1 << self.bank_bit) | bank << self.bank_bit
+        return address

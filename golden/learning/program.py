@@ -1,0 +1,457 @@
+"""The program of an engine that learns: frames, placements that are kept, and equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from golden.engine.fields import get, put, signed_code
+from golden.engine.finish import word_of
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.function_table import joined
+from golden.engine.graph import Graph, Kind, start_of
+from golden.engine.line_table import LineTable
+from golden.engine.pipeline import Pipeline
+from golden.engine.program import (
+    END,
+    FIRST,
+    FIRST_OF_OUTPUT,
+    INTERCEPT,
+    KIND,
+    OUTPUT,
+    SLOPE,
+    SOURCE,
+    STORE,
+    TAKE_INTERCEPT,
+    WEIGHT,
+    table_notes,
+    table_words,
+)
+from golden.engine.schedule import Step
+from golden.fixed import Codes
+from golden.learning import steps
+from golden.learning.corrected import HALF, Corrected
+from golden.learning.places import Places
+from golden.learning.segments import (
+    Planner,
+    Slot,
+    going_to,
+    graph_of_sums,
+    moved,
+    slots,
+    waiting,
+)
+from golden.learning.unit import SHORT
+
+# In the place of the bit for the intercept, which follows from the kind: the coefficient is a
+# second word, whose address is in the field of the weight.
+PRODUCT = TAKE_INTERCEPT
+# The most that a word times a second one can be.
+_MOST_PRODUCT = 1 << (2 * (WIDTH - 1) - SHORT)
+
+
+class LessonPipeline(Pipeline):
+    """That of an engine, with a clock more in which the counter goes to the frame's first step."""
+
+    @property
+    def run(self) -> int:
+        return 2
+
+
+@dataclass(frozen=True)
+class Done:
+    """A sum that is stored.
+
+    Attributes
+    ----------
+    address : int
+        Where its word goes, as the program says it.
+    total : int64 array
+    word : int64 array
+    fits : bool array
+        Whether the word was not saturated.
+    leaves : bool
+        Whether it is an output of a frame.
+    """
+
+    address: int
+    total: Codes
+    word: Codes
+    fits: Codes
+    leaves: bool
+
+
+@dataclass(frozen=True)
+class _Decoded:
+    """One step, with its fields gathered from the words that hold them."""
+
+    real: bool
+    places: int
+    kind: int = 0
+    source: int = 0
+    weight: int = 0
+    second: int = -1
+    first: bool = False
+    of_output: bool = False
+    store: bool = False
+    leaves: bool = False
+
+
+@dataclass(frozen=True)
+class LessonProgram:
+    """The words of the program memory, and where each part begins.
+
+    Parameters
+    ----------
+    places : Places
+    segment_width : int
+    table, words : tuple of int
+        Words of the table of tanh, and behind them those of the steps.
+    starts : tuple of int
+        The address of the first word of the frame, of what keeps a placement, and of the equation
+        of each output.
+    notes : tuple of str
+        What each word stands for.
+    acc_width : int
+        Bits that hold every sum, whatever is shown.
+    """
+
+    places: Places
+    segment_width: int
+    table: tuple[int, ...]
+    words: tuple[int, ...]
+    starts: tuple[int, ...]
+    notes: tuple[str, ...]
+    acc_width: int
+
+    @property
+    def pipeline(self) -> Pipeline:
+        return LessonPipeline()
+
+    @cached_property
+    def lengths(self) -> tuple[int, ...]:
+        """The steps of each part."""
+        return tuple(len(self._marks(start)) for start in self.starts)
+
+    @cached_property
+    def output_steps(self) -> tuple[int, ...]:
+        """The steps of a frame whose results leave."""
+        marks = self._marks(self.starts[0])
+        return tuple(n for n, word in enumerate(marks) if get(word, OUTPUT) and get(word, STORE))
+
+    def clock(self, step: int) -> int:
+        """The clock of the result of a frame's step, counted from the last sample."""
+        return self.pipeline.begin + step + self.pipeline.result
+
+    def word(self, address: int) -> int:
+        """The word at an address of the program memory."""
+        return self.words[address - len(self.table)]
+
+    def _marks(self, start: int) -> list[int]:
+        """The words that hold the marks of the steps of a part, up to its end."""
+        found = [self.word(start + self.pipeline.mark)]
+        while not get(found[-1], END):
+            found.append(self.word(start + self.pipeline.mark + len(found)))
+        return found
+
+    def run(self, start: int, memory: Codes, bank: int, number: int) -> Iterator[Done]:
+        """Execute a part, sum by sum.
+
+        Parameters
+        ----------
+        start : int
+            The address of its first word.
+        memory : int64 array, shape (words, ...)
+            The operand memory, of one engine or of several side by side. The results are written by
+            whoever calls this.
+        bank, number : int
+            The bank of theta that is read, and the number of the placement.
+        """
+        intercepts, slopes = self._lines
+        span, place = 1 << self.segment_width, 0
+        acc = np.zeros(memory.shape[1:], dtype=np.int64)
+
+        def read(address: int) -> Codes:
+            return np.asarray(memory[self.places.mapped(address, bank, number)])
+
+        for step in self._parts[start]:
+            if step.places >= 0:
+                place = step.places
+            if not step.real:
+                continue
+            if step.kind == Kind.ONE:
+                product = np.full_like(acc, step.weight << DROPPED)
+            elif step.kind == Kind.WORD and step.second >= 0:
+                product = read(step.source) * (read(step.second) >> SHORT)
+            elif step.kind == Kind.WORD:
+                product = read(step.source) * step.weight
+            else:
+                word = read(step.source)
+                sign = word >> (WIDTH - 1)
+                segment = np.minimum((word ^ sign) >> self.segment_width, len(slopes) - 1)
+                if step.kind == Kind.INTERCEPT:
+                    product = intercepts[segment] * ((sign | 1) << DROPPED)
+                else:
+                    product = slopes[segment] * ((word & (span - 1)) - span // 2)
+            acc = product + (start_of(step.of_output) if step.first else acc)
+            if step.store:
+                found = word_of(acc, 0)
+                fits = np.asarray(found == acc >> DROPPED)
+                yield Done(place, acc, found, fits, step.leaves)
+                place = self._after(place)
+
+    @cached_property
+    def _parts(self) -> dict[int, list[_Decoded]]:
+        """The steps of each part, gathered from the words that hold their fields."""
+        return {start: list(self._decoded(start)) for start in self.starts}
+
+    def _decoded(self, start: int) -> Iterator[_Decoded]:
+        at = self.pipeline
+        # Before the first step, words only say where results go.
+        for here in range(start - at.mark, start + len(self._marks(start))):
+            marks = self.word(here + at.mark)
+            places = get(marks, OUTPUT) and not get(marks, STORE)
+            where = get(marks, WEIGHT) if places else -1
+            if here < start:
+                yield _Decoded(real=False, places=where)
+                continue
+            near, begins = self.word(here + at.operand), self.word(here + at.start)
+            field = get(near, WEIGHT)
+            yield _Decoded(
+                real=True,
+                places=where,
+                kind=get(near, KIND),
+                source=get(self.word(here), SOURCE),
+                weight=signed_code(field),
+                second=field if get(near, PRODUCT) else -1,
+                first=bool(get(begins, FIRST)),
+                of_output=bool(get(begins, FIRST_OF_OUTPUT)),
+                store=bool(get(marks, STORE)),
+                leaves=bool(get(marks, OUTPUT) and get(marks, STORE)),
+            )
+
+    def _after(self, address: int) -> int:
+        """Where the next result goes."""
+        half = self.places.placement
+        return address & half | (address + 1) % half
+
+    @cached_property
+    def _lines(self) -> tuple[Codes, Codes]:
+        pairs = [(get(word, INTERCEPT), get(word, SLOPE)) for word in self.table]
+        return signed_code(np.array([i for i, _ in pairs])), signed_code(
+            np.array([s for _, s in pairs])
+        )
+
+
+def lesson_program(
+    taught: Corrected, constants: Sequence[int], graph: Graph, least_addr_width: int
+) -> LessonProgram:
+    """The program of LMS with constant steps.
+
+    Parameters
+    ----------
+    taught : Corrected
+    constants : sequence of int
+        The step of each output.
+    graph : Graph
+        The neurons of a frame, behind samples that are not corrected yet.
+    least_addr_width : int
+        The least bits of an address of the operand memory.
+
+    Raises
+    ------
+    InputError
+        See ``Places``.
+    """
+    parts = _Parts(taught, graph)
+    program = steps.lms(taught, constants)
+    counts = [len(sums) - 2 * taught.sensors for sums in program]
+    places = Places(
+        taught.sensors,
+        taught.outputs,
+        max(3 * taught.sensors + len(graph.neurons), *counts),
+        least_addr_width,
+    )
+    found = [parts.frame(places), parts.keep(places)]
+    found += [parts.equation(places, sums) for sums in program]
+    width = taught.networks[0].segment_width
+    table = joined(graph.functions, width)
+    bits = max(_bits(part, table) for part in found)
+    return _assembled(places, table, found, bits)
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Makes the parts of a program."""
+
+    taught: Corrected
+    graph: Graph
+
+    @property
+    def pipeline(self) -> Pipeline:
+        return LessonPipeline()
+
+    def frame(self, places: Places) -> list[Slot]:
+        """Theta of 0 for one bank, the corrected samples, and the networks."""
+        sensors, unknowns = self.taught.sensors, places.unknowns
+        names = [f"sample {k}" for k in range(sensors)] + [f"theta {k}" for k in range(unknowns)]
+        zero = Slot(Kind.ONE, 0, 0, first=True, store=True)
+        found = [
+            going_to(places.theta),
+            *(_named(zero, f"theta {k} of one bank = 0") for k in range(unknowns)),
+        ]
+        # The first results behind theta go to address 0.
+        before = graph_of_sums(list(steps.corrected(self.taught)), names)
+        made = before.inputs + len(before.neurons)
+        to = {-1: -1} | {k: before.inputs + 3 * k + 2 for k in range(sensors)}
+        to |= {sensors + n: made + n for n in range(len(self.graph.neurons))}
+        graph = Graph(before.inputs, (*before.neurons, *moved(self.graph, to)))
+        early = {
+            sensors + k: 1 + k + self.pipeline.result_ready - len(found) for k in range(unknowns)
+        }
+        done = Planner(self.pipeline, early).steps(graph)
+        addresses = self._external(places, names) | _results(graph, done)
+        return [*found, *slots(graph, done, names, addresses, leave=True)]
+
+    def keep(self, places: Places) -> list[Slot]:
+        """The samples of the last frame, and the known outputs, behind each other."""
+        found = [going_to(places.placement)]
+        for k in range(self.taught.sensors):
+            text = f"placement: sample {k}, done"
+            copy = Slot(Kind.WORD, places.samples + k, 1 << DROPPED, first=True, store=True)
+            found.append(_named(copy, text))
+        # A known output comes in as a sample does.
+        weight = 1 << (DROPPED + OUTPUT_SHIFT - SAMPLE_SHIFT)
+        for k in range(self.taught.outputs):
+            text = f"placement: known {k}"
+            found.append(_named(Slot(Kind.WORD, places.targets + k, weight, first=True), text))
+            found.append(_named(Slot(Kind.ONE, 0, HALF, store=True), f"{text}, done"))
+        return found
+
+    def equation(self, places: Places, sums: Sequence[steps.Sum]) -> list[Slot]:
+        """The equation of an output, and the theta that follows from it."""
+        unknowns = places.unknowns
+        names = [
+            *(f"sample {k}" for k in range(self.taught.sensors)),
+            *(f"known {k}" for k in range(self.taught.outputs)),
+            *(f"theta {k}" for k in range(unknowns)),
+        ]
+        graph = graph_of_sums(sums[:-unknowns], names)
+        planner = Planner(self.pipeline, {})
+        done = planner.steps(graph)
+        addresses = self._external(places, names, kept=True) | _results(graph, done)
+        body = [going_to(0), *slots(graph, done, names, addresses)]
+        # The new theta, whose addresses are in their order.
+        known = [*names, *(one.name for one in sums[:-unknowns])]
+        ready = planner.ready(graph, done)
+        early = {value: step - len(done) for value, step in ready.items()}
+        after = graph_of_sums(sums[-unknowns:], known)
+        order: list[Step] = []
+        for n in range(unknowns):
+            plan = Planner(self.pipeline, early).plan(
+                after, n, dict.fromkeys(range(-1, after.inputs), 0), len(order)
+            )
+            order += plan.steps
+        last = slots(after, order, known, addresses)
+        return self._placed(body, list(last), places)
+
+    def _placed(self, before: list[Slot], after: list[Slot], places: Places) -> list[Slot]:
+        """Two lists of steps, and a step that sends the results of the second to theta.
+
+        The step takes effect before those of the clocks before it are stored.
+        """
+        lead = self.pipeline.mark - self.pipeline.operand
+        for waits in range(lead + 2):
+            steps_of = [*before, *([waiting(places.samples)] * waits), *after]
+            split = len(before) + waits
+            for place in range(split, len(steps_of) + 1):
+                if place > split and not steps_of[place - 1].store:
+                    continue
+                found = [*steps_of[:place], going_to(places.theta), *steps_of[place:]]
+                effect = place - lead
+                stored = [n for n, slot in enumerate(found) if slot.store]
+                mine = [n for n in stored if n < split]
+                if all(n < effect for n in mine) and all(n > effect for n in stored[len(mine) :]):
+                    return found
+        raise AssertionError("with enough waits there is always a place")
+
+    def _external(self, places: Places, names: Sequence[str], kept: bool = False) -> dict[int, int]:
+        """The addresses of words that are there before."""
+        known = places.placement + self.taught.sensors if kept else places.targets
+        bases = {
+            "sample": places.placement if kept else places.samples,
+            "known": known,
+            "theta": places.theta,
+        }
+        found = {-1: places.samples}
+        for number, name in enumerate(names):
+            what, k = name.split()
+            found[number] = bases[what] + int(k)
+        return found
+
+
+def _named(slot: Slot, note: str) -> Slot:
+    return Slot(**{**vars(slot), "note": note})
+
+
+def _results(graph: Graph, done: Sequence[Step]) -> dict[int, int]:
+    """The address of each result: they are stored one after the other."""
+    last = [graph.inputs + step.neuron for step in done if step.last]
+    return {value: n for n, value in enumerate(last)}
+
+
+def _bits(part: Sequence[Slot], table: LineTable) -> int:
+    """The bits of the largest sum of a part, whatever the words are."""
+    largest, found = 0, 1
+    most = {
+        Kind.INTERCEPT: max(map(abs, table.intercepts)) << DROPPED,
+        Kind.DISTANCE: max(map(abs, table.slopes)) << (table.width - 1),
+    }
+    for slot in part:
+        if slot.places:
+            continue
+        product = most.get(slot.kind, abs(slot.field) << (WIDTH - 1))
+        product = _MOST_PRODUCT if slot.product else product
+        largest = product + (start_of(slot.of_output) if slot.first else largest)
+        found = max(found, largest.bit_length() + 1)
+    return found
+
+
+def _assembled(
+    places: Places, table: LineTable, parts: Sequence[Sequence[Slot]], bits: int
+) -> LessonProgram:
+    at = LessonPipeline()
+    words: list[int] = []
+    notes: list[str] = []
+    starts = []
+    for part in parts:
+        begin, final = len(words), len(part) - 1
+        starts.append(len(table_words(table)) + begin)
+        words += [0] * (len(part) + at.mark)
+        notes += [slot.note for slot in part] + ["fields of steps above"] * at.mark
+        for n, slot in enumerate(part, start=begin):
+            put(words, n, SOURCE, slot.source)
+            put(words, n + at.operand, KIND, int(slot.kind))
+            put(words, n + at.operand, WEIGHT, slot.field)
+            put(words, n + at.operand, PRODUCT, slot.product)
+            put(words, n + at.start, FIRST, slot.first)
+            put(words, n + at.start, FIRST_OF_OUTPUT, slot.of_output)
+            put(words, n + at.mark, STORE, slot.store)
+            put(words, n + at.mark, OUTPUT, slot.leaves)
+            put(words, n + at.mark, END, n == begin + final)
+            if slot.places:
+                put(words, n + at.operand, OUTPUT, 1)
+    words += [0] * at.padding
+    notes += ["fields of steps above"] * at.padding
+    return LessonProgram(
+        places,
+        table.width,
+        table_words(table),
+        tuple(words),
+        tuple(starts),
+        (*table_notes(table), *notes),
+        bits,
+    )

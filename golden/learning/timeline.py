@@ -1,0 +1,265 @@
+"""What an engine that learns does in every clock: which frames, known outputs and steps it takes.
+
+Nothing here is as it is in the hardware, except the clocks: a frame, a placement or an equation is
+computed as a whole, in the clock in which nothing can stop it any more.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
+from golden.engine.operand_memory import WORD
+from golden.fixed import Codes
+from golden.learning.program import LessonProgram
+
+INPUTS = (
+    "in_valid",
+    "in_data",
+    "in_last",
+    "target_valid",
+    "target_data",
+    "target_last",
+    "learn",
+    "rst",
+)
+OUTPUTS = (
+    "out_valid",
+    "out_data",
+    "out_last",
+    "frame_error",
+    "target_ready",
+    "target_error",
+    "learn_error",
+)
+
+
+@dataclass
+class Stream:
+    """A stream whose frames have a number of elements: a frame of another length is broken.
+
+    Attributes
+    ----------
+    length : int
+    count : int
+        Elements of the frame so far.
+    began, dropping : bool
+        Whether a frame has begun, and whether the rest of it is dropped.
+    raised : bool
+        Whether the element of the clock before broke its frame.
+    """
+
+    length: int
+    count: int = 0
+    began: bool = False
+    dropping: bool = False
+    raised: bool = False
+
+    def take(self, valid: bool, last: bool, refused: bool) -> tuple[int, bool]:
+        """The number of the element that is accepted, or -1; and whether its frame is complete.
+
+        Parameters
+        ----------
+        valid, last : bool
+        refused : bool
+            Whether nothing is accepted, and a frame that has begun is broken.
+        """
+        accept = valid and not refused and not self.dropping
+        breaks = refused and (valid or self.began) and not self.dropping
+        complete = self.count == self.length - 1
+        wrong = accept and complete != last
+        number, done = self.count if accept and not wrong else -1, accept and complete and last
+        self.raised = breaks or wrong
+        if valid:
+            self.dropping = not last and (self.dropping or self.raised)
+            self.began = not last
+        elif breaks:
+            self.dropping = True
+        self.count = 0 if wrong or done or refused else self.count + accept
+        return number, done
+
+
+@dataclass
+class Part:
+    """A part of the program that runs: from the clock before its first step to its last result."""
+
+    opens: int = -1
+    ends: int = -1
+
+    def at(self, t: int) -> bool:
+        """Whether it runs in a clock."""
+        return self.opens <= t <= self.ends
+
+
+@dataclass
+class Timeline:
+    """An engine that learns, clock by clock from a reset on.
+
+    Attributes
+    ----------
+    program : LessonProgram
+    met : Counter
+        How often each thing happened, for a bench that must show that it did.
+    bank, equation, shown, written : int
+        The bank of theta in use, the equation that is next, the placement to which it belongs, and
+        the placement that is written next.
+    full : bool
+        Whether every place of a placement has been written.
+    stepped : bool
+        Whether any step has been taken.
+    fresh : bool
+        Whether the samples of the last frame are there.
+    """
+
+    program: LessonProgram
+    met: Counter[str] = field(default_factory=Counter)
+
+    def __post_init__(self) -> None:
+        # Words that were never written are unlikely ones.
+        self.memory = np.full((1 << self.program.places.addr_width, 1), WORD.low)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything but the words of the memory."""
+        places = self.program.places
+        self.bank = self.equation = self.shown = self.written = 0
+        self.full = self.stepped = self.fresh = self.lost = self.refused = False
+        self.samples, self.targets = Stream(places.sensors), Stream(places.outputs)
+        self.frame, self.keep, self.study = Part(), Part(), Part()
+        self.leaving: dict[int, int] = {}
+
+    @property
+    def theta(self) -> list[int]:
+        """The words of theta in use."""
+        places = self.program.places
+        first = places.mapped(places.theta, self.bank, 0)
+        return [int(word) for word in self.memory[first : first + places.unknowns, 0]]
+
+    def play(self, columns: Mapping[str, Codes]) -> dict[str, Codes]:
+        """The outputs in each clock, by the names of the ports, from the inputs in each clock.
+
+        ``out_data`` is 0 where no output leaves.
+        """
+        clocks = zip(*(np.asarray(columns[name]).tolist() for name in INPUTS), strict=True)
+        found = [self.clock(t, *row) for t, row in enumerate(clocks)]
+        return dict(zip(OUTPUTS, np.array(found).T, strict=True))
+
+    def clock(
+        self,
+        t: int,
+        valid: int,
+        data: int,
+        last: int,
+        target: int,
+        known: int,
+        last_known: int,
+        learn: int,
+        reset: int,
+    ) -> tuple[int, ...]:
+        """The outputs in a clock, from the inputs in that clock, both in their order."""
+        busy, keeping, studying = (one.at(t) for one in (self.frame, self.keep, self.study))
+        ready = not (busy or keeping)
+        out = self.leaving.pop(t, None)
+        seen = (
+            int(out is not None),
+            out or 0,
+            int(busy and t == self.frame.ends),
+            int(self.samples.raised),
+            int(ready),
+            int(self.targets.raised or self.lost),
+            int(self.refused),
+        )
+        arrives, taken = bool(valid) and not busy, bool(target) and ready
+        idle = ready and not (studying or arrives or taken)
+        self.refused = self.lost = False
+        if idle and learn and self.shown != self.written:
+            self.study = self._part(t, 2 + self.equation)
+        kept, passed = keeping and t == self.keep.ends, studying and t == self.study.ends
+        if kept:
+            self._keep()
+        elif passed:
+            self._step()
+        elif self.shown == self.written:
+            self.shown = self._next(self.shown) if self.full else 0
+        if studying and not passed and (arrives or taken):
+            self.met["equations stopped"] += 1
+            self.study = Part()
+        if keeping and not kept and arrives:
+            self.met["placements lost"] += 1
+            self.keep, self.lost = Part(), True
+        self._take_targets(t, taken, known, bool(last_known), arrives, keeping)
+        self._take_samples(t, bool(valid), data, bool(last), busy)
+        self.fresh = (self.fresh or (busy and t == self.frame.ends)) and not arrives
+        if reset:
+            self.reset()
+        return seen
+
+    def _part(self, t: int, number: int) -> Part:
+        """A part that is decided on in a clock."""
+        at = self.program.pipeline
+        return Part(t + 1, t + at.run + self.program.lengths[number] - 1 + at.result)
+
+    def _take_targets(
+        self, t: int, taken: bool, code: int, last: bool, arrives: bool, keeping: bool
+    ) -> None:
+        refused = (not self.fresh or arrives) and not keeping
+        number, done = self.targets.take(taken, last, refused)
+        self.met["targets refused"] += self.targets.raised
+        if number >= 0:
+            self.memory[self.program.places.targets + number] = code << SAMPLE_SHIFT
+        if done:
+            self.keep = self._part(t, 1)
+
+    def _take_samples(self, t: int, valid: bool, code: int, last: bool, busy: bool) -> None:
+        # A frame that comes too early is broken at once. One that began before is complete.
+        number, done = self.samples.take(valid, last, busy and valid)
+        self.met["frames refused"] += self.samples.raised
+        if number >= 0:
+            self.memory[self.program.places.samples + number] = code << SAMPLE_SHIFT
+        if not done:
+            return
+        self.met["frames"] += 1
+        self.met["corrected frames"] += any(self.theta) and self.stepped
+        self.frame = self._part(t, 0)
+        leaves = iter(self.program.output_steps)
+        # Until a step has been taken, a frame clears the bank in use, and after that the other one.
+        cleared = 1 - self.bank if self.stepped else self.bank
+        for one in self.program.run(self.program.starts[0], self.memory, self.bank, 0):
+            self._write(one.address, one.word, cleared)
+            if one.leaves:
+                clock = t + self.program.clock(next(leaves))
+                self.leaving[clock] = int(one.word[0]) >> OUTPUT_SHIFT
+
+    def _write(self, address: int, word: Codes, bank: int) -> None:
+        self.memory[self.program.places.mapped(address, bank, self.written)] = word
+
+    def _keep(self) -> None:
+        """Keep a placement, with which learning goes on."""
+        self.met["placements"] += 1
+        for one in self.program.run(self.program.starts[1], self.memory, self.bank, 0):
+            self._write(one.address, one.word, self.bank)
+        self.shown, self.equation = self.written, 0
+        self.written = self._next(self.written)
+        self.full = self.full or not self.written
+
+    def _next(self, number: int) -> int:
+        return (number + 1) % (1 << self.program.places.number_width)
+
+    def _step(self) -> None:
+        """An equation, and the step that follows from it, unless it leaves the format of theta."""
+        places, fits = self.program.places, True
+        start = self.program.starts[2 + self.equation]
+        for one in self.program.run(start, self.memory, self.bank, self.shown):
+            self._write(one.address, one.word, 1 - self.bank)
+            fits = fits and (bool(one.fits.all()) or not places.of_theta(one.address))
+        self.refused = not fits
+        self.met["steps refused" if self.refused else "steps taken"] += 1
+        if fits:
+            self.bank, self.stepped = 1 - self.bank, True
+        self.equation = (self.equation + 1) % places.outputs
+        if not self.equation:
+            self.shown = self._next(self.shown)

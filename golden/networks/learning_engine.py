@@ -1,0 +1,223 @@
+"""LearningEngine: an engine that learns the gains and offsets of its sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from golden.block import Block
+from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
+from golden.engine.frame_check import FrameCheck
+from golden.engine.frame_guard import FrameGuard
+from golden.engine.multiply_accumulate import MultiplyAccumulate
+from golden.engine.operand_memory import OperandMemory
+from golden.engine.operand_select import OperandSelect
+from golden.engine.round_saturate import RoundSaturate
+from golden.engine.table_address import TableAddress
+from golden.fixed import Codes
+from golden.input_error import InputError
+from golden.learning.corrected import Corrected
+from golden.learning.program import LessonProgram, lesson_program
+from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, Engine
+from golden.networks.network import Network
+from golden.port import Port, input_port, output_port
+from golden.precision import SIGNAL
+
+
+@dataclass(frozen=True)
+class LearningEngine(Network):
+    """An engine whose program also learns, from known outputs of frames (ours).
+
+    Parameters
+    ----------
+    program : LessonProgram
+    engine : Engine
+        The engine of the same networks that does not learn.
+
+    Notes
+    -----
+    It learns in the clocks that frames leave free. Frames come in the same clocks whether it learns
+    or not.
+    """
+
+    block = "learning_engine"
+    program: LessonProgram
+    engine: Engine
+
+    @classmethod
+    def of(cls, engine: Engine, taught: Corrected, constants: Sequence[int]) -> Self:
+        """The engine that learns in the place of one that does not.
+
+        Parameters
+        ----------
+        engine : Engine
+        taught : Corrected
+            Its networks behind sensors that are corrected.
+        constants : sequence of int
+            The step of each output; see ``golden.learning.gradient``.
+
+        Raises
+        ------
+        InputError
+            For networks or hardware that are not made for learning.
+        """
+        if engine.serial or engine.loaded or engine.program.pipeline.memory_registers:
+            raise InputError(
+                "hardware.learning: got 'lms' with multiplier 'serial', pipeline 'deep' or reload, "
+                "expected none of them"
+            )
+        if engine.integers != taught.networks:
+            raise InputError(
+                "hardware.learning: got networks of another arrangement or segment_width, expected "
+                "a cascade, or a single network, with the default"
+            )
+        program = lesson_program(taught, constants, engine.graph, LEAST_ADDR_WIDTH)
+        return cls(program, engine, variant=engine.variant)
+
+    @property
+    def inputs(self) -> int:
+        return self.program.places.sensors
+
+    @property
+    def outputs(self) -> int:
+        return self.program.places.outputs
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        return tuple(map(self.program.clock, self.program.output_steps))
+
+    @property
+    def clocks_text(self) -> str:
+        """``output_clocks`` as text for the exported file."""
+        return ", ".join(map(str, self.output_clocks))
+
+    @property
+    def latency(self) -> int:
+        return self.output_clocks[0]
+
+    @property
+    def interval(self) -> int:
+        return self.busy + self.inputs
+
+    @property
+    def busy(self) -> int:
+        return self.output_clocks[-1] + self.program.pipeline.free - 1
+
+    @property
+    def equation_clocks(self) -> tuple[int, ...]:
+        """Clocks in one piece that the equation of each output takes."""
+        at = self.program.pipeline
+        return tuple(at.run + steps + at.result for steps in self.program.lengths[2:])
+
+    @property
+    def longest_equation(self) -> int:
+        """The most clocks in one piece that an equation takes."""
+        return max(self.equation_clocks)
+
+    @property
+    def placements(self) -> int:
+        """How many placements are kept; the next one takes the place of the oldest."""
+        return (1 << self.program.places.number_width) - 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *super().ports,
+            input_port("target_valid", "`target_data` holds a known output of the last frame"),
+            input_port("target_data", "known output y, in the order of the outputs", SIGNAL),
+            input_port("target_last", "this is the last known output of the frame"),
+            output_port("target_ready", "a known output is taken in this clock"),
+            output_port(
+                "target_error",
+                "high for one clock for each stream of known outputs of the wrong length, without "
+                "a frame before, or that a frame interrupts; nothing of it is kept",
+            ),
+            input_port("learn", "it learns from the placements that it keeps"),
+            output_port(
+                "learn_error",
+                "high for one clock for each step that would leave the range, which is not taken",
+            ),
+        )
+
+    @property
+    def input_controller(self) -> FrameCheck:
+        return self.frame_check
+
+    @property
+    def frame_check(self) -> FrameCheck:
+        places, pipeline = self.program.places, self.program.pipeline
+        return FrameCheck(
+            self.inputs, places.sample_width, self.output_clocks[-1], pipeline, results=False
+        )
+
+    @property
+    def frame_guard(self) -> FrameGuard:
+        """Takes known outputs as if they were samples; only the lowest bits of addresses count."""
+        return FrameGuard(LEAST_ADDR_WIDTH, self.program.pipeline)
+
+    @property
+    def operand_memory(self) -> OperandMemory:
+        """There are two of them, with the same words."""
+        return OperandMemory(self.program.places.addr_width)
+
+    @property
+    def table_address(self) -> TableAddress:
+        return TableAddress(self.program.segment_width, len(self.program.table))
+
+    @property
+    def operand_select(self) -> OperandSelect:
+        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
+
+    @property
+    def multiply_accumulate(self) -> MultiplyAccumulate:
+        return MultiplyAccumulate(self.acc_width)
+
+    @property
+    def round_saturate(self) -> RoundSaturate:
+        return RoundSaturate(self.acc_width)
+
+    @property
+    def acc_width(self) -> int:
+        return max(LEAST_ACC_WIDTH, self.program.acc_width)
+
+    @property
+    def program_addr_width(self) -> int:
+        """Bits of the program counter."""
+        return (len(self.program.table) + len(self.program.words) - 1).bit_length()
+
+    @property
+    def contents(self) -> tuple[int, ...]:
+        """All words of the program memory, filled with zeros up to a power of two."""
+        words = (*self.program.table, *self.program.words)
+        return words + (0,) * ((1 << self.program_addr_width) - len(words))
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.frame_check,
+            self.frame_guard,
+            self.operand_memory,
+            self.table_address,
+            self.operand_select,
+            self.multiply_accumulate,
+            self.round_saturate,
+        )
+
+    def facts(self) -> tuple[str, ...]:
+        spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
+        equations = f"{sum(self.equation_clocks)} clocks for a pass over one placement"
+        return "one multiplier", spent, f"{self.placements} placements are kept", equations
+
+    def compute(self, frames: Codes) -> Codes:
+        """The outputs after a reset, before anything is learned."""
+        places = self.program.places
+        memory = np.zeros((1 << places.addr_width, len(frames)), dtype=np.int64)
+        memory[places.samples : places.samples + self.inputs] = frames.T << SAMPLE_SHIFT
+        found = []
+        for one in self.program.run(self.program.starts[0], memory, 0, 0):
+            memory[places.mapped(one.address, 0, 0)] = one.word
+            if one.leaves:
+                found.append(one.word >> OUTPUT_SHIFT)
+        return np.stack(found, axis=-1)

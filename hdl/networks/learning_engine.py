@@ -1,0 +1,389 @@
+"""LearningEngine: an engine that learns the gains and offsets of its sensors."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
+from golden.engine.operand_memory import WORD
+from golden.engine.program import (
+    END,
+    FIRST,
+    FIRST_OF_OUTPUT,
+    KIND,
+    OUTPUT,
+    SOURCE,
+    STORE,
+    WORD_WIDTH,
+)
+from golden.learning.program import PRODUCT
+from golden.learning.unit import SHORT
+from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
+from hdl.common.delay import delay
+from hdl.common.signals import Stream, fixed, flag, signed, unsigned
+from hdl.engine.frame_check import frame_check
+from hdl.engine.frame_guard import frame_guard
+from hdl.engine.multiply_accumulate import multiply_accumulate
+from hdl.engine.operand_memory import operand_memory
+from hdl.engine.operand_select import operand_select
+from hdl.engine.round_saturate import round_saturate
+from hdl.engine.table_address import table_address
+from hdl.network_parts.lesson_address import lesson_address
+from hdl.network_parts.lesson_control import lesson_control
+from hdl.network_parts.lesson_memory import lesson_memory
+
+
+@block
+def learning_engine(
+    clk,
+    rst,
+    in_: Stream,
+    out: Stream,
+    *,
+    frame_error,
+    target: Stream,
+    learn,
+    learn_error,
+    spec: LearningEngine,
+):
+    """A frame of sensor samples in, a frame of outputs out; and known outputs in, to learn from.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        Outputs come as the program computes them; ``out_last`` comes with the last one.
+    frame_error : bool
+        It is high for one clock for each frame that has the wrong length, or that begins before the
+        last output of the frame before has left. Such a frame yields no result.
+    target_valid, target_data, target_last, target_ready : bool, signed Fix(14,13), bool, bool
+        The known outputs of the last frame, which make it a placement that is kept.
+    target_error : bool
+        It is high for one clock for each stream of known outputs of the wrong length, without a
+        frame before, or that a frame interrupts. Nothing of it is kept.
+    learn : bool
+        While it is high, equations of the placements that are kept are computed one after the
+        other, in the clocks that frames leave free.
+    learn_error : bool
+        It is high for one clock for each step that would leave the range and is not taken.
+    spec : LearningEngine
+
+    Notes
+    -----
+    Clocks from the last sample to the outputs: ``spec.clocks_text``. An equation takes up to
+    ``spec.longest_equation`` clocks in one piece; a sample that comes stops it, and it begins anew
+    later. ``spec.placements`` placements are kept; the next one takes the place of the oldest.
+    Reset clears every flag and counter, forgets the placements, and brings back the gains and
+    offsets of before.
+    """
+    places = spec.program.places
+    addr_width, half_width = places.addr_width, places.addr_width - 1
+    word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+    segment = unsigned(spec.table_address.addr_width)
+    acc, data, read, second, operand = signed(spec.acc_width), *(fixed(WORD) for _ in range(4))
+    # Who runs.
+    frame_start, frame_run, keep_start, keep_run, keep_busy = (flag() for _ in range(5))
+    opening, studying, active, finish, frame_finish, keep_over = (flag() for _ in range(6))
+    busy, arrives, ready, taken, stops, halt, fresh, lost = (flag() for _ in range(8))
+    broken_targets, nothing, goes, bad = (flag() for _ in range(4))
+    # Marks of steps.
+    store, leaves, places_next, ends, wrote = (flag() for _ in range(5))
+    # Where words are.
+    bank, write_bank, stepped, result_top = (flag() for _ in range(4))
+    shown, written = (Signal(modbv(0, min=0, max=1 << places.number_width)) for _ in range(2))
+    result_low = Signal(modbv(0, min=0, max=1 << half_width))
+    equation = unsigned(max(1, (spec.outputs - 1).bit_length()))
+    source, read_addr, second_addr, second_source = (unsigned(addr_width) for _ in range(4))
+    result_source, result_addr, write_addr = (unsigned(addr_width) for _ in range(3))
+    sample_place, target_place = unsigned(addr_width), unsigned(addr_width)
+    sample_write, target_write, write = (flag() for _ in range(3))
+    sample_addr = unsigned(places.sample_width)
+    target_width = spec.frame_guard.addr_width
+    target_addr, before_last = unsigned(target_width), unsigned(target_width)
+    incoming = fixed(SIGNAL)
+    weight, kept, kept_late = (unsigned(WIDTH) for _ in range(3))
+    kind = unsigned(KIND[1])
+    look_up, intercept, take_intercept, first, first_of_output = (flag() for _ in range(5))
+    product, product_late = flag(), flag()
+    spoiled, over, beyond, of_theta = (flag() for _ in range(4))
+    source_low, kind_low = SOURCE[0], KIND[0]
+    source_top, kind_top = source_low + addr_width, sum(KIND)
+    first_bit, first_of_output_bit = FIRST[0], FIRST_OF_OUTPUT[0]
+    store_bit, output_bit, end_bit, product_bit = STORE[0], OUTPUT[0], END[0], PRODUCT[0]
+    top_bit, theta_bit, sign_bit = addr_width - 1, addr_width - 2, WIDTH - 1
+    samples, targets = places.samples, places.targets
+    less_two = (spec.outputs - 2) % (1 << target_width)
+    target_bits = places.target_width
+
+    @always_comb
+    def see():
+        busy.next = frame_start or frame_run
+
+    @always_comb
+    def meet():
+        arrives.next = in_.valid and not busy
+        ready.next = not (busy or keep_busy)
+
+    @always_comb
+    def take():
+        taken.next = target.valid and ready
+
+    # A sample or a known output stops everything but a frame, which lets neither of them in.
+    @always_comb
+    def stop():
+        stops.next = arrives or taken
+
+    @always_comb
+    def work():
+        active.next = (frame_run or keep_run or studying) and not stops
+
+    @always_comb
+    def guard():
+        halt.next = (arrives or not fresh) and not keep_busy
+        keep_over.next = keep_busy and (arrives or finish)
+        frame_finish.next = finish and frame_run
+
+    @always_seq(clk.posedge, reset=rst)
+    def remember():
+        lost.next = arrives and keep_busy and not finish
+        if arrives:
+            fresh.next = False
+        elif frame_finish:
+            fresh.next = True
+
+    @always(clk.posedge)
+    def hold():
+        nothing.next = False
+        before_last.next = less_two
+
+    @always_comb
+    def report():
+        target.ready.next = ready
+        target.error.next = broken_targets or lost
+        out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        out.last.next = frame_finish
+
+    control = (
+        frame_check(
+            clk,
+            rst,
+            in_,
+            finish=frame_finish,
+            start=frame_start,
+            run=frame_run,
+            write=sample_write,
+            write_addr=sample_addr,
+            frame_error=frame_error,
+            spec=spec.frame_check,
+        ),
+        frame_guard(
+            clk,
+            rst,
+            Stream(valid=taken, last=target.last),
+            halt=halt,
+            before_last=before_last,
+            store=nothing,
+            finish=keep_over,
+            start=keep_start,
+            run=keep_run,
+            busy=keep_busy,
+            write=target_write,
+            write_addr=target_addr,
+            frame_error=broken_targets,
+            spec=spec.frame_guard,
+        ),
+        lesson_control(
+            clk,
+            rst,
+            stops=stops,
+            ready=ready,
+            learn=learn,
+            opening=opening,
+            studying=studying,
+            goes=goes,
+            finish=finish,
+            keep_run=keep_run,
+            bad=bad,
+            bank=bank,
+            stepped=stepped,
+            shown=shown,
+            written=written,
+            equation=equation,
+            learn_error=learn_error,
+            design=spec,
+        ),
+        lesson_memory(
+            clk,
+            rst,
+            arrives=arrives,
+            taken=taken,
+            goes=goes,
+            equation=equation,
+            segment=segment,
+            look_up=look_up,
+            word=word,
+            table_word=table_word,
+            design=spec,
+        ),
+    )
+
+    @always_comb
+    def split():
+        source.next = word[source_top:source_low]
+        kind.next = word[kind_top:kind_low]
+        first.next = word[first_bit]
+        first_of_output.next = word[first_of_output_bit]
+
+    @always_comb
+    def recognise():
+        intercept.next = kind == 1
+
+    # The address of a second word stands where a weight does, and is used a clock sooner.
+    @always(clk.posedge)
+    def keep():
+        kept.next = word[WIDTH:]
+        kept_late.next = kept
+        product.next = word[product_bit]
+        product_late.next = product
+        look_up.next = kind == 1 or kind == 2
+
+    @always_comb
+    def name():
+        second_source.next = kept[addr_width:]
+
+    @always_comb
+    def weigh():
+        if product_late:
+            weight.next = concat(
+                second[sign_bit], second[sign_bit], second[sign_bit], second[WIDTH:SHORT]
+            )
+        else:
+            weight.next = kept_late
+
+    # Words that were on their way when a part was stopped do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = active and word[store_bit]
+        leaves.next = active and word[store_bit] and word[output_bit]
+        places_next.next = active and word[output_bit] and not word[store_bit]
+        ends.next = active and word[end_bit]
+        wrote.next = active and store
+        finish.next = active and ends
+        out.valid.next = leaves
+
+    @always(clk.posedge)
+    def place():
+        if places_next:
+            result_low.next = kept[half_width:]
+            result_top.next = kept[top_bit]
+        elif wrote:
+            result_low.next = result_low + 1
+
+    @always_comb
+    def join():
+        result_source.next = concat(result_top, result_low)
+
+    # Until a step has been taken, a frame clears the theta in use. An equation, and any later
+    # frame, writes the other one.
+    @always_comb
+    def choose_bank():
+        write_bank.next = bank == (frame_run and not stepped)
+
+    @always_comb
+    def widen():
+        sample_place.next = sample_addr
+        target_place.next = target_addr[target_bits:]
+
+    @always_comb
+    def direct():
+        write.next = sample_write or target_write or wrote
+        if sample_write:
+            write_addr.next = samples | sample_place
+        elif target_write:
+            write_addr.next = targets | target_place
+        else:
+            write_addr.next = result_addr
+
+    @always_comb
+    def bring():
+        if arrives:
+            incoming.next = in_.data
+        else:
+            incoming.next = target.data
+
+    lowest, end = DROPPED + WIDTH - 1, spec.acc_width
+    above = unsigned(end - lowest)
+    ones = (1 << (end - lowest)) - 1
+
+    @always_comb
+    def look():
+        above.next = acc[end:lowest]
+
+    @always_comb
+    def compare():
+        beyond.next = above != 0 and above != ones
+
+    @always(clk.posedge)
+    def follow():
+        over.next = beyond
+
+    @always_comb
+    def judge():
+        of_theta.next = wrote and over and not result_top and result_low[theta_bit]
+
+    @always_comb
+    def sentence():
+        bad.next = spoiled or of_theta
+
+    @always(clk.posedge)
+    def spoil():
+        if opening:
+            spoiled.next = False
+        elif of_theta:
+            spoiled.next = True
+
+    written_words = {"write": write, "write_addr": write_addr, "data": data}
+    memory = spec.operand_memory
+    # Two memories with the same words, because two are read in a clock.
+    memories = (
+        operand_memory(clk, **written_words, read_addr=read_addr, word=read, spec=memory),
+        operand_memory(clk, **written_words, read_addr=second_addr, word=second, spec=memory),
+    )
+    return (
+        *(see, meet, take, stop, work, guard, remember, hold, report),
+        *(
+            split,
+            recognise,
+            keep,
+            name,
+            weigh,
+            mark,
+            place,
+            join,
+            choose_bank,
+            widen,
+            direct,
+            bring,
+        ),
+        *(look, compare, follow, judge, sentence, spoil),
+        control,
+        memories,
+        lesson_address(source, bank, shown, read_addr, places=places),
+        lesson_address(second_source, bank, shown, second_addr, places=places),
+        lesson_address(result_source, write_bank, written, result_addr, places=places),
+        delay(clk, None, intercept, take_intercept, clocks=2),
+        table_address(clk, read, segment, spec=spec.table_address),
+        operand_select(clk, read, kind, operand, spec=spec.operand_select),
+        multiply_accumulate(
+            clk,
+            operand=operand,
+            weight=weight,
+            take_intercept=take_intercept,
+            table_word=table_word,
+            first=first,
+            first_of_output=first_of_output,
+            acc=acc,
+            spec=spec.multiply_accumulate,
+        ),
+        round_saturate(clk, active, acc, incoming, data, spec=spec.round_saturate),
+    )

@@ -1,0 +1,339 @@
+"""Tests the engine that learns: its program is the rule, and frames never see half of an update."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.commands import listing
+from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
+from golden.fixed import Codes
+from golden.input_error import InputError
+from golden.learning import steps
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import constants
+from golden.learning.lesson import Lesson
+from golden.learning.places import Places
+from golden.learning.timeline import INPUTS, Timeline
+from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene
+from golden.scene.expected_drift import expected_drift
+from golden.scene.learning import that_learns
+from tb.common.small import LESSONS
+
+SCENE = replace(load_scene("digit"), learning="lms")
+VECTORS = SCENE.vectors()
+TARGETS = SIGNAL.quantise(VECTORS.targets)[0]
+
+
+@pytest.fixture(scope="module")
+def twin() -> LearningEngine:
+    found = SCENE.twin()
+    assert isinstance(found, LearningEngine)
+    return found
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    return LESSONS["lesson"].scene(tmp_path_factory.mktemp("lesson"), "lesson")
+
+
+def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
+    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
+    vectors = scene.vectors()
+    targets = SIGNAL.quantise(vectors.targets)[0]
+    return taught, constants(taught, vectors.codes, targets).tolist()
+
+
+def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:
+    """Valid, data and last of frames one after the other, each behind some clocks."""
+    rows = []
+    for frame in frames.tolist():
+        rows += [(0, 0, 0)] * before
+        rows += [(1, code, int(k == len(frame) - 1)) for k, code in enumerate(frame)]
+    return rows
+
+
+class Desk:
+    """Plays rows of inputs through a timeline."""
+
+    def __init__(self, twin: LearningEngine) -> None:
+        self.twin, self.timeline, self.clock = twin, Timeline(twin.program), 0
+
+    def play(
+        self,
+        samples: list[tuple[int, int, int]],
+        targets: list[tuple[int, int, int]] = (),  # type: ignore[assignment]
+        learn: int = 0,
+        clocks: int = 0,
+    ) -> list[tuple[int, ...]]:
+        """The outputs of every clock."""
+        nothing, found = (0, 0, 0), []
+        for n in range(max(len(samples), len(targets), clocks)):
+            row = (
+                *(samples[n] if n < len(samples) else nothing),
+                *(targets[n] if n < len(targets) else nothing),
+                learn,
+                0,
+            )
+            found.append(self.timeline.clock(self.clock, *row))
+            self.clock += 1
+        return found
+
+    def show(self, samples: Codes, known: Codes) -> None:
+        """A placement: a frame, and its known outputs."""
+        self.play(sent(samples[np.newaxis]), clocks=self.twin.interval)
+        self.play([], sent(known[np.newaxis]), clocks=60)
+
+    def learn(self, count: int) -> None:
+        """Until so many equations were computed."""
+        met, before = self.timeline.met, self._equations
+        while self._equations < before + count:
+            self.play([], learn=1, clocks=1)
+        assert not met["equations stopped"]
+
+    @property
+    def _equations(self) -> int:
+        return self.timeline.met["steps taken"] + self.timeline.met["steps refused"]
+
+
+def drifted(count: int, seed: int = 1) -> Lesson:
+    """Placements of the recording that drifted sensors read."""
+    rng = np.random.default_rng(seed)
+    rows = rng.permutation(len(TARGETS))[:count]
+    x = VECTORS.inputs[rows] * (1 + 0.03 * rng.standard_normal(4)) + 0.02 * rng.standard_normal(4)
+    return Lesson(SIGNAL.quantise(x)[0][np.newaxis], TARGETS[rows][np.newaxis])
+
+
+@pytest.mark.parametrize("impossible", [False, True])
+def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible: bool) -> None:
+    """Theta after each placement, bit for bit, also where steps are refused."""
+    scene, lesson, passes = SCENE, drifted(3), 3
+    if impossible:
+        scene, passes = small, 40
+        samples = small.vectors().codes[:2]
+        known = np.where(small.twin().process(samples) > 0, SIGNAL.low, SIGNAL.high)
+        lesson = Lesson(samples[np.newaxis], known[np.newaxis])
+    taught, rate = taught_of(scene)
+    found = scene.twin()
+    assert isinstance(found, LearningEngine)
+    desk = Desk(found)
+    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
+        desk.show(samples, known)
+    run = steps.Run(taught, steps.lms(taught, rate), [0] * 2 * taught.sensors)
+    # A new placement comes first, and the oldest one after it.
+    order = [len(lesson) - 1, *list(range(len(lesson))) * passes]
+    for placement in order:
+        desk.learn(found.outputs)
+        run.show(lesson, placement)
+        assert desk.timeline.theta == run.theta
+    assert desk.timeline.met["steps refused"] == run.flags
+    assert (run.flags > 0) is impossible
+
+
+def test_without_a_lesson_the_outputs_are_those_of_the_engine(twin: LearningEngine) -> None:
+    np.testing.assert_array_equal(twin.process(VECTORS.codes), twin.engine.process(VECTORS.codes))
+
+
+def test_outputs_are_those_of_the_corrected_networks(twin: LearningEngine) -> None:
+    taught, _ = taught_of(SCENE)
+    lesson, desk = drifted(2), Desk(twin)
+    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
+        desk.show(samples, known)
+    desk.learn(6 * twin.outputs)
+    theta = np.array(desk.timeline.theta)[np.newaxis]
+    seen = desk.play(sent(lesson.samples[0, :1]), clocks=twin.interval)
+    outputs = [row[1] for row in seen if row[0]]
+    np.testing.assert_array_equal(outputs, taught.process(theta, lesson.samples[0, :1])[0])
+    assert outputs != twin.process(lesson.samples[0, :1])[0].tolist()
+
+
+def test_frames_come_in_the_same_clocks_whether_it_learns_or_not(small: Scene) -> None:
+    """As close as they may be, nothing is learned; with room between them, it is."""
+    twin = small.twin()
+    assert isinstance(twin, LearningEngine)
+    rng = np.random.default_rng(1)
+    frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (12, 2))
+    for room in (0, 3 * twin.longest_equation):
+        clocks = []
+        for learn in (0, 1):
+            desk = Desk(twin)
+            desk.show(frames[0], frames[1])
+            rows = sent(frames, before=twin.interval - twin.inputs + room)
+            seen = desk.play(rows, learn=learn, clocks=len(rows) + twin.busy)
+            clocks.append([n for n, row in enumerate(seen) if row[0]])
+            assert not any(row[3] for row in seen)
+            assert (desk.timeline.met["steps taken"] > 0) == bool(learn and room)
+        assert clocks[0] == clocks[1]
+
+
+def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
+    lesson, desk = drifted(1), Desk(twin)
+    desk.show(lesson.samples[0, 0], lesson.targets[0, 0])
+    desk.learn(3)
+    assert any(desk.timeline.theta)
+    desk.timeline.clock(desk.clock, 0, 0, 0, 0, 0, 0, 0, 1)
+    desk.clock += 1
+    frames = VECTORS.codes[:3]
+    seen = desk.play(sent(frames, before=twin.interval), learn=1)
+    seen += desk.play([], learn=1, clocks=twin.interval)
+    outputs = [row[1] for row in seen if row[0]]
+    np.testing.assert_array_equal(outputs, twin.process(frames).ravel())
+    assert not any(desk.timeline.theta)
+
+
+def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small: Scene) -> None:
+    twin = small.twin()
+    assert isinstance(twin, LearningEngine)
+    frame = np.array([[1000, -2000]])
+    for known, framed in (([5], True), ([5, 6, 7], True), ([5, 6], False)):
+        desk = Desk(twin)
+        if framed:
+            desk.play(sent(frame), clocks=twin.interval)
+        seen = desk.play([], sent(np.array([known])), clocks=60)
+        assert sum(row[5] for row in seen) == 1
+        desk.play([], learn=1, clocks=5 * twin.longest_equation)
+        assert not desk.timeline.met["placements"]
+        assert not desk.timeline.met["steps taken"]
+
+
+@pytest.mark.parametrize("kind", ["random", "dead", "ends"])
+def test_no_placement_drives_a_word_out_of_its_range(twin: LearningEngine, kind: str) -> None:
+    """Every sum fits in the accumulator whatever words it takes, so this looks at theta alone."""
+    rng = np.random.default_rng(3)
+    desk = Desk(twin)
+    for _ in range(3):
+        samples = rng.integers(SIGNAL.low, SIGNAL.high + 1, 4)
+        if kind == "dead":
+            samples[1] = SIGNAL.high
+        known = rng.integers(SIGNAL.low, SIGNAL.high + 1, 4)
+        if kind == "ends":
+            known = np.where(known > 0, SIGNAL.high, SIGNAL.low)
+        desk.show(samples, known)
+    desk.learn(40)
+    assert max(map(abs, desk.timeline.theta)) <= 1 << (WIDTH - 1)
+    assert any(desk.timeline.theta)
+
+
+def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
+    """The largest sum of a part, from the program's own words, with every word at its end."""
+    program, most = twin.program, 0
+    memory = np.full((1 << program.places.addr_width, 1), -(1 << (WIDTH - 1)))
+    for part in program._parts.values():
+        total = 0
+        for step in part:
+            if not step.real:
+                continue
+            largest = abs(step.weight) << (WIDTH - 1)
+            if step.second >= 0:
+                largest = 1 << 31
+            elif step.kind == 3:
+                largest = abs(step.weight) << DROPPED
+            elif step.kind:
+                largest = 1 << (WIDTH - 1 + DROPPED)
+            total = largest + (1 << 17 if step.first else total)
+            most = max(most, total)
+    assert most < 1 << (twin.acc_width - 1)
+    assert len(memory) == 512
+
+
+def test_places_do_not_overlap() -> None:
+    for sensors, outputs, scratch in ((1, 1, 9), (2, 3, 40), (4, 4, 62), (9, 2, 100)):
+        places = Places(sensors, outputs, scratch, 7)
+        quarter = 1 << (places.addr_width - 2)
+        incoming = [
+            *range(places.samples, places.samples + (1 << places.sample_width)),
+            *range(places.targets, places.targets + (1 << places.target_width)),
+        ]
+        assert len(set(incoming)) == len(incoming)
+        assert scratch <= min(incoming)
+        assert max(incoming) < quarter
+        assert not places.samples % (1 << places.sample_width)
+        assert not places.targets % (1 << places.target_width)
+        banks = {
+            places.mapped(places.theta + k, bank, 0)
+            for k in range(places.unknowns)
+            for bank in (0, 1)
+        }
+        assert len(banks) == 2 * places.unknowns
+        assert min(banks) >= quarter
+        assert max(banks) < 2 * quarter
+        kept = {
+            places.mapped(places.placement + k, 0, number)
+            for k in range(sensors + outputs)
+            for number in range(1 << places.number_width)
+        }
+        assert len(kept) == (sensors + outputs) << places.number_width
+        assert (min(kept), max(kept) < 4 * quarter) == (2 * quarter, True)
+
+
+def test_the_digit_keeps_20_placements(twin: LearningEngine) -> None:
+    assert twin.placements >= 20
+    # 400 passes over 20 placements within a second at 64 MHz.
+    assert 400 * 20 * sum(twin.equation_clocks) < 64_000_000
+
+
+REFUSED = {
+    'design = "hybrid"': "hardware.design: got 'hybrid' with learning 'lms', expected 'engine'",
+    'multiplier = "serial"': "hardware.multiplier: got 'serial' with learning 'lms', expected",
+    'pipeline = "deep"': "hardware.pipeline: got 'deep' with learning 'lms', expected 'short'",
+    "reload = true": "hardware.reload: got true with learning 'lms', expected false",
+    "argmax = true": "hardware.argmax: got true with learning 'lms', expected false",
+    "segment_width = 8": "hardware.segment_width: got 8 with learning 'lms', expected",
+}
+
+
+@pytest.mark.parametrize("keys", REFUSED)
+def test_what_does_not_learn_is_refused(tmp_path: Path, keys: str) -> None:
+    case = LESSONS["lesson"]
+    if keys.startswith("design"):
+        case = replace(case, design="hybrid")
+    else:
+        case = replace(case, hardware=f"{case.hardware}\n{keys}")
+    with pytest.raises(InputError, match=REFUSED[keys]):
+        case.scene(tmp_path, "refused")
+
+
+def test_other_arrangements_and_rules_are_refused(tmp_path: Path) -> None:
+    case = replace(LESSONS["lesson"], shapes=[(2, 2, 1), (2, 1, 1)], arrangement="multiple")
+    with pytest.raises(InputError, match=r"network.arrangement: got 'multiple' of 2 outputs with"):
+        case.scene(tmp_path, "multiple")
+    case = replace(LESSONS["lesson"], hardware='learning = "kaczmarz"')
+    with pytest.raises(InputError, match=r"hardware.learning: got 'kaczmarz', expected one of lms"):
+        case.scene(tmp_path, "other")
+
+
+def test_other_layers_are_refused(tmp_path: Path) -> None:
+    case = replace(
+        LESSONS["least-lesson"], shapes=[(2, 3, 1)], activations=("relu",), arrangement="single"
+    )
+    with pytest.raises(InputError, match="expected one hidden layer of tanh"):
+        case.scene(tmp_path, "relu").twin()
+
+
+def test_without_the_key_nothing_is_changed() -> None:
+    scene = load_scene("digit")
+    assert that_learns(scene, scene.twin()) is scene.twin()
+    assert set(INPUTS) & {port.name for port in scene.twin().ports} == {
+        *("in_valid", "in_data", "in_last", "rst")
+    }
+    assert SAMPLE_SHIFT == 3
+
+
+def test_the_listing_has_a_line_for_every_word(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = LESSONS["lesson"].scene(tmp_path, "lesson")
+    program = scene.twin().program  # type: ignore[attr-defined]
+    monkeypatch.setattr("sys.argv", ["listing", str(scene.path)])
+    listing.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 1 + len(program.words) + len(program.starts)
+    begun = [n for n, line in enumerate(lines) if line.endswith(" steps:")]
+    places = [int(lines[n + 1].split()[0]) for n in begun]
+    assert places == list(program.starts)
+    assert lines[begun[0]] == f"frame, {program.lengths[0]} steps:"
