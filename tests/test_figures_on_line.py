@@ -1,4 +1,4 @@
-"""Tests the table on_line_learning: its rows, how it is measured, and what its page concludes."""
+"""Tests on_line_learning and beyond_drift: rows, how they are measured, what the page concludes."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from golden.learning.unit import Unit
 from golden.networks.engine import Engine
 from golden.scene import load_scene
 from hdl.synth.budget import budget_path, read_budget
+from tb.report.measure import beyond_drift as beyond
 from tb.report.measure import table_records
 from tb.report.measure.on_line_learning import (
     CLOCK,
@@ -223,3 +224,82 @@ def test_wider_words_gain_nothing_but_for_conjugate_gradients(rows) -> None:
         assert times(rows, *wide) > 0.95 * times(rows, *narrow)
     assert times(rows, CONJUGATE, 3) < 0.75 * times(rows, "conjugate gradients, 18 bits", 3)
     assert rows[CONJUGATE, 3, 0, MOST]["sum bits"] > 48
+
+
+@pytest.fixture(scope="module")
+def changes() -> dict[tuple[str, str], Row]:
+    table = table_records.read("beyond_drift")
+    return {
+        (row[0], row[1]): dict(zip(table.columns[2:], row[2:], strict=True)) for row in table.rows
+    }
+
+
+def test_every_change_has_every_correction(changes) -> None:
+    names = [change.name for change in beyond.CHANGES]
+    assert list(changes) == [(name, by) for name in names for by in (NONE, COMPUTER, LMS)]
+
+
+def test_a_change_of_nothing_is_the_recording() -> None:
+    vectors = load_scene("digit").vectors()
+    same = beyond.changed(beyond.CHANGES[0], vectors)
+    np.testing.assert_array_equal(same.codes, vectors.codes)
+    np.testing.assert_array_equal(same.targets, vectors.targets)
+
+
+def test_a_thicker_beam_is_a_gain_of_the_gauges() -> None:
+    """1 / t^2 of what they read beside their offsets; sensor 4 is no gauge on the beam."""
+    vectors = load_scene("digit").vectors()
+    inside = (np.abs(vectors.inputs) < 0.9).all(axis=1)
+    thicker = beyond.changed(beyond.CHANGES[1], vectors)
+    moved = (thicker.inputs - vectors.inputs)[inside]
+    np.testing.assert_allclose(moved[:, 3], 0, atol=1e-12)
+    slopes = [np.polyfit(vectors.inputs[inside, k], moved[:, k], 1)[0] for k in range(3)]
+    np.testing.assert_allclose(slopes, 1 / 1.05**2 - 1, rtol=0.05)
+
+
+def test_new_widths_are_in_no_row() -> None:
+    vectors = load_scene("digit").vectors()
+    (change,) = (one for one in beyond.CHANGES if one.name.startswith("widths"))
+    new = beyond.changed(change, vectors).targets[:, 2]
+    assert not set(np.round(new, 4)) & set(np.round(vectors.targets[:, 2], 4))
+
+
+def near_change(changes, number: int, names: tuple[str, ...]) -> None:
+    change = beyond.CHANGES[number]
+    drawn = beyond.draws(change, table_records.SEED)
+    if names == (NONE,):
+        found = {NONE: uncorrected(drawn, beyond.SHOWN)}
+    else:
+        found = beyond.corrected(drawn)
+    for name in names:
+        recorded = medians(changes[change.name, name])
+        np.testing.assert_allclose(np.median(found[name], axis=0), recorded, rtol=0.1)
+
+
+@pytest.mark.parametrize("number", range(len(beyond.CHANGES)))
+def test_changes_are_measured_again(changes, number: int) -> None:
+    near_change(changes, number, (NONE,))
+
+
+@pytest.mark.all_only
+def test_corrections_of_a_change_are_measured_again(changes) -> None:
+    near_change(changes, 1, (NONE, COMPUTER, LMS))
+
+
+def test_what_the_page_says_of_changes_is_in_the_record(changes) -> None:
+    def errors(change: str, name: str) -> np.ndarray:
+        return np.array(medians(changes[change, name]))
+
+    thick = "a beam 5 % thicker"
+    assert (errors(thick, LMS) < 1.6 * errors(thick, COMPUTER)).all()
+    assert (errors(thick, LMS) < errors(thick, NONE) / 3).all()
+    far = "a beam 20 % thicker"
+    assert (errors(far, LMS) > 1.5 * errors(far, COMPUTER)).all()
+    for change in ("gauges moved by 2 mm", "gauges moved by 10 mm"):
+        for name in (COMPUTER, LMS):
+            better = errors(change, name) < errors(change, NONE)
+            assert better.tolist() == [False, True, False, False]
+    widths = "widths between the trained ones"
+    for name in (COMPUTER, LMS):
+        assert (errors(widths, name) > errors(widths, NONE)).all()
+        assert (errors("loads of 3 to 6 g", name)[1:] > 25).all()

@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pages import section
 
 from golden.commands import listing
+from golden.engine.fields import get
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
+from golden.engine.program import STORE
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning import steps
@@ -17,6 +20,7 @@ from golden.learning.corrected import Corrected
 from golden.learning.gradient import constants
 from golden.learning.lesson import Lesson
 from golden.learning.places import Places
+from golden.learning.program import EQUATIONS, FRAME, KEEP, ends, jumps
 from golden.learning.timeline import INPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
@@ -219,13 +223,57 @@ def test_no_placement_drives_a_word_out_of_its_range(twin: LearningEngine, kind:
     assert any(desk.timeline.theta)
 
 
+def test_a_million_steps_leave_no_word_and_no_sum_out_of_its_range(twin: LearningEngine) -> None:
+    """Placements that no rig would give, to 2500 engines side by side.
+
+    Some engines get random placements, some the same reading with other known outputs, some a dead
+    sensor, and some known outputs that are always at the same end, so that theta goes on and on.
+    """
+    program, places, engines = twin.program, twin.program.places, 2500
+    rng = np.random.default_rng(37)
+    low, high = SIGNAL.low, SIGNAL.high
+    memory = np.zeros((1 << places.addr_width, engines), dtype=np.int64)
+    read, written = (
+        slice(first := places.mapped(places.theta, bank, 0), first + places.unknowns)
+        for bank in (0, 1)
+    )
+    kinds = np.arange(engines) % 4
+    still = rng.integers(low, high + 1, (places.sensors, engines))
+    ends = rng.choice([low, high], (places.outputs, engines))
+    steps, refused, most = 0, np.zeros(engines, dtype=np.int64), 0
+    while steps < 1_000_000:
+        samples = np.where(
+            kinds == 1, still, rng.integers(low, high + 1, (places.sensors, engines))
+        )
+        samples[1, kinds == 2] = high
+        known = rng.integers(low, high + 1, (places.outputs, engines))
+        known[:, kinds == 3] = ends[:, kinds == 3]
+        memory[places.samples : places.samples + places.sensors] = samples << SAMPLE_SHIFT
+        memory[places.targets : places.targets + places.outputs] = known << SAMPLE_SHIFT
+        for part in (KEEP, *program.parts[EQUATIONS:]):
+            fits = np.full(engines, True)
+            for one in program.run(part, memory, 0, 0):
+                memory[places.mapped(one.address, 1, 0)] = one.word
+                most = max(most, int(np.abs(one.total).max()))
+                fits &= one.fits | (not places.of_theta(one.address))
+            if part == KEEP:
+                continue
+            # Theta is exchanged only where the whole of it fits.
+            memory[read] = np.where(fits, memory[written], memory[read])
+            refused += ~fits
+            steps += engines
+        assert np.abs(memory).max() <= 1 << (WIDTH - 1)
+    assert most < 1 << (twin.acc_width - 1)
+    assert refused.any()
+    assert (refused < steps // engines).all(), "an engine that took no step was not tried"
+
+
 def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
     """The largest sum of a part, from the program's own words, with every word at its end."""
     program, most = twin.program, 0
-    memory = np.full((1 << program.places.addr_width, 1), -(1 << (WIDTH - 1)))
-    for part in program._parts.values():
+    for part in program.parts:
         total = 0
-        for step in part:
+        for step in program.steps(part):
             if not step.real:
                 continue
             largest = abs(step.weight) << (WIDTH - 1)
@@ -238,7 +286,6 @@ def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
             total = largest + (1 << 17 if step.first else total)
             most = max(most, total)
     assert most < 1 << (twin.acc_width - 1)
-    assert len(memory) == 512
 
 
 def test_places_do_not_overlap() -> None:
@@ -275,6 +322,31 @@ def test_the_digit_keeps_20_placements(twin: LearningEngine) -> None:
     assert twin.placements >= 20
     # 400 passes over 20 placements within a second at 64 MHz.
     assert 400 * 20 * sum(twin.equation_clocks) < 64_000_000
+
+
+def test_the_program_of_the_digit_fits_in_two_block_rams(twin: LearningEngine) -> None:
+    assert len(twin.contents) == len(twin.program.table) + len(twin.program.words) == 1024
+
+
+@pytest.mark.parametrize("shapes", [[(1, 2, 1), (2, 1, 1)], [(2, 3, 1)], [(5, 2, 1), (6, 2, 1)]])
+def test_no_mark_stands_where_another_part_would_take_it(
+    tmp_path: Path, shapes: list[tuple[int, ...]]
+) -> None:
+    """Behind the end of an equation nothing is stored, and a jump is no end."""
+    case = replace(
+        LESSONS["lesson"],
+        shapes=shapes,
+        arrangement="cascade" if len(shapes) > 1 else "single",
+    )
+    twin = case.scene(tmp_path, "shared").twin()
+    assert isinstance(twin, LearningEngine)
+    program = twin.program
+    words = (*program.words, 0, 0)
+    assert sum(map(jumps, words)) == 1
+    assert sum(map(ends, words)) == len(program.parts)
+    for n, word in enumerate(words):
+        if ends(word):
+            assert not any(get(behind, STORE) for behind in words[n + 1 : n + 3])
 
 
 REFUSED = {
@@ -333,7 +405,24 @@ def test_the_listing_has_a_line_for_every_word(
     listing.main()
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 1 + len(program.words) + len(program.starts)
-    begun = [n for n, line in enumerate(lines) if line.endswith(" steps:")]
+    begun = [n for n, line in enumerate(lines) if line.endswith(":")]
     places = [int(lines[n + 1].split()[0]) for n in begun]
     assert places == list(program.starts)
-    assert lines[begun[0]] == f"frame, {program.lengths[0]} steps:"
+    assert lines[begun[0]] == f"frame, {program.lengths[FRAME]} steps:"
+
+
+@pytest.mark.pages
+def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None:
+    page, program = section("learning", "As a program of an engine"), twin.program
+    frame, keep, *equations = program.lengths
+    assert f"| frame | {frame} |" in page
+    assert f"| keep | {keep} |" in page
+    assert f"| equations | {', '.join(map(str, equations))} |" in page
+    *most, last = twin.equation_clocks
+    assert f"{', '.join(map(str, most))} or {last} clocks" in page
+    clocks = 400 * 20 * sum(twin.equation_clocks)
+    assert f"take {clocks:,} clocks, {clocks / 64e3:.0f} ms" in page
+    assert f"{len(program.table) + len(program.words):,} words with the table" in page
+    assert f"{program.acc_width} bits" in page
+    assert f"{twin.placements}\n  placements" in page
+    assert f"the first {program.begun_alike} steps" in page

@@ -14,12 +14,17 @@ def lesson_listing(program: LessonProgram) -> list[str]:
     ----------
     program : LessonProgram
     """
-    outputs = len(program.starts) - 2
-    parts = ["frame", "keep a placement", *(f"equation {k + 1}" for k in range(outputs))]
-    begun = {
-        start: f"{part}, {length} steps"
-        for start, part, length in zip(program.starts, parts, program.lengths, strict=True)
-    }
+    frame, keep, *equations = program.lengths
+    texts = [
+        f"frame, {frame} steps",
+        f"keep a placement, {keep} steps",
+        f"all equations, {program.begun_alike} steps, then a jump to the rest of one",
+        *(
+            f"the rest of equation {k + 1}, {steps - program.begun_alike} steps"
+            for k, steps in enumerate(equations)
+        ),
+    ]
+    begun = dict(zip(program.starts, texts, strict=True))
     lines = [f"words 0 to {len(program.table) - 1}: the table of tanh"]
     for address in range(len(program.table), len(program.notes)):
         if address in begun:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 
@@ -49,8 +50,23 @@ from golden.learning.unit import SHORT
 # In the place of the bit for the intercept, which follows from the kind: the coefficient is a
 # second word, whose address is in the field of the weight.
 PRODUCT = TAKE_INTERCEPT
+# The numbers of parts: equations follow from the last one on.
+FRAME, KEEP, EQUATIONS = 0, 1, 2
+# The words from the one that holds the mark of a jump to the first one behind the jump: the mark
+# passes two registers, that of the memory and one that keeps it out of the counter's path.
+TO_JUMP = 3
 # The most that a word times a second one can be.
 _MOST_PRODUCT = 1 << (2 * (WIDTH - 1) - SHORT)
+
+
+def ends(word: int) -> bool:
+    """Whether a word marks the last step of a part."""
+    return bool(get(word, END) and get(word, STORE))
+
+
+def jumps(word: int) -> bool:
+    """Whether a word marks where the counter leaves what all equations begin with."""
+    return bool(get(word, END) and not get(word, STORE))
 
 
 class LessonPipeline(Pipeline):
@@ -85,7 +101,7 @@ class Done:
 
 
 @dataclass(frozen=True)
-class _Decoded:
+class Decoded:
     """One step, with its fields gathered from the words that hold them."""
 
     real: bool
@@ -111,8 +127,8 @@ class LessonProgram:
     table, words : tuple of int
         Words of the table of tanh, and behind them those of the steps.
     starts : tuple of int
-        The address of the first word of the frame, of what keeps a placement, and of the equation
-        of each output.
+        The address of the first word of the frame, of what keeps a placement, of what all equations
+        begin with, and of the rest of the equation of each output.
     notes : tuple of str
         What each word stands for.
     acc_width : int
@@ -131,15 +147,26 @@ class LessonProgram:
     def pipeline(self) -> Pipeline:
         return LessonPipeline()
 
+    @property
+    def parts(self) -> range:
+        """The numbers of the parts: the frame, what keeps a placement, and an equation for each."""
+        return range(len(self.starts) - 1)
+
     @cached_property
     def lengths(self) -> tuple[int, ...]:
         """The steps of each part."""
-        return tuple(len(self._marks(start)) for start in self.starts)
+        return tuple(len(self._marks(part)) for part in self.parts)
+
+    @cached_property
+    def begun_alike(self) -> int:
+        """How many words all equations begin with."""
+        first = self.starts[EQUATIONS]
+        return next(n for n in count() if jumps(self.word(first + n))) + TO_JUMP
 
     @cached_property
     def output_steps(self) -> tuple[int, ...]:
         """The steps of a frame whose results leave."""
-        marks = self._marks(self.starts[0])
+        marks = self._marks(FRAME)
         return tuple(n for n, word in enumerate(marks) if get(word, OUTPUT) and get(word, STORE))
 
     def clock(self, step: int) -> int:
@@ -150,20 +177,28 @@ class LessonProgram:
         """The word at an address of the program memory."""
         return self.words[address - len(self.table)]
 
-    def _marks(self, start: int) -> list[int]:
+    def _read(self, part: int, place: int) -> int:
+        """The word that is read so many clocks after the first one of a part."""
+        if part < EQUATIONS:
+            return self.word(self.starts[part] + place)
+        if place < self.begun_alike:
+            return self.word(self.starts[EQUATIONS] + place)
+        return self.word(self.starts[part + 1] + place - self.begun_alike)
+
+    def _marks(self, part: int) -> list[int]:
         """The words that hold the marks of the steps of a part, up to its end."""
-        found = [self.word(start + self.pipeline.mark)]
-        while not get(found[-1], END):
-            found.append(self.word(start + self.pipeline.mark + len(found)))
+        found = [self._read(part, self.pipeline.mark)]
+        while not ends(found[-1]):
+            found.append(self._read(part, self.pipeline.mark + len(found)))
         return found
 
-    def run(self, start: int, memory: Codes, bank: int, number: int) -> Iterator[Done]:
+    def run(self, part: int, memory: Codes, bank: int, number: int) -> Iterator[Done]:
         """Execute a part, sum by sum.
 
         Parameters
         ----------
-        start : int
-            The address of its first word.
+        part : int
+            Its number; see ``parts``.
         memory : int64 array, shape (words, ...)
             The operand memory, of one engine or of several side by side. The results are written by
             whoever calls this.
@@ -177,7 +212,7 @@ class LessonProgram:
         def read(address: int) -> Codes:
             return np.asarray(memory[self.places.mapped(address, bank, number)])
 
-        for step in self._parts[start]:
+        for step in self.steps(part):
             if step.places >= 0:
                 place = step.places
             if not step.real:
@@ -203,28 +238,31 @@ class LessonProgram:
                 yield Done(place, acc, found, fits, step.leaves)
                 place = self._after(place)
 
-    @cached_property
-    def _parts(self) -> dict[int, list[_Decoded]]:
-        """The steps of each part, gathered from the words that hold their fields."""
-        return {start: list(self._decoded(start)) for start in self.starts}
+    def steps(self, part: int) -> list[Decoded]:
+        """The steps of a part, gathered from the words that hold their fields."""
+        return self._steps[part]
 
-    def _decoded(self, start: int) -> Iterator[_Decoded]:
+    @cached_property
+    def _steps(self) -> list[list[Decoded]]:
+        return [list(self._decoded(part)) for part in self.parts]
+
+    def _decoded(self, part: int) -> Iterator[Decoded]:
         at = self.pipeline
         # Before the first step, words only say where results go.
-        for here in range(start - at.mark, start + len(self._marks(start))):
-            marks = self.word(here + at.mark)
+        for here in range(-at.mark, self.lengths[part]):
+            marks = self._read(part, here + at.mark)
             places = get(marks, OUTPUT) and not get(marks, STORE)
             where = get(marks, WEIGHT) if places else -1
-            if here < start:
-                yield _Decoded(real=False, places=where)
+            if here < 0:
+                yield Decoded(real=False, places=where)
                 continue
-            near, begins = self.word(here + at.operand), self.word(here + at.start)
+            near, begins = self._read(part, here + at.operand), self._read(part, here + at.start)
             field = get(near, WEIGHT)
-            yield _Decoded(
+            yield Decoded(
                 real=True,
                 places=where,
                 kind=get(near, KIND),
-                source=get(self.word(here), SOURCE),
+                source=get(self._read(part, here), SOURCE),
                 weight=signed_code(field),
                 second=field if get(near, PRODUCT) else -1,
                 first=bool(get(begins, FIRST)),
@@ -420,30 +458,49 @@ def _bits(part: Sequence[Slot], table: LineTable) -> int:
     return found
 
 
+def _begun_alike(equations: Sequence[Sequence[Slot]]) -> int:
+    """How many words equations can have in common: the most with which no mark meets another."""
+    alike = next(
+        (n for n, slots_of in enumerate(zip(*equations, strict=False)) if len(set(slots_of)) > 1),
+        min(map(len, equations)) - 1,
+    )
+    at = LessonPipeline()
+
+    def stores(word: int) -> bool:
+        """Whether a word of an equation marks the end of a sum."""
+        return word >= at.mark and equations[0][word - at.mark].store
+
+    # The mark of the jump is in a word without that of a sum. Behind an equation the next one
+    # begins in the middle, and two more marks count before it is known that this one has ended.
+    return max(n for n in range(alike + 1) if not any(map(stores, (n - TO_JUMP, n, n + 1))))
+
+
 def _assembled(
     places: Places, table: LineTable, parts: Sequence[Sequence[Slot]], bits: int
 ) -> LessonProgram:
     at = LessonPipeline()
+    behind = ["fields of steps above"] * at.mark
+    alike = _begun_alike(parts[EQUATIONS:])
+    assert alike >= TO_JUMP, "the first words of an equation mark no sum"
     words: list[int] = []
     notes: list[str] = []
-    starts = []
-    for part in parts:
-        begin, final = len(words), len(part) - 1
-        starts.append(len(table_words(table)) + begin)
-        words += [0] * (len(part) + at.mark)
-        notes += [slot.note for slot in part] + ["fields of steps above"] * at.mark
-        for n, slot in enumerate(part, start=begin):
-            put(words, n, SOURCE, slot.source)
-            put(words, n + at.operand, KIND, int(slot.kind))
-            put(words, n + at.operand, WEIGHT, slot.field)
-            put(words, n + at.operand, PRODUCT, slot.product)
-            put(words, n + at.start, FIRST, slot.first)
-            put(words, n + at.start, FIRST_OF_OUTPUT, slot.of_output)
-            put(words, n + at.mark, STORE, slot.store)
-            put(words, n + at.mark, OUTPUT, slot.leaves)
-            put(words, n + at.mark, END, n == begin + final)
-            if slot.places:
-                put(words, n + at.operand, OUTPUT, 1)
+    starts: list[int] = []
+
+    def begin(told: Sequence[str]) -> int:
+        first = len(words)
+        starts.append(len(table_words(table)) + first)
+        words.extend([0] * len(told))
+        notes.extend(told)
+        return first
+
+    for part in parts[:EQUATIONS]:
+        first = begin([*(slot.note for slot in part), *behind])
+        _spread(words, part, range(first, len(words)))
+    shared = range(begin([slot.note for slot in parts[EQUATIONS][:alike]]), len(words))
+    put(words, shared[-TO_JUMP], END, 1)
+    for part in parts[EQUATIONS:]:
+        first = begin([*(slot.note for slot in part[alike:]), *behind])
+        _spread(words, part, [*shared, *range(first, len(words))])
     words += [0] * at.padding
     notes += ["fields of steps above"] * at.padding
     return LessonProgram(
@@ -455,3 +512,20 @@ def _assembled(
         (*table_notes(table), *notes),
         bits,
     )
+
+
+def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None:
+    """Write the fields of a part's steps into the words that are read one after the other."""
+    at = LessonPipeline()
+    for n, slot in enumerate(part):
+        put(words, read[n], SOURCE, slot.source)
+        put(words, read[n + at.operand], KIND, int(slot.kind))
+        put(words, read[n + at.operand], WEIGHT, slot.field)
+        put(words, read[n + at.operand], PRODUCT, slot.product)
+        put(words, read[n + at.start], FIRST, slot.first)
+        put(words, read[n + at.start], FIRST_OF_OUTPUT, slot.of_output)
+        put(words, read[n + at.mark], STORE, slot.store)
+        put(words, read[n + at.mark], OUTPUT, slot.leaves)
+        put(words, read[n + at.mark], END, n == len(part) - 1)
+        if slot.places:
+            put(words, read[n + at.operand], OUTPUT, 1)

@@ -15,7 +15,7 @@ import numpy as np
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes
-from golden.learning.program import LessonProgram
+from golden.learning.program import EQUATIONS, FRAME, KEEP, LessonProgram
 
 INPUTS = (
     "in_valid",
@@ -177,7 +177,7 @@ class Timeline:
         idle = ready and not (studying or arrives or taken)
         self.refused = self.lost = False
         if idle and learn and self.shown != self.written:
-            self.study = self._part(t, 2 + self.equation)
+            self.study = self._part(t, EQUATIONS + self.equation)
         kept, passed = keeping and t == self.keep.ends, studying and t == self.study.ends
         if kept:
             self._keep()
@@ -212,7 +212,7 @@ class Timeline:
         if number >= 0:
             self.memory[self.program.places.targets + number] = code << SAMPLE_SHIFT
         if done:
-            self.keep = self._part(t, 1)
+            self.keep = self._part(t, KEEP)
 
     def _take_samples(self, t: int, valid: bool, code: int, last: bool, busy: bool) -> None:
         # A frame that comes too early is broken at once. One that began before is complete.
@@ -224,11 +224,11 @@ class Timeline:
             return
         self.met["frames"] += 1
         self.met["corrected frames"] += any(self.theta) and self.stepped
-        self.frame = self._part(t, 0)
+        self.frame = self._part(t, FRAME)
         leaves = iter(self.program.output_steps)
         # Until a step has been taken, a frame clears the bank in use, and after that the other one.
         cleared = 1 - self.bank if self.stepped else self.bank
-        for one in self.program.run(self.program.starts[0], self.memory, self.bank, 0):
+        for one in self.program.run(FRAME, self.memory, self.bank, 0):
             self._write(one.address, one.word, cleared)
             if one.leaves:
                 clock = t + self.program.clock(next(leaves))
@@ -240,7 +240,7 @@ class Timeline:
     def _keep(self) -> None:
         """Keep a placement, with which learning goes on."""
         self.met["placements"] += 1
-        for one in self.program.run(self.program.starts[1], self.memory, self.bank, 0):
+        for one in self.program.run(KEEP, self.memory, self.bank, 0):
             self._write(one.address, one.word, self.bank)
         self.shown, self.equation = self.written, 0
         self.written = self._next(self.written)
@@ -252,8 +252,8 @@ class Timeline:
     def _step(self) -> None:
         """An equation, and the step that follows from it, unless it leaves the format of theta."""
         places, fits = self.program.places, True
-        start = self.program.starts[2 + self.equation]
-        for one in self.program.run(start, self.memory, self.bank, self.shown):
+        part = EQUATIONS + self.equation
+        for one in self.program.run(part, self.memory, self.bank, self.shown):
             self._write(one.address, one.word, 1 - self.bank)
             fits = fits and (bool(one.fits.all()) or not places.of_theta(one.address))
         self.refused = not fits

@@ -20,7 +20,7 @@ from golden.engine.table_address import TableAddress
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
-from golden.learning.program import LessonProgram, lesson_program
+from golden.learning.program import EQUATIONS, FRAME, LessonProgram, lesson_program
 from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, Engine
 from golden.networks.network import Network
 from golden.port import Port, input_port, output_port
@@ -110,7 +110,7 @@ class LearningEngine(Network):
     def equation_clocks(self) -> tuple[int, ...]:
         """Clocks in one piece that the equation of each output takes."""
         at = self.program.pipeline
-        return tuple(at.run + steps + at.result for steps in self.program.lengths[2:])
+        return tuple(at.run + steps + at.result for steps in self.program.lengths[EQUATIONS:])
 
     @property
     def longest_equation(self) -> int:
@@ -216,7 +216,7 @@ class LearningEngine(Network):
         memory = np.zeros((1 << places.addr_width, len(frames)), dtype=np.int64)
         memory[places.samples : places.samples + self.inputs] = frames.T << SAMPLE_SHIFT
         found = []
-        for one in self.program.run(self.program.starts[0], memory, 0, 0):
+        for one in self.program.run(FRAME, memory, 0, 0):
             memory[places.mapped(one.address, 0, 0)] = one.word
             if one.leaves:
                 found.append(one.word >> OUTPUT_SHIFT)

@@ -1,4 +1,4 @@
-"""The program memory of an engine that learns: three kinds of places to begin, one counter."""
+"""The program memory of an engine that learns: three places to begin, a jump, and one counter."""
 
 from myhdl import Signal, always, always_seq, block, modbv
 
@@ -16,6 +16,7 @@ def lesson_memory(
     arrives,
     taken,
     goes,
+    jump,
     equation,
     segment,
     look_up,
@@ -27,9 +28,10 @@ def lesson_memory(
 
     Parameters
     ----------
-    arrives, taken, goes : bool
+    arrives, taken, goes, jump : bool
         In the next clock the counter stands at the first word of a frame, of what keeps a
-        placement, or of an equation; of these, the first that is high counts. Otherwise it steps.
+        placement, of what all equations begin with, or of the rest of one; of these, the first that
+        is high counts. Otherwise it steps.
     equation : unsigned
         The number of that equation.
     segment : unsigned
@@ -42,7 +44,7 @@ def lesson_memory(
     program = design.program
     notes = (*program.notes, "not used")
     memory = Constants(design.contents, WORD_WIDTH, notes)
-    frame, keep, *equations = program.starts
+    frame, keep, alike, *equations = program.starts
     width = design.program_addr_width
     counter = Signal(modbv(frame, min=0, max=1 << width))
     place = unsigned(width)
@@ -54,6 +56,8 @@ def lesson_memory(
         elif taken:
             counter.next = keep
         elif goes:
+            counter.next = alike
+        elif jump:
             counter.next = place
         else:
             counter.next = counter + 1

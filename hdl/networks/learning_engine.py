@@ -87,7 +87,7 @@ def learning_engine(
     busy, arrives, ready, taken, stops, halt, fresh, lost = (flag() for _ in range(8))
     broken_targets, nothing, goes, bad = (flag() for _ in range(4))
     # Marks of steps.
-    store, leaves, places_next, ends, wrote = (flag() for _ in range(5))
+    store, leaves, places_next, ends, wrote, jump = (flag() for _ in range(6))
     # Where words are.
     bank, write_bank, stepped, result_top = (flag() for _ in range(4))
     shown, written = (Signal(modbv(0, min=0, max=1 << places.number_width)) for _ in range(2))
@@ -218,6 +218,7 @@ def learning_engine(
             arrives=arrives,
             taken=taken,
             goes=goes,
+            jump=jump,
             equation=equation,
             segment=segment,
             look_up=look_up,
@@ -264,9 +265,10 @@ def learning_engine(
     @always_seq(clk.posedge, reset=rst)
     def mark():
         store.next = active and word[store_bit]
-        leaves.next = active and word[store_bit] and word[output_bit]
+        leaves.next = frame_run and word[store_bit] and word[output_bit]
         places_next.next = active and word[output_bit] and not word[store_bit]
-        ends.next = active and word[end_bit]
+        ends.next = active and word[end_bit] and word[store_bit]
+        jump.next = active and word[end_bit] and not word[store_bit]
         wrote.next = active and store
         finish.next = active and ends
         out.valid.next = leaves

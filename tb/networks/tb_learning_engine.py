@@ -1,15 +1,15 @@
 """learning_engine, an engine that learns gains and offsets of its sensors, against its twin.
 
-Sweeps: frames of random samples and of the recording; known outputs that the networks would nearly
-give, random ones, and those at the ends of their range; more placements than are kept; frames and
-known outputs that are too short or too long, and known outputs without a frame before.
+Sweeps: all recorded frames of the scene; frames of random samples; known outputs that the networks
+would nearly give, random ones, and those at the ends of their range; more placements than are kept;
+frames and known outputs that are too short or too long, and known outputs without a frame before.
 Drives: frames as close as the design takes them, closer, and so far apart that equations fit
 between them; samples with gaps, which stop equations; known outputs behind a frame, late, with
 gaps, and interrupted by the next frame; a mode that is switched on and off; resets at random
 clocks.
 Checks: every output port in every clock, and every output of a frame bit for bit, in the twin's
 timeline, which executes the words of the program. So outputs show which steps were taken before
-the frame, and which were not.
+the frame, and which were not. The bench also measures the clocks of a frame.
 Does not prove: how much of a drift the rule takes away (docs/learning.md).
 """
 
@@ -22,6 +22,7 @@ from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.framing import random_lengths
+from tb.common.network import random_elements, recorded_frames
 from tb.common.small import LESSONS
 from tb.common.stimulus import random_resets
 
@@ -36,6 +37,7 @@ FAULTS = [
     (r"if \(\(stops \|\| ", "if ((1'b0 || "),
     (r"\{second\[17\], ", "{1'b0, "),
     (r"spoiled <= 1'b1", "spoiled <= 1'b0"),
+    (r"jump <= \(", "jump <= !("),
 ]
 
 
@@ -96,8 +98,11 @@ class Player:
             for k, code in enumerate(codes)
         ]
 
-    async def check(self, *met, at_least=1):
-        """Play the timeline, and compare every port with the twin in every clock."""
+    async def check(self, *met, at_least=1, frames=0):
+        """Play the timeline, and compare every port with the twin in every clock.
+
+        With a number of frames, as close as the design takes them, their clocks are measured.
+        """
         bench = self.bench
         drive = dict(zip(INPUTS, np.array(self.rows).T, strict=True))
         recording = await bench.play(drive, list(OUTPUTS))
@@ -115,6 +120,16 @@ class Player:
         left = np.flatnonzero(expected["out_valid"])
         got = recording.signed("out_data", rows[left])
         bench.compare("out_data", got, expected["out_data"][left], clock=left)
+        if frames:
+            entered = rows[(inputs["in_valid"] & inputs["in_last"]) == 1]
+            assert len(entered) == frames, "a frame was refused"
+            first, final = entered[0] - self.twin.inputs + 1, recording.rows("out_last")[0]
+            bench.facts = {
+                "frames": frames,
+                "seconds": recording.seconds,
+                "clocks_per_frame": int(final - first + 1),
+                "interval": int(np.diff(entered).min()),
+            }
         for name in met:
             assert timeline.met[name], f"{name}: none, expected some; {dict(timeline.met)}"
         assert len(left) >= at_least, f"got {len(left)} outputs, expected {at_least}"
@@ -122,14 +137,21 @@ class Player:
         return timeline
 
 
-def codes(rng, count):
-    return rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
-
-
 def near(twin, rng, frame, off):
     """Known outputs near those that the networks give."""
     outputs = twin.process(frame[np.newaxis])[0]
     return np.clip(outputs + rng.integers(-off, off + 1, len(outputs)), SIGNAL.low, SIGNAL.high)
+
+
+@cocotb.test()
+async def recorded(dut):
+    """Play the recorded frames as close as the design takes them, which leaves none to learn."""
+    bench = Bench(dut)
+    player, codes = Player(bench), recorded_frames(bench)
+    for frame in codes:
+        player.play(player.frame(frame, before=player.twin.interval - len(frame)), [])
+    player.play([], [], clocks=player.twin.interval)
+    await player.check("frames", at_least=len(codes) * player.twin.outputs, frames=len(codes))
 
 
 @cocotb.test()
@@ -142,7 +164,7 @@ async def lessons(dut):
         player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
         player.play([], player.frame(near(twin, rng, frame, 2000), gap=1), learn=0, clocks=60)
     for n in range(40):
-        frame = bench.given.codes[n] if n < 3 else codes(rng, twin.inputs)
+        frame = bench.given.codes[n] if n < 3 else random_elements(player.bench, twin.inputs)
         # Frames as close as they may be, with room for a few equations, and slow ones, whose
         # samples stop equations.
         room = (0, int(rng.integers(1, 2 * longest)), 4 * longest)[n % 3]
@@ -164,7 +186,7 @@ async def steps_refused(dut):
         player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
         player.play([], player.frame(target), learn=0, clocks=60)
     for _ in range(12):
-        frame = codes(bench.rng, twin.inputs)
+        frame = random_elements(bench, twin.inputs)
         player.play(player.frame(frame, before=12 * twin.longest_equation), [])
     player.play([], [], clocks=twin.interval)
     await player.check("steps refused", "steps taken", "corrected frames", at_least=12)
@@ -176,16 +198,16 @@ async def more_placements_than_are_kept(dut):
     bench = Bench(dut)
     player, twin, rng = Player(bench), bench.twin, bench.rng
     for _ in range(twin.placements + 4):
-        frame = codes(rng, twin.inputs)
+        frame = random_elements(player.bench, twin.inputs)
         player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
         player.play([], player.frame(near(twin, rng, frame, 500)), learn=0, clocks=50)
     player.play([], [], clocks=(twin.placements + 2) * sum(twin.equation_clocks))
     # With every place taken, placements come while equations run.
     for _ in range(3):
-        frame = codes(rng, twin.inputs)
+        frame = random_elements(player.bench, twin.inputs)
         player.play(player.frame(frame), [], clocks=twin.interval)
         player.play([], player.frame(near(twin, rng, frame, 500), before=200), clocks=700)
-    player.play(player.frame(codes(rng, twin.inputs)), [], clocks=twin.interval)
+    player.play(player.frame(random_elements(player.bench, twin.inputs)), [], clocks=twin.interval)
     timeline = await player.check("corrected frames", at_least=twin.placements)
     assert timeline.full, "the places were not all taken"
     assert timeline.met["placements"] > 1 << twin.program.places.number_width
@@ -202,7 +224,7 @@ def traffic(player, count, resets=False):
         pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
         for ends, before in zip(last.tolist(), pause.tolist(), strict=True):
             wait = before if before else int(rng.integers(0, 3) * (rng.random() < 0.2))
-            words.append((wait, int(codes(rng, 1)[0]), ends))
+            words.append((wait, int(random_elements(player.bench, 1)[0]), ends))
         return words
 
     samples = stream(twin.inputs, twin.interval + 3 * longest)
@@ -221,9 +243,15 @@ async def any_traffic(dut):
     traffic(player, 50)
     # A frame that comes at each clock around those in which a placement is kept.
     for clocks in range(twin.program.lengths[1] + 2 * twin.program.pipeline.result):
-        first, second = codes(rng, twin.inputs), codes(rng, twin.inputs)
+        first, second = (
+            random_elements(player.bench, twin.inputs),
+            random_elements(player.bench, twin.inputs),
+        )
         player.play(player.frame(first), [], clocks=twin.interval)
-        player.play(player.frame(second, before=clocks), player.frame(codes(rng, twin.outputs)))
+        player.play(
+            player.frame(second, before=clocks),
+            player.frame(random_elements(player.bench, twin.outputs)),
+        )
         player.play([], [], clocks=int(rng.integers(twin.interval, 2 * twin.interval)))
     await player.check(
         *("frames refused", "targets refused", "placements", "equations stopped", "steps taken"),

@@ -37,7 +37,7 @@ from golden.recalibration.fit import fit
 from golden.recalibration.folder import corrected
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import Scene, load_scene
+from golden.scene import Scene, Vectors, load_scene
 from tb.report.measure.table import Cell, Table
 
 SCENE = "digit"
@@ -243,6 +243,8 @@ class Draws:
     Attributes
     ----------
     scene : Scene
+    vectors : Vectors
+        The recording, with the loads that are known.
     setting : Setting
     readings : float array, shape (drifts, rows, sensors)
         The whole recording as drifted sensors read it without noise.
@@ -253,6 +255,7 @@ class Draws:
     """
 
     scene: Scene
+    vectors: Vectors
     setting: Setting
     readings: Real
     shown: NDArray[np.intp]
@@ -260,13 +263,13 @@ class Draws:
 
     def lesson(self, count: int) -> Lesson:
         """The first placements, for every drift and noise."""
-        targets = SIGNAL.quantise(self.scene.vectors().targets)[0]
+        targets = SIGNAL.quantise(self.vectors.targets)[0]
         whole = Lesson(SIGNAL.quantise(self.noisy)[0], targets[self.shown])
         return whole.first(count)
 
     def worst(self, outputs: Codes, drift: int, count: int) -> Real:
         """The worst error of each output over the rows that were not shown, in percent."""
-        errors = self.scene.vectors().percent_errors(SIGNAL.to_real(outputs))
+        errors = self.vectors.percent_errors(SIGNAL.to_real(outputs))
         return np.asarray(np.delete(errors, self.shown[drift, :count], axis=0).max(axis=0))
 
 
@@ -285,15 +288,17 @@ def draws(seed: int, noises: Sequence[float] = NOISES, count: int = DRAWS) -> Dr
             shown.append(rows)
             read = readings[-1][rows]
             noisy.append(read + noise * rng.standard_normal(read.shape))
+    setting = shipped(scene, np.repeat(noises, count))
+    return Draws(scene, vectors, setting, np.array(readings), np.array(shown), np.array(noisy))
+
+
+def shipped(scene: Scene, noises: Real) -> Setting:
+    """What rules are given with the networks of a scene, for the noise of each drift."""
     recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)))
     taught = Corrected.of(scene.mlps(), recorded.gain, recorded.offset)
-    setting = Setting(
-        taught,
-        Noise.of(taught, vectors),
-        np.repeat(noises, count),
-        constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0]),
-    )
-    return Draws(scene, setting, np.array(readings), np.array(shown), np.array(noisy))
+    vectors = scene.vectors()
+    steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
+    return Setting(taught, Noise.of(taught, vectors), noises, steps)
 
 
 @dataclass(frozen=True)
@@ -336,7 +341,7 @@ def _found(number: int, count: int, drawn: Draws) -> Found:
 
 def recalibrated(drawn: Draws, count: int) -> Real:
     """What make recalibrate reaches on a computer, bit-true, shape (drifts, outputs)."""
-    scene, vectors = drawn.scene, drawn.scene.vectors()
+    scene, vectors = drawn.scene, drawn.vectors
     found = []
     for drift, noise in enumerate(drawn.setting.readings):
         recorded = Sensitivity.of(scene, np.full(len(scene.sensors), noise))

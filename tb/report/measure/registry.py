@@ -25,6 +25,7 @@ ON_REQUEST = (
     "function_tables",
     "learned_curves",
     "on_line_learning",
+    "beyond_drift",
 )
 
 

@@ -38,10 +38,11 @@ from golden.learning import (
     unit,
 )
 from golden.machine import facts
-from golden.physics import swing_data
+from golden.physics import strain_sensor, swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
 from tb.report.measure import (
+    beyond_drift,
     convergence,
     function_tables,
     honest,
@@ -81,6 +82,7 @@ RECORDED = {
     "function_tables": (*LEARNED, function_table, sums_of_functions),
     "learned_curves": (*LEARNED, learned_edges),
     "on_line_learning": (on_line_learning, *LEARNING, recalibration),
+    "beyond_drift": (beyond_drift, on_line_learning, *LEARNING, recalibration, strain_sensor),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

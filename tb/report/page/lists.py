@@ -320,6 +320,7 @@ def pages() -> dict[Path, str]:
         (docs / "learning.md", "errors", partial(on_line.errors, on_line_learning)),
         (docs / "learning.md", "placements", partial(on_line.by_placements, on_line_learning)),
         (docs / "learning.md", "costs", partial(on_line.costs, on_line_learning)),
+        (docs / "learning.md", "beyond", partial(on_line.beyond, read("beyond_drift"))),
         (docs / "limits.md", "outside", partial(outside.rows, read("outside"))),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),

@@ -1,4 +1,4 @@
-"""The content of docs/learning.md: the table ``on_line_learning`` and its picture."""
+"""The content of docs/learning.md: the tables ``on_line_learning`` and ``beyond_drift``."""
 
 from __future__ import annotations
 
@@ -85,13 +85,25 @@ def by_placements(table: Table) -> str:
     for count in COUNTS:
         for label, (name, passes) in best.items():
             row = _row(table, name, passes, count, NOISY)
-            cells = [
-                f"{number(row, f'{output} %'):.2f} ({number(row, f'{output} from %'):.2f} to "
-                f"{number(row, f'{output} to %'):.2f})"
-                for output in OUTPUTS
-            ]
-            lines.append(_line([str(count), label, *cells]))
+            lines.append(_line([str(count), label, *_with_ranges(row)]))
     return "\n".join(lines)
+
+
+def beyond(table: Table) -> str:
+    """The errors after each change that is no drift, with their ranges."""
+    heads = ["change", "correction", *(f"{name}, %" for name in OUTPUTS)]
+    lines = [_line(heads), f"|{'---|' * len(heads)}"]
+    for row in rows_of(table):
+        lines.append(_line([str(row["change"]), str(row["correction"]), *_with_ranges(row)]))
+    return "\n".join(lines)
+
+
+def _with_ranges(row: Row) -> list[str]:
+    return [
+        f"{number(row, f'{output} %'):.2f} ({number(row, f'{output} from %'):.2f} to "
+        f"{number(row, f'{output} to %'):.2f})"
+        for output in OUTPUTS
+    ]
 
 
 def picture(table: Table) -> str:
