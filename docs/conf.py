@@ -19,6 +19,8 @@ extensions = [
     "repository_files",
 ]
 exclude_patterns = ["extensions"]
+# Sphinx looks for a type by its last name alone. Two classes of one name are no fault of a page.
+suppress_warnings = ["ref.python"]
 # A link to a heading is written as GitHub writes it.
 myst_heading_anchors = 3
 # Equations, diagrams and what programs print stand in code blocks without a language.
