@@ -24,6 +24,7 @@ ON_REQUEST = (
     "learned_functions",
     "function_tables",
     "learned_curves",
+    "table_graph",
     "on_line_learning",
     "beyond_drift",
 )

@@ -19,7 +19,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from golden import function_network, recalibration, spline_basis, spline_layers, splines, window
+from golden import (
+    function_network,
+    recalibration,
+    spline_basis,
+    spline_layers,
+    spline_training,
+    splines,
+    window,
+)
 from golden.closure import code_of
 from golden.engine import function_table, sums_of_functions
 from golden.files import read_json, write_json
@@ -38,6 +46,7 @@ from golden.learning import (
     unit,
 )
 from golden.machine import facts
+from golden.networks import adder_graph, function_sums, small_tables, table_graph, table_sums
 from golden.physics import strain_sensor, swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
@@ -54,6 +63,7 @@ from tb.report.measure import (
     sensors_dropped,
     stability,
     store,
+    table_graphs,
 )
 from tb.report.measure.table import Table
 
@@ -69,6 +79,10 @@ LEARNED = (
     spline_layers,
     function_network,
 )
+TABLE_GRAPH = (
+    *(splines, spline_basis, spline_layers, spline_training, function_network),
+    *(adder_graph, function_sums, small_tables, table_graph, table_sums),
+)
 # By name of the table: the modules that its figures depend on, besides those of training. The first
 # one measures the table, and has its note.
 RECORDED = {
@@ -81,6 +95,7 @@ RECORDED = {
     "learned_functions": (learned_functions, splines, spline_basis),
     "function_tables": (*LEARNED, function_table, sums_of_functions),
     "learned_curves": (*LEARNED, learned_edges),
+    "table_graph": (table_graphs, *TABLE_GRAPH),
     "on_line_learning": (on_line_learning, *LEARNING, recalibration),
     "beyond_drift": (beyond_drift, on_line_learning, *LEARNING, recalibration, strain_sensor),
     "outside": (outside, honest, smooth_map, trained_on),

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
+from golden.scene import load_scene
+from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_graphs import SCENES
 
 Row = Mapping[str, Cell]
 OUTPUTS = ("load", "position", "width", "shape")
+# What a frame a clock of learned functions may take: see ``small_tables``.
+MOST = {
+    "LUTs, Series 7": 1200,
+    "LUTs of four inputs, Virtex-II": 2400,
+    "multipliers": 0,
+    "block RAMs": 0,
+    "clocks": 6,
+}
 SPLITS = ("held out 1 %", "held out 2 %", "held out 3 %")
 
 
@@ -58,6 +69,43 @@ def segments(table: Table) -> str:
     for (name, words), cells in kinds.items():
         lines.append(f"| {name} | {words or ''} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def small_tables(table: Table) -> str:
+    """Sizes and held-out errors of a graph of tanh and one of small tables, and what is missed."""
+    first, second = map(_sizes, SCENES)
+    names = [f"`{name.rpartition('/')[2]}`" for name in SCENES]
+    lines = [f"| | {names[0]} | at most | {names[1]} |", "|---|---|---|---|"]
+    for what, most in MOST.items():
+        found = str(second[what])
+        cells = [
+            what,
+            str(first[what]),
+            str(most),
+            found if second[what] <= most else f"**{found}**",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    figures = {(row[0], row[1]): row[2:] for row in table.rows}
+    for place, kind in enumerate(table.columns[2:]):
+        for output in OUTPUTS:
+            own, other = (figures[name, output][place] for name in SCENES[::-1])
+            assert isinstance(own, float)
+            assert isinstance(other, float)
+            bound = "" if kind == "float %" else f"{other:.2f}"
+            text = f"**{own:.2f}**" if bound and own > other else f"{own:.2f}"
+            lines.append(f"| {output}, {kind} | {other:.2f} | {bound} | {text} |")
+    return "\n".join(lines)
+
+
+def _sizes(name: str) -> dict[str, int]:
+    """The sizes of a scene's networks, as ``MOST`` names them."""
+    scene = load_scene(name)
+    network = scene.twin()
+    small, large = (
+        read_budget(budget_path(scene.path))[f][network.entity] for f in ("xc7", "xc2v")
+    )
+    counts = [small["LUT"], large["LUT"], large["multiplier"], large["block RAM"]]
+    return dict(zip(MOST, [*counts, network.output_clocks[-1]], strict=True))
 
 
 def _lines(

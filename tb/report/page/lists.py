@@ -291,6 +291,7 @@ def pages() -> dict[Path, str]:
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
     scenes_left_out = left_out(SEED)
     functions, in_integers = read("learned_functions"), read("function_tables")
+    in_tables = read("table_graph")
     on_line_learning = read("on_line_learning")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
@@ -310,6 +311,7 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "learned-disturbed", partial(learned.disturbed, functions)),
         (docs / "figures.md", "learned-noisy", partial(learned.noisy, functions)),
         (docs / "learned-functions.md", "segments", partial(learned.segments, in_integers)),
+        (docs / "learned-functions.md", "small", partial(learned.small_tables, in_tables)),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "scenes.md", "classes", classes),
         (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
