@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count
 
@@ -432,7 +432,7 @@ class _Parts:
 
 
 def _named(slot: Slot, note: str) -> Slot:
-    return Slot(**{**vars(slot), "note": note})
+    return replace(slot, note=note)
 
 
 def _results(graph: Graph, done: Sequence[Step]) -> dict[int, int]:

@@ -5,7 +5,7 @@ the same for every frame.
 """
 
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import table
+from tb.sign_off.watch import frames_computed, table
 
 # These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
 # case is loaded.
@@ -58,26 +58,8 @@ def built_in(twin, place="place"):
         inputs - (clock < 2) + sum(n + 4 <= clock for n in stores) for clock in range(twin.busy + 2)
     ]
     outputs = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
-    watch = f"""
-        // Clocks since the last sample of a frame that is computed; 0: there is none.
-        reg [15:0] since = 0;
-        reg [15:0] {place} = 0;
-        reg skipping = 0;
-        wire taken = in_valid && since == 0 && !skipping;
-        wire is_good = taken && {place} == {inputs - 1} && in_last;
-        wire is_wrong = in_valid && !skipping
-            && (since != 0 || in_last != ({place} == {inputs - 1}));
-        reg told = 0;
-        always @(posedge clk) begin
-            since <= rst ? 0 : is_good ? 1 : since == 0 || since == {twin.busy} ? 0 : since + 1;
-            if (taken) {place} <= is_good || is_wrong ? 0 : {place} + 1;
-            if (in_valid) skipping <= !in_last && (skipping || is_wrong);
-            told <= !rst && is_wrong;
-            if (rst) begin
-                {place} <= 0;
-                skipping <= 0;
-            end
-        end
+    watch = frames_computed(inputs, twin.busy, place)
+    watch += """
         reg [15:0] fetched_from;
         reg [15:0] operands = 0;
         always @(posedge clk) begin

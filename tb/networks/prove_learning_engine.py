@@ -6,6 +6,7 @@ frames have none, so the clocks of every frame are the same.
 
 from golden.learning.program import FRAME
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import frames_computed
 
 # This has one output, and so one equation.
 ALSO = ("least-lesson",)
@@ -23,25 +24,8 @@ def outputs(twin):
     inputs, first = twin.inputs, twin.program.starts[FRAME]
     left = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
     none = (1 << twin.frame_check.addr_width) - 1
-    watch = f"""
-        // Clocks since the last sample of a frame that is computed; 0: there is none.
-        reg [15:0] since = 0;
-        reg [15:0] place = 0;
-        reg skipping = 0, told = 0;
-        wire accepted = in_valid && since == 0 && !skipping;
-        wire is_good = accepted && place == {inputs - 1} && in_last;
-        wire is_wrong = in_valid && !skipping
-            && (since != 0 || in_last != (place == {inputs - 1}));
-        always @(posedge clk) begin
-            since <= rst ? 0 : is_good ? 1 : since == 0 || since == {twin.busy} ? 0 : since + 1;
-            if (accepted) place <= is_good || is_wrong ? 0 : place + 1;
-            if (in_valid) skipping <= !in_last && (skipping || is_wrong);
-            told <= !rst && is_wrong;
-            if (rst) begin
-                place <= 0;
-                skipping <= 0;
-            end
-        end
+    watch = frames_computed(inputs, twin.busy, taken="accepted")
+    watch += """
         reg [15:0] fetched_from;
         always @(posedge clk) fetched_from <= lesson_memory0_counter;
     """

@@ -285,3 +285,38 @@ def exact_sum(width: int, opens: str, value: str) -> str:
             count <= {opens} ? 1 : count == 255 ? 255 : count + 1;
         end
     """
+
+
+def frames_computed(inputs: int, busy: int, place: str = "place", taken: str = "taken") -> str:
+    """Verilog that watches the stream of samples of a network with a program.
+
+    Parameters
+    ----------
+    inputs : int
+        The samples of a frame.
+    busy : int
+        Clocks from the last sample of a frame until the next one may come.
+    place, taken : str
+        Names that the hardware does not have.
+    """
+    return f"""
+        // Clocks since the last sample of a frame that is computed; 0: there is none.
+        reg [15:0] since = 0;
+        reg [15:0] {place} = 0;
+        reg skipping = 0;
+        wire {taken} = in_valid && since == 0 && !skipping;
+        wire is_good = {taken} && {place} == {inputs - 1} && in_last;
+        wire is_wrong = in_valid && !skipping
+            && (since != 0 || in_last != ({place} == {inputs - 1}));
+        reg told = 0;
+        always @(posedge clk) begin
+            since <= rst ? 0 : is_good ? 1 : since == 0 || since == {busy} ? 0 : since + 1;
+            if ({taken}) {place} <= is_good || is_wrong ? 0 : {place} + 1;
+            if (in_valid) skipping <= !in_last && (skipping || is_wrong);
+            told <= !rst && is_wrong;
+            if (rst) begin
+                {place} <= 0;
+                skipping <= 0;
+            end
+        end
+    """
