@@ -16,8 +16,6 @@ from golden.engine.program import STORE
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning import steps
-from golden.learning.corrected import Corrected
-from golden.learning.gradient import constants
 from golden.learning.lesson import Lesson
 from golden.learning.places import Places
 from golden.learning.program import EQUATIONS, FRAME, KEEP, ends, jumps
@@ -25,8 +23,7 @@ from golden.learning.timeline import INPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
-from golden.scene.expected_drift import expected_drift
-from golden.scene.learning import that_learns
+from golden.scene.learning import taught_of, that_learns
 from tb.common.small import LESSONS
 
 SCENE = replace(load_scene("digit"), learning="lms")
@@ -44,13 +41,6 @@ def twin() -> LearningEngine:
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     return LESSONS["lesson"].scene(tmp_path_factory.mktemp("lesson"), "lesson")
-
-
-def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
-    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
-    vectors = scene.vectors()
-    targets = SIGNAL.quantise(vectors.targets)[0]
-    return taught, constants(taught, vectors.codes, targets).tolist()
 
 
 def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:

@@ -114,6 +114,7 @@ class Readout(Network):
             *serial_ports("an element", "element of the network's frame", "of the wrong length"),
             *self.result_ports,
             *self.network.load_ports,
+            *self.network.lesson_ports,
         )
 
     @property

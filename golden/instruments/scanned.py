@@ -71,7 +71,9 @@ class Scanned(Network):
     @property
     def shown_ports(self) -> tuple[Port, ...]:
         """The ports that show results; frames of the wrong length cannot occur."""
-        hidden = {"frame_error", *(port.name for port in self.readout.network.load_ports)}
+        network = self.readout.network
+        inner = (*network.load_ports, *network.lesson_ports)
+        hidden = {"frame_error", *(port.name for port in inner)}
         results = [port for port in self.readout.ports if port.direction == "out"]
         return tuple(port for port in results if port.name not in hidden)
 

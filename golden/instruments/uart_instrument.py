@@ -14,22 +14,26 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
+from golden.link.lesson_receiver import LessonReceiver
 from golden.link.packet_sender import PacketSender
 from golden.link.packets import image_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
 from golden.networks.engine import Engine
+from golden.networks.learning_engine import LearningEngine
 from golden.port import Port, input_port, output_port
 from golden.precision import SIGNAL
 from golden.visualisation.pulse_density import PulseDensity
 
-# How long the line must be idle before an image counts as cut off, in bytes.
+# How long the line must be idle before a packet counts as cut off, in bytes.
 IDLE_BYTES = 20
 
 
 @dataclass(frozen=True)
 class UartInstrument(ConverterInstrument):
-    """``ConverterInstrument`` that sends its frames to a computer, and receives images (ours).
+    """``ConverterInstrument`` that sends its frames to a computer, and listens to it (ours).
+
+    The computer sends images to an engine that can be loaded, and lessons to one that learns.
 
     It computes what the network inside computes, from the samples as the converter digitises them,
     with one frame per scan.
@@ -37,7 +41,7 @@ class UartInstrument(ConverterInstrument):
     Parameters
     ----------
     converter_reader, readout
-        Those of ``ConverterInstrument``. The engine inside may be reloadable.
+        Those of ``ConverterInstrument``. The engine inside may be reloadable, or learn.
     divisor : int
         Number of clocks of a bit on the line.
     analogue : bool
@@ -49,7 +53,8 @@ class UartInstrument(ConverterInstrument):
     ------
     InputError
         See ``ConverterInstrument``. Also when the outputs of a frame leave after the next frame has
-        begun, for a divisor that is too small, and for ``analogue`` without a profile.
+        begun, for a divisor that is too small, and for ``analogue`` without a profile. Also when
+        an engine that learns has not enough clocks in one piece between two frames.
     """
 
     block = "uart_instrument"
@@ -67,7 +72,25 @@ class UartInstrument(ConverterInstrument):
             )
         if self.analogue and self.readout.load_profile is None:
             raise InputError(f"{self.entity}: got analogue without a profile, expected one")
+        core = self.core
+        if isinstance(core, LearningEngine):
+            free = left - self.readout.busy
+            if free < core.longest_equation:
+                raise InputError(
+                    f"{self.entity}: got a scan that leaves {free} clocks in one piece, expected "
+                    f"{core.longest_equation} or more, which an equation takes"
+                )
         _ = self.parts()
+
+    @property
+    def learns(self) -> bool:
+        """Whether the engine inside learns."""
+        return bool(self.readout.network.lesson_ports)
+
+    @property
+    def hears(self) -> bool:
+        """Whether the computer may send something."""
+        return self.reload or self.learns
 
     @property
     def reload(self) -> bool:
@@ -82,11 +105,12 @@ class UartInstrument(ConverterInstrument):
     def ports(self) -> tuple[Port, ...]:
         own = super().ports
         dac = ("x", "i_p"), ("y", "f(i_p)")
+        what = "lessons" if self.learns else "images"
         return (
             *own[:6],
             *(
-                [input_port("rx", "from the computer: images; comes at any time")]
-                if self.reload
+                [input_port("rx", f"from the computer: {what}; comes at any time")]
+                if self.hears
                 else []
             ),
             output_port("tx", "to the computer: packets; from a register"),
@@ -108,6 +132,7 @@ class UartInstrument(ConverterInstrument):
             self.reload,
             self.interval,
             self.readout.decides,
+            self.learns,
         )
 
     @property
@@ -124,9 +149,16 @@ class UartInstrument(ConverterInstrument):
         engine = self.core
         assert isinstance(engine, Engine), "only an engine takes images"
         waits = 1 << engine.image_loader.program_addr_width
-        return ImageReceiver(
-            IDLE_BYTES * BYTE_BITS * self.divisor, waits // self.uart_receiver.interval + 2
-        )
+        return ImageReceiver(self.idle_clocks, waits // self.uart_receiver.interval + 2)
+
+    @property
+    def lesson_receiver(self) -> LessonReceiver:
+        return LessonReceiver(self.outputs, self.idle_clocks)
+
+    @property
+    def idle_clocks(self) -> int:
+        """Clocks without a byte after which a packet counts as cut off."""
+        return IDLE_BYTES * BYTE_BITS * self.divisor
 
     @property
     def pulse_density(self) -> PulseDensity:
@@ -184,7 +216,9 @@ class UartInstrument(ConverterInstrument):
             *super().parts(),
             self.packet_sender,
             self.uart_transmitter,
-            *((self.uart_receiver, self.image_receiver) if self.reload else ()),
+            *((self.uart_receiver,) if self.hears else ()),
+            *((self.image_receiver,) if self.reload else ()),
+            *((self.lesson_receiver,) if self.learns else ()),
             *((self.pulse_density,) if self.analogue else ()),
         )
 

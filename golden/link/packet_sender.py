@@ -13,7 +13,7 @@ from golden.border import State
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
-from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
+from golden.link.packets import COUNT_BYTES, FLAGS, STATES, Frame, FrameLayout
 from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.precision import SIGNAL
 
@@ -66,6 +66,8 @@ class PacketSender(Block):
         Clocks without a packet after which one is sent.
     decides : bool
         Whether a packet carries index and margin of the largest output.
+    learns : bool
+        Whether the network learns, so that lessons, steps and bytes of the line can be wrong.
 
     Raises
     ------
@@ -81,6 +83,7 @@ class PacketSender(Block):
     reload: bool
     patience: int
     decides: bool = False
+    learns: bool = False
 
     def __post_init__(self) -> None:
         for name, least, most in (
@@ -92,6 +95,8 @@ class PacketSender(Block):
             got = getattr(self, name)
             if not least <= got <= most:
                 raise InputError(f"{self.entity}: got {name}={got}, expected {least} to {most}")
+        if self.reload and self.learns:
+            raise InputError(f"{self.entity}: got reload and learns, expected one of them")
         _ = self.layout, self.argmax
 
     @property
@@ -105,10 +110,17 @@ class PacketSender(Block):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        line = input_port("line_error", "a byte without a stop bit came; high for one clock")
         errors = (
             input_port("frame_error", "a frame is refused in this clock"),
             input_port("image_error", "the last image was not valid"),
-            input_port("line_error", "a byte without a stop bit came; high for one clock"),
+            line,
+        )
+        lessons = (
+            line,
+            input_port("lesson_error", "a lesson, or its known outputs, were refused"),
+            input_port("learn_error", "a step of learning was refused"),
+            input_port("learning", "the network learns"),
         )
         winner = self.argmax.result_ports("winner") if self.argmax else ()
         drawn = (
@@ -128,6 +140,7 @@ class PacketSender(Block):
             *(replace(port, direction="in") for port in winner),
             input_port("converter_error", "no frame leaves the reader"),
             *(errors if self.reload else ()),
+            *(lessons if self.learns else ()),
             *(drawn if self.points else ()),
             input_port("out_ready", "a byte is taken in this clock"),
             output_port("out_valid", "`out_data` holds a byte, until it is taken"),
@@ -207,7 +220,7 @@ class _State:
         self.point, self.wanted = (0, 0, 0), 0
         # The flags that were set since the packet before, and whether a frame was refused since the
         # frame before.
-        self.since = dict.fromkeys(FLAGS[1:], False)
+        self.since = {name: False for name in FLAGS if name not in STATES}
         self.refused = False
         self.number = self.count = self.waited = 0
         self.complete = False
@@ -246,7 +259,7 @@ class _State:
 
     def _frame(self, now: dict[str, int]) -> Frame:
         reported = self.since | {"frame_error": self.since["frame_error"] or self.refused}
-        flags = {"converter_error": bool(now["converter_error"])} | reported
+        flags = {name: bool(now.get(name)) for name in STATES} | reported
         return Frame(
             self.number,
             tuple(name for name in FLAGS if flags[name]),

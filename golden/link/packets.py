@@ -1,10 +1,11 @@
-"""The packets on an instrument's serial line: frames to a computer, images to the board.
+"""The packets on an instrument's serial line: frames to a computer, images and lessons to a board.
 
 A packet begins with SYNC, a byte of version and kind, and the number of bytes of its payload. All
 numbers are sent with their highest byte first.
 
     frame:  SYNC, VERSION FRAME, length (1 byte), number (1 byte), payload, check (2 bytes)
     image:  SYNC, VERSION IMAGE, length (2 bytes), the bytes of the image
+    lesson: SYNC, VERSION LESSON, length (1 byte), payload, check (2 bytes)
 
 The payload of a frame consists of a byte of flags, the number of frames that the network has
 computed (16 bits), the samples and the outputs. Where the largest output is looked for, its index
@@ -12,6 +13,9 @@ computed (16 bits), the samples and the outputs. Where the largest output is loo
 number (1 byte), i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
 polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
 check. An image has its own check (``golden.engine.image``).
+
+A lesson is for a board that learns. Its payload consists of a byte whose bits are those of
+LESSON_BITS, and of the known outputs, as codes of 16 bits.
 """
 
 from __future__ import annotations
@@ -24,14 +28,26 @@ from golden.input_error import InputError
 
 SYNC = 0xA5
 VERSION = 1
-FRAME, IMAGE = 1, 2
+FRAME, IMAGE, LESSON = 1, 2, 3
 CHECK_PRESET = 0xFFFF
 CHECK_BYTES = 2
 CODE_BYTES = 2
 COUNT_BYTES = 2
-# The bits of the byte of flags. The first one is the present state; the others say what has
-# happened since the packet before.
-FLAGS = ("converter_error", "frame_error", "image_error", "line_error")
+# The bits of the byte of flags. STATES are as they are when the packet begins; the others say what
+# has happened since the packet before.
+FLAGS = (
+    "converter_error",
+    "frame_error",
+    "image_error",
+    "line_error",
+    "lesson_error",
+    "learn_error",
+    "learning",
+)
+STATES = ("converter_error", "learning")
+# The bits of the first byte of a lesson: whether the board learns from now on, and whether the
+# known outputs are those of its next frame.
+LESSON_BITS = ("learn", "known")
 FRAME_HEADER = 4
 MOST_PAYLOAD = 255
 MOST_IMAGE = (1 << 16) - 1
@@ -166,6 +182,24 @@ def image_packet(image: bytes) -> bytes:
     if not 1 <= len(image) <= MOST_IMAGE:
         raise InputError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")
     return bytes([SYNC, kind_byte(IMAGE)]) + len(image).to_bytes(2, "big") + image
+
+
+def lesson_packet(outputs: int, learn: bool, known: Sequence[int] = ()) -> bytes:
+    """A packet that says whether a board learns, and may say what the outputs should be.
+
+    Parameters
+    ----------
+    outputs : int
+        How many outputs the board has.
+    learn : bool
+    known : sequence of int
+        The codes of the known outputs of the next frame; none if nothing is to be kept.
+    """
+    assert len(known) in (0, outputs), f"got {len(known)} known outputs, expected {outputs}"
+    bits = learn << LESSON_BITS.index("learn") | bool(known) << LESSON_BITS.index("known")
+    payload = bytes([bits]) + b"".join(map(_code, known or (0,) * outputs))
+    body = bytes([kind_byte(LESSON), len(payload)]) + payload
+    return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
 
 
 def _code(code: int) -> bytes:

@@ -124,8 +124,11 @@ class LearningEngine(Network):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        return super().ports + self.lesson_ports
+
+    @property
+    def lesson_ports(self) -> tuple[Port, ...]:
         return (
-            *super().ports,
             input_port("target_valid", "`target_data` holds a known output of the last frame"),
             input_port("target_data", "known output y, in the order of the outputs", SIGNAL),
             input_port("target_last", "this is the last known output of the frame"),

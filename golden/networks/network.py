@@ -131,6 +131,11 @@ class Network(Block):
         return ()
 
     @property
+    def lesson_ports(self) -> tuple[Port, ...]:
+        """The ports through which it learns; none where it does not."""
+        return ()
+
+    @property
     def core(self) -> Network:
         """The network without a front end, a readout or another interface around it."""
         return self

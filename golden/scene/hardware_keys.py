@@ -94,7 +94,8 @@ HARDWARE = KeyTable(
             "Only for `engine`, with a cascade or one network of one output. With `lms` the engine "
             "[learns gains and offsets of its sensors](blocks/learning_engine.md) from frames "
             "whose outputs are known. It has one multiplier and the pipeline `short`, no reload, "
-            "no front end, no visualisation, no `axi_stream` and no `argmax`.",
+            "no `axi_stream` and no `argmax`. A front end or a visualisation asks for a section "
+            "`[uart]` too, through which the known outputs come.",
             "it does not learn",
         ),
         "pipeline": Key(

@@ -55,16 +55,30 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{len(data['outputs'])} outputs {got}, expected cascade, or one output"
         )
     around = [section for section in ("front_end", "visualisation") if section in values]
-    if around:
+    if around and "uart" not in values:
         raise InputError(
             f"{path}: hardware.learning: got {hardware['learning']!r} and a section "
-            f"[{around[0]}], expected none"
+            f"[{around[0]}], expected [uart] too, through which the known outputs come"
         )
     past = [*["window"] * (not read_window(data, path).plain), *["classes"] * bool(data["classes"])]
     if past:
         raise InputError(
             f"{path}: data.{past[0]}: got {written(data[past[0]])} {got}, expected none"
         )
+
+
+def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
+    """The networks of a scene behind sensors that are corrected, and the step of each output.
+
+    Raises
+    ------
+    InputError
+        For networks that have not one hidden layer of tanh each.
+    """
+    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
+    vectors = scene.vectors()
+    steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
+    return taught, steps.tolist()
 
 
 def that_learns(scene: Scene, network: Network) -> Network:
@@ -78,7 +92,4 @@ def that_learns(scene: Scene, network: Network) -> Network:
     if not scene.learning:
         return network
     assert isinstance(network, Engine), "no other design is let through"
-    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
-    vectors = scene.vectors()
-    steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
-    return LearningEngine.of(network, taught, steps.tolist())
+    return LearningEngine.of(network, *taught_of(scene))

@@ -54,6 +54,9 @@ def readout(
     profile,
     load=None,
     image=None,
+    target: Stream = None,
+    learn=None,
+    learn_error=None,
     spec: Readout,
 ):
     """A frame of samples in; its outputs as a frame, held, and drawn (Figures 5.12 and 5.25).
@@ -75,6 +78,9 @@ def readout(
     load, image : Group
         They are those of an engine that can be reloaded. Where an image has more outputs than there
         are held ones, the further outputs are on the stream alone.
+    target : Stream
+    learn, learn_error : bool
+        They are those of an engine that learns.
     spec : Readout
 
     Notes
@@ -95,10 +101,12 @@ def readout(
         out.data.next = result
         out.last.next = result_last
 
-    loading = {"load": load, "image": image} if spec.image else {}
+    inner = {"load": load, "image": image} if spec.image else {}
+    if spec.network.lesson_ports:
+        inner = {"target": target, "learn": learn, "learn_error": learn_error}
     parts = [
         hardware(spec.network)(
-            clk, rst, in_, results, frame_error=frame_error, **loading, spec=spec.network
+            clk, rst, in_, results, frame_error=frame_error, **inner, spec=spec.network
         ),
         show,
     ]

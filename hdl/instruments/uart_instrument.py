@@ -8,6 +8,7 @@ from hdl.common.next_point import next_point
 from hdl.common.signals import Group, Stream, fixed, flag, unsigned
 from hdl.instruments.readout import readout
 from hdl.link.image_receiver import image_receiver
+from hdl.link.lesson_receiver import lesson_receiver
 from hdl.link.packet_sender import packet_sender
 from hdl.link.uart_receiver import uart_receiver
 from hdl.link.uart_transmitter import uart_transmitter
@@ -40,6 +41,28 @@ def show_winner(inner, winner):
         winner.margin.next = inner.margin
 
     return show
+
+
+@block
+def end_of_frame(results, ends):
+    """``ends`` is high when the last output of a frame leaves."""
+
+    @always_comb
+    def find():
+        ends.next = results.valid and results.last
+
+    return find
+
+
+@block
+def either(first, second, told):
+    """``told`` is high when either is."""
+
+    @always_comb
+    def tell():
+        told.next = first or second
+
+    return tell
 
 
 @block
@@ -88,7 +111,8 @@ def uart_instrument(
         They are those of converter_reader: the wires of the converter, and whether it is missing or
         stuck.
     rx : bool
-        The line on which images come, where the engine inside can be reloaded.
+        The line on which images come, where the engine inside can be reloaded, and lessons, where
+        it learns.
     tx : bool
         The line on which packets leave.
     dac : Group
@@ -113,8 +137,8 @@ def uart_instrument(
     byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
     packets = Stream(valid=byte_valid, data=byte_data, ready=byte_ready)
     load, image, drawn, decided = Group(), Group(), Group(), Stream()
-    # Without a reload no frame is refused, and nothing comes over the line.
-    told = {}
+    # Without a reload no frame is refused.
+    told, lessons = {}, {}
     parts = []
 
     if spec.readout.load_profile is not None:
@@ -126,15 +150,41 @@ def uart_instrument(
         parts.append(show_winner(decided, winner))
     if spec.analogue:
         parts.append(slow_profile(clk, rst, drawn, dac, design=spec))
+    if spec.hears:
+        heard_valid, heard = flag(), unsigned(8)
+        received = Stream(valid=heard_valid, data=heard)
     if spec.reload:
         load = Stream(valid=flag(), data=unsigned(8), last=flag(), ready=flag())
         image = Group(error=unsound)
         told = {"frame_error": broken, "image_error": unsound, "line_error": wrong}
-        heard_valid, heard = flag(), unsigned(8)
-        received = Stream(valid=heard_valid, data=heard)
         parts += [
             uart_receiver(clk, rst, received, rx=rx, line_error=wrong, spec=spec.uart_receiver),
             image_receiver(clk, rst, received, load, spec=spec.image_receiver),
+        ]
+    if spec.learns:
+        target = Stream(valid=flag(), data=fixed(SIGNAL), last=flag(), ready=flag(), error=flag())
+        learn, refused, misread, lost, frame_end = (flag() for _ in range(5))
+        lessons = {"target": target, "learn": learn, "learn_error": refused}
+        told = {
+            "line_error": wrong,
+            "lesson_error": lost,
+            "learn_error": refused,
+            "learning": learn,
+        }
+        parts += [
+            uart_receiver(clk, rst, received, rx=rx, line_error=wrong, spec=spec.uart_receiver),
+            lesson_receiver(
+                clk,
+                rst,
+                received,
+                target,
+                frame_end=frame_end,
+                learn=learn,
+                lesson_error=misread,
+                spec=spec.lesson_receiver,
+            ),
+            end_of_frame(results, frame_end),
+            either(misread, target.error, lost),
         ]
 
     @always_comb
@@ -167,6 +217,7 @@ def uart_instrument(
             profile=drawn,
             load=load,
             image=image,
+            **lessons,
             spec=spec.readout,
         ),
         packet_sender(

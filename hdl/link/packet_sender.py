@@ -135,6 +135,9 @@ def packet_sender(
     frame_error=None,
     image_error=None,
     line_error=None,
+    lesson_error=None,
+    learn_error=None,
+    learning=None,
     winner: Stream = None,
     profile=None,
     spec: PacketSender,
@@ -150,8 +153,11 @@ def packet_sender(
     converter_error : bool
         A packet reports it as it is when the packet begins.
     frame_error, image_error, line_error : bool
-        A packet reports those that came since the packet before; they exist only with
-        ``spec.reload``.
+        A packet reports those that came since the packet before. They exist only with
+        ``spec.reload``, and ``line_error`` with ``spec.learns`` too.
+    lesson_error, learn_error, learning : bool
+        A packet reports the errors that came since the packet before, and ``learning`` as it is
+        when the packet begins. They exist only with ``spec.learns``.
     winner : Stream
         ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``. Then a
         frame is complete with its winner, and the latency counts from there.
@@ -262,6 +268,24 @@ def packet_sender(
             since_packet(clk, rst, begins, image_error, images),
             since_packet(clk, rst, begins, line_error, lines),
             refused_frame(clk, rst, complete, frame_error, frames, refused),
+        ]
+    elif spec.learns:
+        lines, lessons, steps = (flag() for _ in range(3))
+
+        @always_comb
+        def tell():
+            flags.next = 0
+            flags.next[0] = converter_error
+            flags.next[3] = lines
+            flags.next[4] = lessons
+            flags.next[5] = steps
+            flags.next[6] = learning
+
+        parts += [
+            tell,
+            since_packet(clk, rst, begins, line_error, lines),
+            since_packet(clk, rst, begins, lesson_error, lessons),
+            since_packet(clk, rst, begins, learn_error, steps),
         ]
     else:
 

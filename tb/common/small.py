@@ -621,10 +621,17 @@ UART = replace(
 )
 PLAIN_UART = replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n")
 UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
+# An engine that learns from what comes over the line.
+LEARN_UART = replace(
+    LESSONS["lesson"],
+    shapes=[(2, 2, 1), (3, 1, 1), (4, 1, 1)],
+    hardware='learning = "lms"\nclock_mhz = 4.0',
+    sections=f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 9\n\n[uart]\n',
+)
 # The largest output in packets, before the point of a profile.
 WINNER_UART = replace(UART, hardware="clock_mhz = 4.0\nargmax = true")
 # For the whole top: the first case, whose image takes thousands of clocks; one without an image;
-# one with room for other images; and the second case.
+# one with room for other images; the second case; and an engine that learns.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
     # With these weights the profiles are high and deep.
@@ -636,6 +643,7 @@ UART_INSTRUMENTS = {
         sections=_LINE,
     ),
     "plain-uart": PLAIN_UART,
+    "learn-uart": LEARN_UART,
 }
 
 # For a readout: the largest output beside the stream alone, of a network with few and with many

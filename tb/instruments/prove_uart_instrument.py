@@ -1,7 +1,8 @@
 """Proved properties of uart_instrument: how its parts work together, for any line and converter.
 
-The first properties are of an engine that takes images. The others are those of
-converter_instrument, in a case without such an engine and without a profile.
+The first properties are of an engine that takes images, and the second ones of an engine that
+learns. The others are those of converter_instrument, in a case without such an engine and without a
+profile.
 """
 
 from golden.link.uart_transmitter import BYTE_BITS
@@ -9,11 +10,14 @@ from tb.instruments import prove_converter_instrument
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import since
 
-ALSO = ("plain-uart",)
+ALSO = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
+LESSONS = "u_lesson_receiver_0"
 
 
 def properties(twin):
+    if twin.learns:
+        return [lessons(), rests(twin)]
     if not twin.reload:
         return prove_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
@@ -128,6 +132,48 @@ def what_packets_tell():
             (r"assign out_last = result_last", "assign out_last = 1"),
         ),
         clocks=6,
+    )
+
+
+def lessons():
+    engine = "u_readout_0.u_learning_engine_0"
+    streams = ("lesson_error lost", "learn_error refused", "learning learn", "line_error wrong")
+    return Property(
+        name="lessons",
+        sentence="Known outputs begin to leave only in the clock after the last output of a frame, "
+        "and the engine is given just these. It learns while the last right lesson says so, and "
+        "packets report that, the steps that it refuses, and the lessons, known outputs and bytes "
+        "that are refused.",
+        states=(
+            *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
+            f"lost == ({LESSONS}.lesson_error || {engine}.target_error)",
+            f"{engine}.learn == {LESSONS}.mode",
+            f"{engine}.target_valid == target_valid && {engine}.target_data == target_data",
+            f"{engine}.target_last == target_last && {LESSONS}.target_ready == target_ready",
+            "!target_valid || leaving || ended",
+        ),
+        watch="""
+            reg leaving = 0, ended = 0;
+            always @(posedge clk) begin
+                leaving <= !rst && target_valid;
+                ended <= !rst && out_valid && out_last;
+            end
+        """,
+        free=(
+            *("valid", "data", "last", "result_valid", "result", "result_last", "missing"),
+            *("wrong", "heard_valid", "heard", "target_ready", "target_error", "refused"),
+            f"{LESSONS}.armed",
+        ),
+        reached=("ended && target_valid",),
+        refuted_by=(
+            (r"(?s)(packet_sender u_.*?\.lesson_error)\(\w+\)", r"\1(1'b0)"),
+            (r"(?s)(packet_sender u_.*?\.learn_error)\(\w+\)", r"\1(1'b0)"),
+            (r"(?s)(packet_sender u_.*?\.learning)\(\w+\)", r"\1(1'b1)"),
+            (r"(?s)(readout u_.*?\.learn)\(learn\)", r"\1(1'b1)"),
+            (r"misread \|\| target_error", "misread"),
+            (r"frame_end = \(result_valid && result_last\)", "frame_end = result_last"),
+        ),
+        clocks=8,
     )
 
 

@@ -2,13 +2,14 @@
 
 Sweeps: recorded frames, then random ones. If the engine can be reloaded: its own image and, if the
 memory has 1024 words, images with other numbers of samples and outputs, and one whose program is
-longer than a scan. If the profile is shown slowly: of many random frames those with the highest and
-the deepest profile, each until every point was shown. If an image takes less than 50000 clocks: one
-whose outputs cover the whole range of codes.
+longer than a scan. If it learns: lessons with random known outputs and with those at their ends. If
+the profile is shown slowly: of many random frames those with the highest and the deepest profile,
+each until every point was shown. If an image takes less than 50000 clocks: one whose outputs cover
+the whole range of codes.
 Drives: the wires, as the converter answers for these voltages; transfers that no converter can have
-sent; on the line noise, bytes without a stop bit, a cut image and complete images, while frames are
-computed. Resets come in all of this, in the clock in which a profile ends and, if no image follows
-a reset, in the clock after it.
+sent; on the line noise, bytes without a stop bit, a cut image and complete images, or lessons that
+are right, wrong or cut, while frames are computed. Resets come in all of this, in the clock in
+which a profile ends and, if no image follows a reset, in the clock after it.
 Checks: ``tx`` in every clock, and that a receiver reads the packets of the twin; outputs, held
 outputs, the winner and every point of the profile bit for bit and in their clocks; the bits of the
 pulse density in every clock, and that each point was shown; ``converter_error`` in every clock;
@@ -17,14 +18,16 @@ Does not prove: that each bit which shows the presence of a converter is checked
 (tb_converter_reader does); that bytes of every speed are received (tb_uart_receiver does).
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import cocotb
 import numpy as np
 
 from golden.border import State
 from golden.engine.image import Image
-from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
+from golden.learning import timeline as learning
+from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte, lesson_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
 from golden.mlp import Mlp
@@ -55,35 +58,100 @@ FAULTS = [
 
 # How many scans are played with traffic on the line, and after an image.
 SCANS = 12
+# How many scans it takes at most until a step would leave the range.
+REFUSED = 60
 # Other images than its own are loaded into a memory of this size, which takes long.
 ROOMY = 1024
 # An image that takes more clocks on the line is not loaded for its far-reaching profiles.
 SHORT = 50_000
 
 
-def noise_and_images(bench, images):
-    """Levels of ``rx``: images one after another, with noise and wrong bytes before each."""
-    twin, rng = bench.twin, bench.rng
-    bit, levels = twin.divisor, [np.ones(30, dtype=np.int64)]
+@dataclass
+class Played:
+    """What was played and checked.
 
-    def send(data, broken=False):
+    Attributes
+    ----------
+    recording, timeline
+    runs : list
+        For each network that ran, it and the numbers of its frames.
+    ends : int64 array
+        The clocks of the last samples.
+    told : dict
+        The columns of winner and profile.
+    sending
+        The packets of the twin.
+    met : Counter
+        How often each thing happened to an engine that learns.
+    """
+
+    recording: Any
+    timeline: Any
+    runs: list
+    ends: np.ndarray
+    told: dict
+    sending: Any
+    met: dict = field(default_factory=dict)
+
+
+class Sender:
+    """Makes the levels of ``rx`` of bytes that are sent one after the other."""
+
+    def __init__(self, bench):
+        self.bit, self.rng = bench.twin.divisor, bench.rng
+        self._levels = [np.ones(30, dtype=np.int64)]
+
+    def send(self, data, broken=False):
         for byte in data:
             bits = (*bits_of(byte)[:-1], 0, 1) if broken else bits_of(byte)
-            levels.append(np.repeat(bits, bit))
-            if rng.random() < 1 / 16:
-                levels.append(np.ones(int(rng.integers(1, 6 * bit)), dtype=np.int64))
+            self._levels.append(np.repeat(bits, self.bit))
+            if self.rng.random() < 1 / 16:
+                self.idle(int(self.rng.integers(1, 6 * self.bit)))
 
-    def rest(bytes_):
-        levels.append(np.ones(int(bytes_ * 10 * bit), dtype=np.int64))
+    def noise(self):
+        self.send(self.rng.integers(0, 256, 4).tolist())
+        self.send([int(self.rng.integers(0, 256))], broken=True)
 
+    def rest(self, bytes_):
+        self.idle(int(bytes_ * 10 * self.bit))
+
+    def idle(self, clocks):
+        self._levels.append(np.ones(clocks, dtype=np.int64))
+
+    @property
+    def levels(self):
+        return np.concatenate(self._levels)
+
+
+def noise_and_images(bench, images):
+    """Levels of ``rx``: images one after another, with noise and wrong bytes before each."""
+    rng, line = bench.rng, Sender(bench)
     for image in images:
-        send(rng.integers(0, 256, 4).tolist())
-        send([int(rng.integers(0, 256))], broken=True)
-        send([SYNC, SYNC, kind_byte(IMAGE), 2, 0, *rng.integers(0, 256, 7).tolist()])
-        rest(25)
-        send(image_packet(image))
-        rest(rng.integers(1, 5))
-    return np.concatenate(levels)
+        line.noise()
+        line.send([SYNC, SYNC, kind_byte(IMAGE), 2, 0, *rng.integers(0, 256, 7).tolist()])
+        line.rest(25)
+        line.send(image_packet(image))
+        line.rest(rng.integers(1, 5))
+    return line.levels
+
+
+def noise_and_lessons(bench, count):
+    """Levels of ``rx``: lessons with noise, and with wrong and cut ones between them."""
+    twin, rng, line = bench.twin, bench.rng, Sender(bench)
+    for n in range(count):
+        known = rng.integers(-8192, 8192, twin.outputs)
+        ends = rng.random(twin.outputs) < n % 2 / 2
+        known = np.where(ends, rng.choice([-8192, 8191], twin.outputs), known).tolist()
+        packet = lesson_packet(twin.outputs, n % 5 != 4, known if n % 4 else ())
+        if n % 3 == 0:
+            line.noise()
+            line.rest(25)
+            line.send([*packet[:-1], packet[-1] ^ 1])
+            line.send(packet[: int(rng.integers(2, len(packet)))])
+            line.rest(25)
+        line.send(packet)
+        line.idle(int(rng.integers(0, 4) * twin.interval))
+    return line.levels
 
 
 async def answered(bench, reader, resets, rx, watch, convert, fault):
@@ -178,6 +246,44 @@ def loaded(bench, recording, valid, last, ends):
         "line_error": heard.line_error,
     }
     return flags, runs
+
+
+def taught(bench, recording, samples):
+    """What the twins compute from ``rx`` and the frames: flags, columns of outputs, and the engine.
+
+    Known outputs are offered when a frame ends, and are taken when the engine is ready. As each
+    depends on the other, both are computed again until nothing changes.
+    """
+    twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
+    clears = recording.unsigned("rst", rows)
+    heard = twin.uart_receiver.process(recording.unsigned("rx", rows), clears)
+    ready, ends = (np.zeros(len(rows), dtype=np.int64) for _ in range(2))
+    names = ("in_valid", "in_data", "in_last")
+    while True:
+        lesson = twin.lesson_receiver.process(heard.out_valid, heard.out_data, ends, ready, clears)
+        told = {name: getattr(lesson, name) for name in learning.INPUTS if hasattr(lesson, name)}
+        engine = learning.Timeline(twin.core.program)
+        found = engine.play(dict(zip(names, samples, strict=True)) | told | {"rst": clears})
+        if (found["target_ready"] == ready).all() and (found["out_last"] == ends).all():
+            break
+        ready, ends = found["target_ready"], found["out_last"]
+    flags = {
+        "line_error": heard.line_error,
+        "lesson_error": lesson.lesson_error | (found["target_error"] == 1),
+        "learn_error": found["learn_error"],
+        "learning": lesson.learn,
+    }
+    return flags, np.array([found[name] for name in ("out_valid", "out_data", "out_last")]), engine
+
+
+def check_taught(bench, recording, result):
+    """Check outputs, ``out_last`` and their clocks against the columns of an engine that learns."""
+    left = np.flatnonzero(result[0])
+    bench.compare("clocks of out_valid", recording.rows("out_valid"), left + RESET_CLOCKS)
+    got = recording.signed("out_data", left + RESET_CLOCKS)
+    bench.compare("out_data", got, result[1, left], clock=left + RESET_CLOCKS)
+    closed = np.flatnonzero(result[2]) + RESET_CLOCKS
+    bench.compare("clocks of out_last", recording.rows("out_last"), closed)
 
 
 def check_results(bench, recording, runs, frames, ends):
@@ -291,10 +397,15 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
 
     check_error(bench, reader, recording, timeline)
     valid, data, last, seen, ends = samples_of(bench, recording, timeline, frames_of)
-    flags, runs = {}, [(shown, np.arange(len(ends)))]
-    if rx is not None:
-        flags, runs = loaded(bench, recording, valid, last, ends)
-    result = check_results(bench, recording, runs, seen, ends)
+    flags, runs, met = {}, [(shown, np.arange(len(ends)))], {}
+    if twin.learns:
+        flags, result, engine = taught(bench, recording, (valid, data, last))
+        check_taught(bench, recording, result)
+        met = engine.met
+    else:
+        if rx is not None:
+            flags, runs = loaded(bench, recording, valid, last, ends)
+        result = check_results(bench, recording, runs, seen, ends)
     told = check_shown(bench, recording, result)
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     given = twin.dac(told, recording.unsigned("rst", rows)) if dac else ()
@@ -306,7 +417,7 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
     columns |= dict(zip(("result_valid", "result_data", "result_last"), result, strict=True))
     columns |= {"converter_error": recording.unsigned("converter_error", rows)} | flags | told
     sending = check_line(bench, recording, columns)
-    return recording, timeline, runs, ends, told, sending
+    return Played(recording, timeline, runs, ends, told, sending, met)
 
 
 @cocotb.test()
@@ -315,21 +426,30 @@ async def recorded(dut):
     bench = Bench(dut)
     twin = bench.twin
     frames = recorded_frames(bench)[:SCANS]
-    rx = noise_and_images(bench, [twin.core.image]) if twin.image else None
+    rx = None
+    if twin.image:
+        rx = noise_and_images(bench, [twin.core.image])
+    elif twin.learns:
+        rx = noise_and_lessons(bench, SCANS)
     length = SCANS * twin.interval + twin.output_clocks[-1] + twin.outputs + 5
     column = np.zeros(length + (0 if rx is None else len(rx)), dtype=np.int64)
     if rx is not None:
         rx = np.concatenate([rx, np.ones(length, dtype=np.int64)])
-    recording, timeline, runs, ends, _, sending = await check(bench, frames, column, rx)
+    played = await check(bench, frames, column, rx)
+    recording, runs = played.recording, played.runs
     counts = [len(numbers) for _, numbers in runs]
     assert len(counts) == 1, f"got {len(counts)} good images"
     assert counts[0] >= SCANS - 1, f"got {counts[0]} frames"
-    if rx is not None:
-        told = {name for frame in sending.frames for name in frame.flags}
+    told = {name for frame in played.sending.frames for name in frame.flags}
+    if twin.image:
         assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
+    if twin.learns:
+        assert told == {"line_error", "lesson_error", "learning"}, f"got the flags {told}"
+        for name in ("placements", "steps taken", "corrected frames"):
+            assert played.met[name], f"{name}: none, expected some; {played.met}"
     # The next scan begins before the samples of this scan have left.
-    last_bit = ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
-    started = timeline.starts[timeline.starts < last_bit][-1]
+    last_bit = played.ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
+    started = played.timeline.starts[played.timeline.starts < last_bit][-1]
     bench.facts = {
         "frames": len(runs[0][1]),
         "seconds": recording.seconds,
@@ -360,10 +480,13 @@ async def random_faults_and_resets(dut):
     if twin.image:
         lasting = rng.integers(1, 3 * twin.divisor, length)
         rx = np.repeat(rng.integers(0, 2, length), lasting)[:length]
+    elif twin.learns:
+        rx = noise_and_lessons(bench, scans)[:length]
+        rx = np.concatenate([rx, np.ones(length - len(rx), dtype=np.int64)])
     resets = np.zeros(length, dtype=np.int64)
     resets[np.sort(rng.integers(twin.interval, length - 3 * twin.interval, 3))] = 1
-    *_, sending = await check(bench, frames, resets, rx, faults.get)
-    told = {name for frame in sending.frames for name in frame.flags}
+    played = await check(bench, frames, resets, rx, faults.get)
+    told = {name for frame in played.sending.frames for name in frame.flags}
     assert "converter_error" in told, "no packet told of the converter"
     bench.finish(at_least=scans)
 
@@ -426,7 +549,8 @@ async def drawn_slowly(dut):
     resets.append(np.zeros(clocks, dtype=np.int64))
     rx.append(np.concatenate([levels, np.ones(clocks - len(levels), dtype=np.int64)]))
     line = np.concatenate(rx) if twin.image else None
-    recording, *_, profile, _ = await check(bench, frames, np.concatenate(resets), line)
+    played = await check(bench, frames, np.concatenate(resets), line)
+    recording, profile = played.recording, played.told
     rows = recording.resets() - RESET_CLOCKS
     state = State("clocks from the end of a profile to a reset", range(len(after)))
     ended = np.flatnonzero(profile["profile_last"])
@@ -438,6 +562,23 @@ async def drawn_slowly(dut):
         assert heights.max() > 7000, f"the highest point has {heights.max()}"
         assert heights.min() < -7000, f"the deepest point has {heights.min()}"
     bench.finish(at_least=len(frames) * twin.outputs)
+
+
+@test_of(lambda t: t.learns)
+async def steps_refused(dut):
+    """Show what no gain and no offset gives, until packets report a step that is not taken."""
+    bench = Bench(dut)
+    twin, line = bench.twin, Sender(bench)
+    frames = recorded_frames(bench)[:1]
+    known = np.where(twin.readout.process(frames)[0] < 0, 8191, -8192)
+    line.send(lesson_packet(twin.outputs, True, known.tolist()))
+    line.idle(REFUSED * twin.interval)
+    rx = line.levels
+    played = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
+    assert played.met["steps refused"], f"none, expected some; {played.met}"
+    told = {name for frame in played.sending.frames for name in frame.flags}
+    assert told == {"learn_error", "learning"}, f"got the flags {told}"
+    bench.finish(at_least=REFUSED * twin.outputs)
 
 
 @test_of(lambda t: bool(t.image) and t.core.loaded.sizes.program_words >= ROOMY)
@@ -456,9 +597,9 @@ async def other_images(dut):
     rx = noise_and_images(bench, [twin.core.image, *images, twin.core.image])
     rx = np.concatenate([rx, np.ones(SCANS * twin.interval, dtype=np.int64)])
     frames = bench.rng.integers(-8192, 8192, (64, inputs))
-    _, _, runs, *_, sending = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
-    counts = [len(numbers) for _, numbers in runs]
+    played = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
+    counts = [len(numbers) for _, numbers in played.runs]
     assert len(counts) == len(shapes) + 2, f"got {len(counts)} good images"
     assert counts[3] == 0, f"got {counts[3]} frames of another number of samples"
     assert min(counts[:3] + counts[4:]) > 0, f"got frames by image {counts}"
-    bench.finish(at_least=len(sending.frames))
+    bench.finish(at_least=len(played.sending.frames))

@@ -5,8 +5,13 @@ from golden.precision import SIGNAL
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import check_byte
 
+# Packets with the flags of an engine that learns.
+ALSO = ("learn-uart",)
+
 
 def properties(twin):
+    if twin.learns:
+        return [lessons_told()]
     found = [
         follow_each_other(twin),
         stand(),
@@ -317,6 +322,40 @@ def point_by_point(twin):
             (rf"next_point0_number == {twin.points - 1}", "next_point0_number == 1"),
         ),
         clocks=12,
+    )
+
+
+def lessons_told():
+    return Property(
+        name="lessons are told",
+        sentence="When a packet begins, it reports every error of the line, of a lesson or of a "
+        "step of learning that came since the packet before, including the clock in which it "
+        "begins. converter_error and learning are reported as they are.",
+        states=(
+            "flags == {1'b0, learning, steps_seen || learn_error, lessons_seen || lesson_error, "
+            "lines_seen || line_error, 2'b0, converter_error}",
+        ),
+        watch="""
+            reg lines_seen = 0, lessons_seen = 0, steps_seen = 0;
+            always @(posedge clk) begin
+                lines_seen <= !rst && !begins && (lines_seen || line_error);
+                lessons_seen <= !rst && !begins && (lessons_seen || lesson_error);
+                steps_seen <= !rst && !begins && (steps_seen || learn_error);
+            end
+        """,
+        helps=(
+            "since_packet0_seen == lines_seen",
+            "since_packet1_seen == lessons_seen",
+            "since_packet2_seen == steps_seen",
+        ),
+        free=("begins", "complete"),
+        reached=("begins && flags == 121",),
+        refuted_by=(
+            (r"flags\[4\] = lessons", "flags[4] = 0"),
+            (r"flags\[6\] = learning", "flags[6] = 0"),
+            (r"since_packet2_seen <= \(steps && \(!begins\)\)", "since_packet2_seen <= 0"),
+        ),
+        clocks=6,
     )
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from golden.link.packets import FRAME_HEADER, SYNC, check_of
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS, WINNER_UART
+from tb.common.small import LEARN_UART, UARTS, WINNER_UART
 
-CASES = UARTS | {"winner-line": WINNER_UART}
+CASES = UARTS | {"winner-line": WINNER_UART, "learn-uart": LEARN_UART}
 # Its packets carry the largest output too.
 ALSO = ("winner-line",)
 FAULTS = [
@@ -95,6 +95,7 @@ def drive_for(bench, length, chance, ready):
     if twin.decides:
         drive |= winners_of(bench, length, chance)
     flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
+    flags += ["line_error", "lesson_error", "learn_error", "learning"] * twin.learns
     # Frames are rare enough that packets without a new frame follow a refused frame.
     flagged = max(chance, 0.02) / 8
     for name in flags:

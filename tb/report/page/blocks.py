@@ -44,7 +44,8 @@ README = ROOT / "docs" / "README.md"
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
 LEARNED = "comparison/digit-tables"
-CASCADE = "digit"
+# These are built with an engine that learns, alone and with a serial line.
+LEARNING = ("digit", "digit-board")
 # A counter of so many bits makes a scan long enough for every converter.
 WIDE = 13
 AREAS = (
@@ -112,8 +113,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
     learned = load_scene(LEARNED)
     yield learned.precision.name, learned.twin()
     # Nor does one learn.
-    learning = replace(load_scene(CASCADE), learning="lms")
-    yield learning.precision.name, learning.twin()
+    for name in LEARNING:
+        learning = replace(load_scene(name), learning="lms", design_options={})
+        yield learning.precision.name, learning.twin()
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
