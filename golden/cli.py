@@ -43,6 +43,24 @@ def whole(name: str, least: int, most: int) -> Callable[[str], int]:
     return number
 
 
+def numbers(name: str, text: str, count: int, most: float) -> list[float]:
+    """The numbers in a command's variable, from 0 to ``most``; none if it is empty.
+
+    Raises
+    ------
+    InputError
+        For another number of them, or for one outside the range.
+    """
+    if not text:
+        return []
+    with suppress(ValueError):
+        found = [float(part) for part in text.split(",")]
+        if len(found) == count and all(0 <= one <= most for one in found):
+            return found
+    wanted = "a number" if count == 1 else f"{count} numbers with a comma between"
+    raise InputError(f"{name}={text}: expected {wanted}, each from 0 to {most:g}")
+
+
 def words(name: str, text: str) -> list[str]:
     """The words in a command's variable that may hold several; quotes keep blanks together.
 

@@ -34,7 +34,7 @@ from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
 from tb.monitor.messages import PAUSE
-from tb.monitor.monitor import HEAD, Monitor, csv_columns
+from tb.monitor.monitor import HEAD, NOT_SENT, Monitor, csv_columns
 from tb.monitor.server import Server
 from tb.monitor.twin_board import TwinBoard
 from tb.report.page.page import environment
@@ -396,6 +396,10 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     state["outputs"][0]["name"] = "<b>" + "a very long name " * 9
     state["sensors"][0] |= {"name": "<img src=x>" + "long" * 30, "unit": "micrometres per metre"}
     state |= {"recording": "/a/very/long/path" * 9, "messages": ["08:00:00 " + "word" * 90]}
+    shown = {"number": 1, "known": ["-0.1234"] * 4, "errors": ["+0.1234"] * 4}
+    state["learning"] = {"on": True, "shown": 1, "places": 31, "tour": True, "there": True}
+    errors = [[-2.0, *[0.1] * 4], [0.0, *[0.2] * 4]]
+    state["learning"] |= {"errors": errors, "placements": [shown]}
     page = environment("tb.monitor").get_template("page.html.jinja").render(title="t" * 60)
     stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
     page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")
@@ -512,7 +516,7 @@ def test_the_page_of_the_documentation_has_every_line(scene: Scene) -> None:
         *still.bring(still.packet(0, *FLAGS, point=99, winner=(9, 0))),
     ]
     still.now += 3
-    said += still.bring(b"")
+    said += [*still.bring(b""), NOT_SENT]
     page = (Path(__file__).parents[1] / "docs" / "monitor.md").read_text()
     table = page.partition("| line | what to do |")[2].partition("\n\n")[0]
     shown = re.findall(r"^\| `([^`]*)` \|", table, re.M)

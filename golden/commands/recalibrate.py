@@ -10,14 +10,13 @@ import argparse
 import hashlib
 import sys
 import warnings
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from golden.cli import naming, run, would
+from golden.cli import naming, numbers, run, would
 from golden.disturbance import MOST, Disturbance
 from golden.input_error import InputError
 from golden.real import Real
@@ -60,8 +59,8 @@ def main() -> None:
     parser.add_argument("--noise", default="", help="noise of a reading, in its unit")
     parser.add_argument("--drift", default="", help="expected drift: GAIN,OFFSET")
     arguments = parser.parse_args()
-    noise = _numbers("NOISE", arguments.noise, 1)
-    drift = _numbers("DRIFT", arguments.drift, 2)
+    noise = numbers("NOISE", arguments.noise, 1, MOST)
+    drift = numbers("DRIFT", arguments.drift, 2, MOST)
     scene = load_scene(arguments.scene)
     if scene.labels:
         raise InputError(
@@ -85,23 +84,6 @@ def main() -> None:
         recalibrate(scene, Path(arguments.csv), target, noise, expected)
     else:
         propose(scene, noise, expected)
-
-
-def _numbers(name: str, text: str, count: int) -> list[float]:
-    """The numbers in a variable; none if it is empty.
-
-    Raises
-    ------
-    InputError
-    """
-    if not text:
-        return []
-    with suppress(ValueError):
-        found = [float(part) for part in text.split(",")]
-        if len(found) == count and all(0 <= one <= MOST for one in found):
-            return found
-    wanted = "a number" if count == 1 else f"{count} numbers with a comma between"
-    raise InputError(f"{name}={text}: expected {wanted}, each from 0 to {MOST:g}")
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,16 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from golden.cli import run, whole, would
+from golden.cli import MOST_SEED, numbers, run, whole, would
+from golden.disturbance import MOST, Disturbance
 from golden.progress import CLEAR
 from tb.monitor.board import MOST_BAUD, board_of
 from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.lessons import Tour
 from tb.monitor.load import load
 from tb.monitor.monitor import Monitor, csv_columns
-from tb.monitor.ports import open_line
+from tb.monitor.placements import Drift
+from tb.monitor.ports import open_line, refuse_drift
 from tb.monitor.server import Server
 
 # On a terminal a line with the newest values is shown each so many seconds.
@@ -48,6 +51,18 @@ class Terminal:
         return self.seconds is not None and now - self._began >= self.seconds
 
 
+def drift_of(text: str, seed: int) -> Drift | None:
+    """The drift in a variable; None if it is empty.
+
+    Raises
+    ------
+    InputError
+        For another text than two numbers.
+    """
+    found = numbers("DRIFT", text, 2, MOST)
+    return Drift(Disturbance(gain=found[0], offset=found[1]), seed) if found else None
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make monitor", description=__doc__)
     parser.add_argument("scene")
@@ -55,12 +70,17 @@ def main() -> None:
     parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
     parser.add_argument("--to", type=Path, help="CSV that takes every packet")
     parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
+    parser.add_argument("--drift", default="", help="drift of a simulated board: GAIN,OFFSET")
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
     parser.add_argument("--seconds", type=float, help="end after so long")
     arguments = parser.parse_args()
+    drift = drift_of(arguments.drift, arguments.seed)
+    if drift:
+        refuse_drift(arguments.port)
     board = board_of(arguments.scene, arguments.hardware)
     would(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
     with ExitStack() as stack:
-        line = stack.enter_context(open_line(arguments.port, arguments.baud, board))
+        line = stack.enter_context(open_line(arguments.port, arguments.baud, board, drift))
         csv = None
         if arguments.to:
             csv = stack.enter_context(GrowingCsv(arguments.to, csv_columns(board)))
@@ -69,8 +89,10 @@ def main() -> None:
             load(line, board)
         terminal = Terminal(arguments.seconds)
         monitor = terminal.monitor = Monitor(board, terminal.say, csv)
+        if monitor.lessons and line.simulated:
+            monitor.lessons.tour = Tour(board, line.simulated)
         title = f"tactus: {board.scene.name} on {line.label}"
-        server = stack.enter_context(Server(title, monitor.state))
+        server = stack.enter_context(Server(title, monitor.state, monitor.actions()))
         terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")
         try:
             monitor.listen(line, terminal.over)

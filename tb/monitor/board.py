@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,12 +12,13 @@ import numpy as np
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.layers.argmax import Argmax
-from golden.link.packets import Frame, FrameLayout
+from golden.link.packets import FLAGS, Frame, FrameLayout
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.rig.predict import decimals, decision_columns
 from golden.scene import Scene, load_scene
-from golden.scene.scale import readings
+from golden.scene.scale import readings, signals
+from golden.table import suggest
 
 MOST_BAUD = 12_000_000
 
@@ -73,6 +76,17 @@ class Board:
         return self.hardware.uart.baud
 
     @property
+    def learns(self) -> bool:
+        """Whether it takes lessons."""
+        return self.instrument.learns
+
+    @cached_property
+    def flags(self) -> list[str]:
+        """The flags that its hardware can raise."""
+        ports = {port.name for port in self.instrument.packet_sender.ports}
+        return [name for name in FLAGS if name in ports]
+
+    @property
     def columns(self) -> tuple[str, ...]:
         return (*self.scene.sensors, *self.scene.outputs)
 
@@ -110,6 +124,46 @@ class Board:
         # Packets hold as many outputs as the hardware has, which may be more than the scene's.
         codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
+
+    def known_codes(self, values: Mapping[str, object]) -> list[int]:
+        """The codes of known outputs, which are given in their units as numbers or as texts.
+
+        Raises
+        ------
+        InputError
+            For an output that is missing, that the scene does not have, whose value is no number,
+            or for which there is no code. When the hardware has more outputs than the scene.
+        """
+        outputs = self.scene.outputs
+        if len(outputs) < self.layout.outputs:
+            raise InputError(
+                f"{self.scene.path}: data.outputs: got {len(outputs)}, expected "
+                f"{self.layout.outputs}, those that {self.hardware.path} learns from"
+            )
+        for name in values:
+            if name not in outputs:
+                raise InputError(
+                    f"{name}: got an output that is not there, expected {', '.join(outputs)}"
+                    f"{suggest(name, outputs)}"
+                )
+        return [self._known_code(name, values.get(name, "")) for name in outputs]
+
+    def _known_code(self, name: str, value: object) -> int:
+        scales, places = self.scene.scales([name]), self.decimals[self.columns.index(name)]
+        low, high = readings(SIGNAL.to_real([[SIGNAL.low], [SIGNAL.high]]), scales)[:, 0]
+        wanted = f"expected a number from {low:.{places}f} to {high:.{places}f}"
+        text = str(value).strip()
+        try:
+            number = math.nan if isinstance(value, bool) else float(text)
+        except ValueError:
+            number = math.nan
+        code, outside = 0, 1
+        if math.isfinite(number):
+            codes, outside = SIGNAL.quantise(signals(np.array([number]), scales))
+            code = int(codes[0])
+        if outside:
+            raise InputError(f"{name}: got {repr(text) if text else 'nothing'}, {wanted}")
+        return code
 
     def millimetres(self, name: str) -> float:
         """How many millimetres one unit of an output is; 0 if the output is no length."""

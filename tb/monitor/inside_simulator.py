@@ -109,7 +109,7 @@ async def board(dut: Any) -> None:
     """Run a board whose power is on."""
     given = json.loads(os.environ[CONFIGURATION])
     bit = given["bit_ps"]
-    if given["reload"]:
+    if given["hears"]:
         cocotb.start_soon(take(dut, given["line"], bit))
     rows = PlayedRows(given["samples"], given["hold"], given["orders"])
     cocotb.start_soon(convert(dut, SHEETS[given["part"]], given["part_clocks"], rows))

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.link.decoder import Decoder, Tally
 from golden.link.packets import FLAGS, Frame
 from golden.precision import SIGNAL
 from golden.real import Real
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.lessons import Lessons
 from tb.monitor.line import Line
 from tb.monitor.messages import Messages
 
@@ -28,11 +30,14 @@ RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
 _COUNTS = 1 << 16
 NO_DECISION = ["", ""]
+NOT_SENT = "a lesson was not sent, because the line was cut"
 FLAG_TEXTS = {
     "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
     "frame_error": "a frame was refused: none is computed before an image is loaded",
     "image_error": "an image was cut on its way, or is not for this hardware",
     "line_error": "the board received a byte without a stop bit: another baud rate, or noise",
+    "lesson_error": "a lesson was damaged on its way, or its known outputs were not taken",
+    "learn_error": "a step of learning would have left the range, and was not taken",
 }
 
 
@@ -53,6 +58,11 @@ class Monitor:
         A file to which every frame is appended, with ``csv_columns``.
     clock : callable
         Gives a time in seconds.
+
+    Attributes
+    ----------
+    lessons : Lessons or None
+        The lessons for the board; None for one that does not learn.
     """
 
     def __init__(
@@ -63,6 +73,7 @@ class Monitor:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.board, self.csv = board, csv
+        self.lessons = Lessons(board) if board.learns else None
         self.decoder = Decoder(board.layout)
         self.messages = Messages(say, clock)
         self.computed = 0
@@ -84,10 +95,76 @@ class Monitor:
     def listen(self, line: Line, until: Callable[[], bool]) -> None:
         """Take what comes until ``until`` is true; report a cut cable and wait until it is back."""
         while not until():
+            self._send(line)
             data = line.read()
             with self._lock:
                 self._take(data)
                 self._watch(line)
+
+    def actions(self) -> dict[str, Callable[[Any], object]]:
+        """What the page may ask for, by its path; each takes what was sent with it."""
+        if self.lessons is None:
+            return {}
+        tour = {"/next": self._next} if self.lessons.tour else {}
+        return {"/teach": self.teach, "/moved": self._moved, **tour}
+
+    def teach(self, request: object) -> None:
+        """Send the board a lesson, which ``listen`` does; see ``Lessons.ask``.
+
+        It may be called from any thread.
+
+        Raises
+        ------
+        InputError
+            For a request that is no lesson, and while no packets come.
+        """
+        assert self.lessons is not None, "only a board that learns is taught"
+        with self._lock:
+            if self._line != "packets":
+                raise InputError(
+                    "a lesson is not sent: no frames come from the board, expected some, with one "
+                    "of which the known outputs are kept"
+                )
+            self.lessons.ask(request, self._learning)
+
+    def _moved(self, _: object) -> None:
+        assert self.lessons is not None, "only a board that learns is taught"
+        with self._lock:
+            self.lessons.moved()
+
+    def _next(self, _: object) -> dict[str, str]:
+        assert self.lessons is not None, "only a board that learns is taught"
+        assert self.lessons.tour is not None, "only a simulated board goes on by itself"
+        with self._lock:
+            self.lessons.moved()
+            return self.lessons.tour.next()
+
+    def _send(self, line: Line) -> None:
+        """Send the lesson that waits, if one does; only this thread writes to the line."""
+        if self.lessons is None:
+            return
+        with self._lock:
+            lesson = self.lessons.next()
+        if lesson is None:
+            return
+        try:
+            line.write(lesson.packet)
+        except InputError:
+            with self._lock:
+                self.messages.tell("lesson", NOT_SENT)
+            return
+        with self._lock:
+            self.lessons.sent(lesson, self._outputs, self._clock())
+
+    @property
+    def _outputs(self) -> Real:
+        """The newest outputs in their units."""
+        return self._values[len(self.board.scene.sensors) :]
+
+    @property
+    def _learning(self) -> bool:
+        """Whether the board learns, as the newest packet says."""
+        return self._newest is not None and "learning" in self._newest.flags
 
     def _take(self, data: bytes) -> None:
         frames, now = self.decoder.feed(data), self._clock()
@@ -109,9 +186,9 @@ class Monitor:
             if frame.winner:
                 self._judge_winner(frame.winner[0])
             last = frame
-        for flag in FLAGS:
+        for flag, text in FLAG_TEXTS.items():
             if self._lit[flag] == now and self.messages.due(flag):
-                self.messages.tell(flag, FLAG_TEXTS[flag])
+                self.messages.tell(flag, text)
         self.computed += computed
         self._newest, self._values = last, values[-1]
         self._packet_at = now
@@ -265,7 +342,12 @@ class Monitor:
             "flags": [
                 {"name": name, "lit": now - self._lit[name] < LIT_SECONDS, "count": count}
                 for name, count in self._flagged.items()
+                # A board of other hardware may set flags that this one does not have.
+                if name in FLAG_TEXTS and (count or name in board.flags)
             ],
+            "learning": (
+                self.lessons.state(self._course, now, self._learning) if self.lessons else None
+            ),
             "messages": list(self.messages.lines),
             "recorded": self.csv.rows if self.csv else 0,
             "recording": str(self.csv.path) if self.csv else "",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
+from golden.disturbance import Disturbance
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
@@ -15,10 +17,35 @@ from golden.scene.scale import signals
 from golden.scene.vectors import read_recorded
 
 
-def samples_of(scene: Scene) -> Codes:
-    """The codes of the sensors in every recorded row, shape (rows, sensors)."""
-    sensors = read_recorded(scene).sensors
-    return SIGNAL.quantise(signals(sensors, scene.scales(scene.sensors)), "readings")[0]
+@dataclass(frozen=True)
+class Drift:
+    """How far the sensors of a simulated board have drifted since the recording.
+
+    Attributes
+    ----------
+    expected : Disturbance
+        Standard deviations of the gains, and of the offsets as signals.
+    seed : int
+        Gains and offsets are drawn from it.
+    """
+
+    expected: Disturbance
+    seed: int
+
+
+def samples_of(scene: Scene, drift: Drift | None = None) -> Codes:
+    """The codes of the sensors in every recorded row, shape (rows, sensors).
+
+    Parameters
+    ----------
+    scene : Scene
+    drift : Drift, optional
+        Without it the sensors are as they were in the recording.
+    """
+    found = signals(read_recorded(scene).sensors, scene.scales(scene.sensors))
+    if drift:
+        found = drift.expected.of(found, np.random.default_rng(drift.seed))
+    return SIGNAL.quantise(found, "readings")[0]
 
 
 def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:

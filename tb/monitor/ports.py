@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from golden.input_error import InputError
 from tb.monitor.board import Board
 from tb.monitor.line import Line, ports_there
+from tb.monitor.placements import Drift
 from tb.monitor.simulated_board import SimulatedBoard
 from tb.monitor.twin_board import TwinBoard
 
@@ -25,8 +26,18 @@ SILENCE, PATIENCE = 60.0, 600.0
 
 
 @contextmanager
-def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
+def open_line(
+    port: str, baud: int | None, board: Board, drift: Drift | None = None
+) -> Iterator[Line]:
     """The line to a board, with the baud rate of its scene if no other is given.
+
+    Parameters
+    ----------
+    port : str
+    baud : int or None
+    board : Board
+    drift : Drift, optional
+        How far the sensors of a simulated board have drifted.
 
     Raises
     ------
@@ -41,7 +52,7 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
     baud = baud or board.baud
     if port == SIMULATED:
         with (
-            SimulatedBoard(board.hardware, HOLD) as simulated,
+            SimulatedBoard(board.hardware, HOLD, drift) as simulated,
             Line(simulated.port, baud, SIMULATED) as line,
         ):
             line.simulated = simulated
@@ -50,7 +61,7 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
     elif port == TWIN:
         rate = float(board.instrument.packets_a_second)
         with (
-            TwinBoard(board.hardware, rate, round(TWIN_HOLD * rate)) as twins,
+            TwinBoard(board.hardware, rate, round(TWIN_HOLD * rate), drift) as twins,
             Line(twins.port, baud, TWIN) as line,
         ):
             line.simulated = twins
@@ -58,3 +69,17 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
     else:
         with Line(port, baud) as line:
             yield line
+
+
+def refuse_drift(port: str) -> None:
+    """Refuse a drift of sensors that are not simulated.
+
+    Raises
+    ------
+    InputError
+    """
+    if port not in (SIMULATED, TWIN):
+        raise InputError(
+            f"DRIFT=: got PORT={port}, expected {TWIN} or {SIMULATED}: only the sensors of a "
+            "simulated board drift when they are told to"
+        )

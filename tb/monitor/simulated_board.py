@@ -20,7 +20,7 @@ from tb.common.runner import export
 from tb.common.simulate import Ghdl, analyse
 from tb.common.tools import check_simulator, language
 from tb.monitor.inside_simulator import CONFIGURATION
-from tb.monitor.placements import nearest_row, samples_of
+from tb.monitor.placements import Drift, nearest_row, samples_of
 
 # GHDL is ten times as fast as Icarus here, because Icarus goes through a memory word by word in
 # every clock.
@@ -63,6 +63,8 @@ class SimulatedBoard:
         A scene with a section ``[uart]``.
     hold : int
         How many scans each row of the recording is played for.
+    drift : Drift, optional
+        How far its sensors have drifted since the recording.
 
     Attributes
     ----------
@@ -75,9 +77,9 @@ class SimulatedBoard:
         When the simulator is not installed, or when the hardware cannot be built.
     """
 
-    def __init__(self, scene: Scene, hold: int) -> None:
+    def __init__(self, scene: Scene, hold: int, drift: Drift | None = None) -> None:
         check_simulator(SIMULATOR)
-        self.scene, self.hold = scene, hold
+        self.scene, self.hold, self.drift = scene, hold, drift
         self.port = ""
         self._folder = TemporaryDirectory()
 
@@ -96,7 +98,7 @@ class SimulatedBoard:
                 half=half,
                 reset=2 * RESET_CLOCKS * half + half // 2,
                 entity=twin.entity,
-                rx=", rx => rx" if twin.reload else "",
+                rx=", rx => rx" if twin.hears else "",
             )
         )
         sources = (*(files / name for name in compile_order(files)), top)
@@ -125,8 +127,8 @@ class SimulatedBoard:
             "part": twin.converter_reader.part.name,
             "part_clocks": twin.converter_reader.part.clocks,
             "bit_ps": 2 * half * twin.divisor,
-            "reload": twin.reload,
-            "samples": samples_of(self.scene).tolist(),
+            "hears": twin.hears,
+            "samples": samples_of(self.scene, self.drift).tolist(),
             "hold": self.hold,
             "line": board,
             "orders": orders,

@@ -1,8 +1,8 @@
 """A board that is made of twins, behind a pseudo-terminal instead of a serial port.
 
-It sends packets as fast as is asked for. It answers images as the hardware does, and its cable can
-be cut. ``PORT=twin`` is such a board at the packet rate of the real one, so that everything is seen
-at its own speed.
+It sends packets as fast as is asked for. It answers images and lessons as the hardware does, and
+its cable can be cut. ``PORT=twin`` is such a board at the packet rate of the real one, so that
+everything is seen at its own speed, except that it learns slower.
 """
 
 from __future__ import annotations
@@ -23,13 +23,18 @@ from golden.fixed import Codes
 from golden.layers.argmax import Argmax
 from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
 from golden.networks.engine import Engine
+from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from tb.monitor.board import Board
-from tb.monitor.placements import nearest_row, samples_of
+from tb.monitor.placements import Drift, nearest_row, samples_of
+from tb.monitor.twin_lessons import TwinLessons
 
 # The board looks for something to do each so many seconds.
 PAUSE = 0.01
+# A board that learns does it for so many seconds between two packets. A step takes a computer far
+# longer than the board, so there is no room for more packets.
+LEARN_SECONDS = 0.02
 _HEADER = 4
 
 
@@ -44,17 +49,25 @@ class TwinBoard:
         Packets per second; with 0, as many as are read.
     hold : int
         How many packets each row is played for.
+    drift : Drift, optional
+        How far its sensors have drifted since the recording.
 
     Attributes
     ----------
     port : str
         The path to open as a serial port.
+    samples : int64 array, shape (rows, sensors)
+        Codes of what its sensors read in each row of the recording.
+    lessons : TwinLessons or None
+        What it does with lessons; None for a board that does not learn.
     """
 
-    def __init__(self, scene: Scene, rate: float = 0.0, hold: int = 1) -> None:
+    def __init__(
+        self, scene: Scene, rate: float = 0.0, hold: int = 1, drift: Drift | None = None
+    ) -> None:
         self.scene, self.rate, self.hold = scene, rate, hold
         self.layout = Board(scene, scene).layout
-        self._samples = samples_of(scene)
+        self.samples = samples_of(scene, drift)
         self._visualisation = scene.visualisation
         self._row: int | None = None
         self._noise = b""
@@ -67,6 +80,7 @@ class TwinBoard:
         self._ends: tuple[int, int] | None = None
         self._thread = threading.Thread(target=self._run, daemon=True)
         core = scene.twin().core
+        self.lessons = TwinLessons.of(scene, core) if isinstance(core, LearningEngine) else None
         self._engine = core if isinstance(core, Engine) and core.loaded else None
         # An engine that can be loaded computes nothing before an image comes.
         self._runs = self._engine is None
@@ -115,28 +129,51 @@ class TwinBoard:
 
     def _compute(self) -> None:
         """Compute the outputs and profiles of every row."""
-        engine = self._engine
-        core = engine if engine else self.scene.twin().core
-        outputs = core.process(self._samples)
+        rows = len(self.samples)
         # If an image has fewer outputs, the other ones stay as they are after a reset.
-        self._outputs: Codes = np.zeros((len(outputs), self.layout.outputs), dtype=np.int64)
-        self._outputs[:, : outputs.shape[1]] = outputs
+        self._outputs: Codes = np.zeros((rows, self.layout.outputs), dtype=np.int64)
         # One output has no winner.
-        self._winners: Codes = np.zeros((len(outputs), 2), dtype=np.int64)
-        if outputs.shape[1] > 1:
-            self._winners = np.stack(Argmax(SIGNAL, outputs.shape[1]).process(outputs), axis=1)
+        self._winners: Codes = np.zeros((rows, 2), dtype=np.int64)
         if self._visualisation:
-            results = self._outputs[:, list(self._visualisation.results)]
-            self._ramp, self._profile = self._visualisation.load_profile.process(results)
+            points = self._visualisation.load_profile.ramp.points
+            self._profile: Codes = np.zeros((rows, points), dtype=np.int64)
+        # How many steps of learning the outputs of each row know.
+        self._steps: Codes = np.zeros(rows, dtype=np.int64)
+        self._compute_rows(slice(rows))
+
+    def _compute_rows(self, rows: slice) -> None:
+        """Compute the outputs and profiles of some rows."""
+        if self.lessons:
+            outputs = self.lessons.pupil.process(self.samples[rows])
+            self._steps[rows] = self.lessons.pupil.steps
+        else:
+            core = self._engine if self._engine else self.scene.twin().core
+            outputs = core.process(self.samples[rows])
+        self._outputs[rows, : outputs.shape[1]] = outputs
+        if outputs.shape[1] > 1:
+            winners = Argmax(SIGNAL, outputs.shape[1]).process(outputs)
+            self._winners[rows] = np.stack(winners, axis=1)
+        if self._visualisation:
+            results = self._outputs[rows, list(self._visualisation.results)]
+            self._ramp, self._profile[rows] = self._visualisation.load_profile.process(results)
 
     def _run(self) -> None:
         began, line = time.monotonic(), b""
         sent = computed = 0
+        turn = True
         while not self._stop.is_set():
             line = self._exchange(line)
+            late = time.monotonic() - began - sent / self.rate if self.rate else 0.0
+            if self.lessons and self.lessons.busy and (turn or late < 0):
+                self.lessons.learn_for(LEARN_SECONDS)
+                # A packet that cannot be sent meanwhile is not sent later.
+                began += max(0.0, late)
+                turn = False
+                continue
+            turn = True
             if line:
                 continue
-            if self.rate and sent >= (time.monotonic() - began) * self.rate:
+            if late < 0:
                 time.sleep(PAUSE)
                 continue
             with self._lock:
@@ -148,13 +185,21 @@ class TwinBoard:
     def _frame(self, number: int, computed: int) -> Frame:
         row = self._row
         if row is None:
-            row = number // self.hold % len(self._samples)
+            row = number // self.hold % len(self.samples)
+        if self.lessons:
+            self.lessons.read(self.samples[row])
+            if self._steps[row] != self.lessons.pupil.steps:
+                self._compute_rows(slice(row, row + 1))
         point = None
         if self._visualisation:
             at = number % len(self._ramp)
             point = (at, int(self._ramp[at]), int(self._profile[row, at]))
-        flags = (*["frame_error"] * (not self._runs), *["image_error"] * self._error)
-        samples = tuple(self._samples[row].tolist())
+        flags = (
+            *["frame_error"] * (not self._runs),
+            *["image_error"] * self._error,
+            *(self.lessons.flags() if self.lessons else ()),
+        )
+        samples = tuple(self.samples[row].tolist())
         outputs = tuple((self._outputs[row] * self._runs).tolist())
         winner = None
         if self.layout.decides:
@@ -169,9 +214,13 @@ class TwinBoard:
                 time.sleep(PAUSE)
                 return b""
             board = self._ends[0]
-            reads, writes, _ = select.select([board], [board] if line else [], [], PAUSE)
-            if reads:
-                self._take(os.read(board, 4096))
+            pause = 0.0 if self.lessons and self.lessons.busy and not line else PAUSE
+            reads, writes, _ = select.select([board], [board] if line else [], [], pause)
+            data = os.read(board, 4096) if reads else b""
+            if self.lessons:
+                self.lessons.take(data)
+            else:
+                self._take(data)
             if not writes:
                 return line
             try:

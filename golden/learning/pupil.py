@@ -1,0 +1,92 @@
+"""What an engine that learns holds, and what it computes, without its clocks.
+
+``golden.learning.timeline`` says in which clock each thing happens. Here a frame, a placement and a
+step follow each other as whole things, so it is some hundred times as fast.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import Gradient
+from golden.learning.lesson import Lesson
+from golden.learning.unit import Unit
+
+
+class Pupil:
+    """An engine that learns with LMS, from a reset on.
+
+    Parameters
+    ----------
+    taught : Corrected
+        Its networks behind sensors that are corrected.
+    constants : sequence of int
+        The step of each output; see ``golden.learning.gradient``.
+    placements : int
+        How many placements it keeps; the next one takes the place of the oldest.
+
+    Attributes
+    ----------
+    theta : int64 array, shape (2 sensors,)
+        What is learned so far; see ``golden.learning.corrected``.
+    steps, refused : int
+        How many steps were taken, and how many were not, because they would have left the range.
+    """
+
+    def __init__(self, taught: Corrected, constants: Sequence[int], placements: int) -> None:
+        self.taught = taught
+        self.steps = self.refused = 0
+        # Only a rule that divides reads the noise.
+        noise = np.zeros((1, taught.outputs), dtype=np.int64)
+        self._rule = Gradient(taught, 0, noise, np.array(constants))
+        self._kept: deque[Lesson] = deque(maxlen=placements)
+        self.theta: Codes = np.zeros(2 * taught.sensors, dtype=np.int64)
+        # The placement and the output of the next equation.
+        self._shown = self._output = 0
+
+    @property
+    def placements(self) -> int:
+        """How many placements are kept now."""
+        return len(self._kept)
+
+    def keep(self, samples: Codes, known: Codes) -> None:
+        """Keep a placement, with which learning goes on.
+
+        Parameters
+        ----------
+        samples : int64 array, shape (sensors,)
+            Codes of what the sensors read.
+        known : int64 array, shape (outputs,)
+            Codes of the known outputs.
+        """
+        self._kept.append(Lesson(samples[np.newaxis, np.newaxis], known[np.newaxis, np.newaxis]))
+        self._shown, self._output = len(self._kept) - 1, 0
+
+    def step(self) -> bool:
+        """Compute the next equation; returns whether its step was taken.
+
+        It goes through all outputs of a placement, and then through those of the next one. Without
+        placements nothing is computed, and no step is taken.
+        """
+        if not self._kept:
+            return False
+        lesson, unit = self._kept[self._shown], Unit(1)
+        before = self.theta[np.newaxis]
+        self.theta = self._rule.step(lesson, before, 0, self._output, unit)[0]
+        taken = not unit.saturated["step"].any()
+        self.steps += taken
+        self.refused += not taken
+        self._output = (self._output + 1) % self.taught.outputs
+        if not self._output:
+            self._shown = (self._shown + 1) % len(self._kept)
+        return taken
+
+    def process(self, frames: Codes) -> Codes:
+        """The output codes of frames of samples, shape (frames, outputs), as it is taught now."""
+        theta = np.broadcast_to(self.theta, (len(frames), len(self.theta)))
+        return self.taught.process(theta, frames)

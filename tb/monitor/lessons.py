@@ -1,0 +1,187 @@
+"""The lessons that a monitor gives to a board that learns."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.link.packets import lesson_packet
+from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
+from golden.real import Real
+from golden.recalibration.choice import proposed
+from golden.recalibration.sensitivity import Sensitivity
+from golden.scene.scale import readings
+from tb.monitor.board import Board
+from tb.monitor.line import Simulated
+
+KEYS = ("known", "learn")
+
+
+class Tour:
+    """Places a simulated board where ``make recalibrate`` proposes, one placement after the other.
+
+    Parameters
+    ----------
+    board : Board
+    simulated : Simulated
+    """
+
+    def __init__(self, board: Board, simulated: Simulated) -> None:
+        self._scene, self._simulated = board.scene, simulated
+        recorded = Sensitivity.of(board.scene, np.zeros(len(board.scene.sensors)))
+        self._rows = cycle(one.row for one in proposed(recorded))
+
+    def next(self) -> dict[str, str]:
+        """Go on to the next placement; returns its known outputs as texts."""
+        targets = self._scene.in_units(self._scene.vectors().targets[next(self._rows)])
+        known = dict(zip(self._scene.outputs, targets.tolist(), strict=True))
+        self._simulated.place(known)
+        return {name: f"{value:g}" for name, value in known.items()}
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A packet for the board, and the known outputs in it, in their units; None without any."""
+
+    packet: bytes
+    known: Real | None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A placement that was shown: its known outputs, and the errors that the outputs had then."""
+
+    known: Real
+    errors: Real
+
+
+class Lessons:
+    """The lessons that wait to be sent, and the placements that were shown.
+
+    Parameters
+    ----------
+    board : Board
+        A board that learns.
+
+    Attributes
+    ----------
+    count : int
+        How many placements were shown.
+    tour : Tour or None
+        The placements of a simulated board.
+    """
+
+    def __init__(self, board: Board) -> None:
+        core = board.instrument.core
+        assert isinstance(core, LearningEngine), "a board that learns has one"
+        self.board, self.places = board, core.placements
+        self.count = 0
+        self.tour: Tour | None = None
+        self._waiting: deque[Lesson] = deque()
+        # The board keeps no more of them either.
+        self._shown: deque[Shown] = deque(maxlen=core.placements)
+        self._there: Real | None = None
+        self._since = 0.0
+        self._learn: bool | None = None
+
+    def ask(self, request: object, learning: bool) -> None:
+        """Take a request for a lesson, which then waits to be sent.
+
+        Parameters
+        ----------
+        request : object
+            What came: a dict with the values of all outputs under ``known``, or with whether the
+            board is to learn from now on under ``learn``, or both.
+        learning : bool
+            Whether the board learns now. It goes on so if nothing else was asked for.
+
+        Raises
+        ------
+        InputError
+            For another request; see also ``Board.known_codes``.
+        """
+        expected = "expected an object with known, learn or both"
+        if not isinstance(request, dict) or not request:
+            raise InputError(f"lesson: got {request!r}, {expected}")
+        for key in request:
+            if key not in KEYS:
+                raise InputError(f"lesson: got {key!r}, {expected}")
+        before = learning if self._learn is None else self._learn
+        learn, known = request.get("learn", before), request.get("known")
+        if not isinstance(learn, bool):
+            raise InputError(f"learn: got {learn!r}, expected true or false")
+        if "known" in request and not isinstance(known, dict):
+            raise InputError(f"known: got {known!r}, expected a value for each output")
+        codes: list[int] = []
+        values = None
+        scene = self.board.scene
+        if known is not None:
+            codes = self.board.known_codes(known)
+            values = readings(SIGNAL.to_real(codes), scene.scales(scene.outputs))
+        # Only what is right changes anything.
+        self._learn = learn
+        packet = lesson_packet(self.board.layout.outputs, learn, codes)
+        self._waiting.append(Lesson(packet, values))
+
+    def next(self) -> Lesson | None:
+        """The lesson that is to be sent now, if one waits."""
+        return self._waiting.popleft() if self._waiting else None
+
+    def sent(self, lesson: Lesson, outputs: Real, now: float) -> None:
+        """Note that a lesson was sent, and the outputs of the board before it, in their units."""
+        if lesson.known is not None:
+            self.count += 1
+            self._shown.append(Shown(lesson.known, outputs - lesson.known))
+            self._there, self._since = lesson.known, now
+
+    def moved(self) -> None:
+        """The load is no longer where it was shown."""
+        self._there = None
+
+    def errors(self, course: Iterable[tuple[float, list[float]]], now: float) -> list[list[float]]:
+        """The errors of the outputs at the placement that is there, each after its time.
+
+        Parameters
+        ----------
+        course : iterable of (float, list of float)
+            Times, and the outputs then; no outputs where the line was cut.
+        now : float
+        """
+        known = self._there
+        if known is None:
+            return []
+        return [
+            [round(t - now, 3), *(v - k for v, k in zip(values, known.tolist(), strict=False))]
+            for t, values in course
+            if t >= self._since
+        ]
+
+    def state(
+        self, course: Iterable[tuple[float, list[float]]], now: float, learning: bool
+    ) -> dict[str, Any]:
+        """What the page shows of it; see ``errors``."""
+        places = self.board.decimals[len(self.board.scene.sensors) :]
+        first = self.count - len(self._shown)
+        return {
+            "on": learning,
+            "shown": self.count,
+            "places": self.places,
+            "tour": self.tour is not None,
+            "there": self._there is not None,
+            "errors": self.errors(course, now),
+            "placements": [
+                {
+                    "number": first + number,
+                    "known": [f"{v:.{d}f}" for v, d in zip(one.known, places, strict=True)],
+                    "errors": [f"{v:+.{d}f}" for v, d in zip(one.errors, places, strict=True)],
+                }
+                for number, one in enumerate(self._shown, 1)
+            ],
+        }

@@ -1,0 +1,695 @@
+"""Tests teaching a board that learns, from a request of the page to what the board then sends."""
+
+from __future__ import annotations
+
+import html
+import http.client
+import json
+import re
+import threading
+import time
+import urllib.request
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from pages import section
+from test_learning_engine import Desk, sent
+from test_monitor import BAUD, Still, browse, listening, plain, wait
+
+from golden.cli import run
+from golden.disturbance import Disturbance
+from golden.engine.integer_network import evaluate
+from golden.engine.quantise import integer_networks
+from golden.fixed import Codes
+from golden.input_error import InputError
+from golden.instruments.uart_instrument import UartInstrument
+from golden.link.packets import lesson_packet
+from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
+from golden.recalibration.choice import proposed
+from golden.recalibration.fit import fit
+from golden.recalibration.folder import corrected
+from golden.recalibration.placements import Placements
+from golden.recalibration.sensitivity import Sensitivity
+from golden.scene import Scene, load_scene
+from tb.common.small import LEARN_UART, LESSONS
+from tb.monitor.__main__ import main
+from tb.monitor.board import Board
+from tb.monitor.lessons import Tour
+from tb.monitor.line import Line
+from tb.monitor.monitor import NOT_SENT, Monitor
+from tb.monitor.placements import Drift, samples_of
+from tb.monitor.ports import open_line
+from tb.monitor.server import Server
+from tb.monitor.twin_board import TwinBoard
+from tb.monitor.twin_lessons import TwinLessons
+from tb.report.page.page import environment
+
+DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
+BOARD = Path(load_scene("digit-board").path)
+KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    """Scene digit-board with an engine that learns in the place of one that is loaded."""
+    text = BOARD.read_text().replace("reload = true", 'learning = "lms"')
+    for folder in ("../../", "../"):
+        text = text.replace(f'"{folder}', f'"{(BOARD.parent / folder).resolve()}/')
+    path = tmp_path_factory.mktemp("learns") / "learn-board.toml"
+    path.write_text(text)
+    return load_scene(str(path))
+
+
+@pytest.mark.pages
+def test_the_page_says_how_long_learning_takes(scene: Scene) -> None:
+    twin = scene.twin()
+    assert isinstance(twin, UartInstrument)
+    page, core = section("learning", "As a program of an engine"), twin.core
+    assert isinstance(core, LearningEngine)
+    free = twin.interval - twin.converter_reader.slots - twin.readout.busy
+    equations = int(free / np.mean(core.equation_clocks))
+    assert f"a scan takes {twin.interval} clocks of 25 MHz, of which {free} are free" in page
+    assert f"There is room\nfor {equations} equations" in page
+    assert 0.2 < 400 * 20 * core.outputs / equations * twin.interval / 25e6 < 0.3
+
+
+def test_a_scan_without_room_for_an_equation_is_refused(tmp_path: Path) -> None:
+    case = replace(LEARN_UART, sections=LEARN_UART.sections.replace("= 9", "= 7"))
+    with pytest.raises(InputError, match=r"leaves \d+ clocks in one piece, expected \d+ or more"):
+        case.scene(tmp_path, "short").twin()
+
+
+def test_a_front_end_without_a_line_is_refused(tmp_path: Path) -> None:
+    case = replace(LEARN_UART, sections=LEARN_UART.sections.partition("[uart]")[0])
+    with pytest.raises(InputError, match=r"and a section \[front_end\], expected \[uart\] too"):
+        case.scene(tmp_path, "mute")
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    return LESSONS["lesson"].scene(tmp_path_factory.mktemp("lesson"), "lesson")
+
+
+def lessons_of(scene: Scene) -> TwinLessons:
+    core = scene.twin().core
+    assert isinstance(core, LearningEngine)
+    return TwinLessons.of(scene, core)
+
+
+def texts(scene: Scene, row: int) -> dict[str, str]:
+    """The known outputs of a row of the recording, as the page sends them."""
+    values = scene.in_units(scene.vectors().targets[row])
+    return {name: f"{value:g}" for name, value in zip(scene.outputs, values, strict=True)}
+
+
+def test_the_pupil_holds_what_the_hardware_holds(small: Scene) -> None:
+    """Theta after every part of the way, also with more placements than there is room for."""
+    twin = small.twin()
+    assert isinstance(twin, LearningEngine)
+    pupil, desk = lessons_of(small).pupil, Desk(twin)
+    codes, rng = small.vectors().codes, np.random.default_rng(5)
+    known = np.where(small.twin().process(codes) > 0, SIGNAL.low, SIGNAL.high)
+    # Until steps are refused, in the middle of a placement, behind a whole one, and with all places
+    # taken.
+    counts = (0, 200, 1, 3, 2, 0, 7, *[1] * (twin.placements - 3), 40)
+    for number, count in enumerate(counts):
+        for row in [number] if number < 2 else rng.integers(len(codes), size=1 + (count == 3)):
+            desk.show(codes[row], known[row])
+            pupil.keep(codes[row], known[row])
+        desk.learn(count)
+        for _ in range(count):
+            pupil.step()
+        assert pupil.theta.tolist() == desk.timeline.theta
+    assert desk.timeline.met["placements"] > twin.placements == pupil.placements
+    assert pupil.steps == desk.timeline.met["steps taken"] > 0
+    assert pupil.refused == desk.timeline.met["steps refused"] > 0
+    seen = [row[1] for row in desk.play(sent(codes[:1]), clocks=twin.interval) if row[0]]
+    np.testing.assert_array_equal(pupil.process(codes[:1])[0], seen)
+
+
+def test_a_pupil_without_placements_learns_nothing(small: Scene) -> None:
+    lessons = lessons_of(small)
+    assert not lessons.pupil.step()
+    assert (lessons.pupil.steps, lessons.pupil.refused) == (0, 0)
+    codes = small.vectors().codes
+    np.testing.assert_array_equal(lessons.pupil.process(codes), small.twin().process(codes))
+    lessons.take(lesson_packet(2, learn=True))
+    assert (lessons.learn, lessons.busy) == (True, False)
+
+
+GOOD = lesson_packet(2, True, [-8192, 8191])
+SOUND = {
+    "whole": GOOD,
+    "behind noise": b"\x00\xa5\xa5\x11\xa5" + GOOD,
+    "behind one that does not learn": lesson_packet(2, learn=False) + GOOD,
+}
+DAMAGED = {
+    "a bit": GOOD[:5] + bytes([GOOD[5] ^ 4]) + GOOD[6:],
+    "the check": GOOD[:-1] + bytes([GOOD[-1] ^ 1]),
+    "the length": GOOD[:2] + b"\x07" + GOOD[3:],
+    "of more outputs": lesson_packet(3, True, [1, 2, 3]),
+}
+
+
+@pytest.mark.parametrize("name", [*SOUND, *DAMAGED])
+@pytest.mark.parametrize("part", [1, 4, 99])
+def test_lessons_are_taken_whole_or_not_at_all(small: Scene, name: str, part: int) -> None:
+    lessons, data = lessons_of(small), {**SOUND, **DAMAGED}[name]
+    for at in range(0, len(data), part):
+        lessons.take(data[at : at + part])
+    sound = name in SOUND
+    assert lessons.flags() == (["learning"] if sound else ["lesson_error"])
+    # An error is that of one packet.
+    assert lessons.flags() == (["learning"] if sound else [])
+    lessons.read(np.array([5, -6]))
+    lessons.read(np.array([7, 8]))
+    assert lessons.pupil.placements == sound
+    if not sound:
+        lessons.take(GOOD)
+        assert lessons.flags() == ["learning"]
+
+
+def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    monkeypatch.setattr("tb.monitor.twin_lessons.time", SimpleNamespace(monotonic=lambda: now))
+    lessons = lessons_of(small)
+    for data, flags in ((GOOD[:-1], ["lesson_error"]), (GOOD[:1], []), (b"\xa5\xa5", [])):
+        lessons.take(data)
+        lessons.take(b"")
+        assert lessons.flags() == []
+        now += 1.0
+        lessons.take(b"")
+        assert lessons.flags() == flags
+    lessons.take(GOOD)
+    assert lessons.flags() == ["learning"]
+
+
+def test_a_step_that_is_refused_is_told(small: Scene) -> None:
+    lessons, codes = lessons_of(small), small.vectors().codes[0]
+    known = np.where(small.twin().process(codes[np.newaxis])[0] > 0, SIGNAL.low, SIGNAL.high)
+    lessons.take(lesson_packet(2, True, known.tolist()))
+    lessons.read(codes)
+    assert lessons.flags() == ["learning"]
+    while not lessons.pupil.refused:
+        lessons.learn_for(0.01)
+    assert lessons.flags() == ["learn_error", "learning"]
+
+
+def test_sensors_drift_as_is_asked_for(scene: Scene) -> None:
+    plain, moved = SIGNAL.to_real(samples_of(scene)), SIGNAL.to_real(samples_of(scene, DRIFT))
+    rng = np.random.default_rng(DRIFT.seed)
+    gain, offset = 1 + 0.03 * rng.standard_normal(4), 0.02 * rng.standard_normal(4)
+    assert np.abs(moved - np.clip(plain * gain + offset, -1, 1)).max() < 2**-12
+    assert np.abs(moved - plain).max() > 0.01
+    other = samples_of(scene, replace(DRIFT, seed=2))
+    assert np.abs(moved - SIGNAL.to_real(other)).max() > 0.01
+
+
+def teach(monitor: Monitor, simulated: TwinBoard, row: int, **more: bool) -> None:
+    """Put the load where it was in a row of the recording, and show it."""
+    known, count = texts(monitor.board.scene, row), simulated.lessons.pupil.placements
+    simulated.place(known)
+    samples = tuple(simulated.samples[row].tolist())
+    wait(lambda: monitor._newest is not None and monitor._newest.samples == samples)
+    wait(lambda: monitor.state()["line"] == "packets")
+    monitor.teach({"known": known, **more})
+    wait(lambda: simulated.lessons.pupil.placements == count + 1)
+
+
+def worst(scene: Scene, outputs: Codes, shown: list[int]) -> np.ndarray:
+    """The worst error of each output over the rows that were not shown, in percent."""
+    errors = scene.vectors().percent_errors(SIGNAL.to_real(outputs))
+    return np.delete(errors, shown, axis=0).max(axis=0)
+
+
+def test_a_board_with_drifted_sensors_is_taught(scene: Scene) -> None:
+    """Twelve placements over the line, and 1200 steps.
+
+    Then the errors of the other rows are at most a third of those before, and twice those of
+    ``make recalibrate`` with the same placements.
+    """
+    board, said = Board(scene, scene), []
+    recorded = Sensitivity.of(scene, np.zeros(4))
+    rows = [one.row for one in islice(proposed(recorded), 12)]
+    with (
+        TwinBoard(scene, 200.0, drift=replace(DRIFT, seed=4)) as simulated,
+        Line(simulated.port, BAUD) as line,
+    ):
+        monitor, pupil = Monitor(board, said.append), simulated.lessons.pupil
+        before = worst(scene, pupil.process(simulated.samples), rows)
+        with listening(monitor, line):
+            for row in rows:
+                teach(monitor, simulated, row)
+            assert not pupil.steps
+            monitor.teach({"learn": True})
+            wait(lambda: monitor.state()["learning"]["on"])
+            # A slow machine takes longer for all of them than one wait lasts.
+            for steps in range(100, 1300, 100):
+                wait(lambda steps=steps: pupil.steps >= steps)
+            monitor.teach({"learn": False})
+            wait(lambda: not monitor.state()["learning"]["on"])
+            state = monitor.state()
+            # What it sends is what it has learned, and the load is where it was shown last.
+            sample = simulated.samples[rows[-1]][np.newaxis]
+            assert monitor._newest.outputs == tuple(pupil.process(sample)[0].tolist())
+        after = worst(scene, pupil.process(simulated.samples), rows)
+    computer = fit(recorded, placements_of(scene, simulated.samples, rows)).theta
+    theirs = recalibrated(scene, recorded, computer, simulated.samples, rows)
+    assert (after <= before / 3).all(), (before, after)
+    assert after.mean() <= 2 * theirs.mean(), (after, theirs)
+    assert said == []
+    learning = state["learning"]
+    assert (learning["shown"], learning["places"], learning["there"]) == (12, 31, True)
+    first = [float(text) for text in learning["placements"][-1]["errors"]]
+    last = [abs(value) for value in learning["errors"][-1][1:]]
+    assert max(last) < max(map(abs, first)) / 2
+    known = [float(text) for text in learning["placements"][-1]["known"]]
+    assert known == pytest.approx(scene.in_units(scene.vectors().targets[rows[-1]]), abs=2e-4)
+
+
+@pytest.mark.pages
+def test_the_page_has_the_errors_that_are_left(scene: Scene) -> None:
+    """As its example has them: the same drift, placements and steps."""
+    recorded = Sensitivity.of(scene, np.zeros(4))
+    rows = [one.row for one in islice(proposed(recorded), 12)]
+    samples, pupil = samples_of(scene, replace(DRIFT, seed=4)), lessons_of(scene).pupil
+    lines = [worst(scene, pupil.process(samples), rows)]
+    targets = SIGNAL.quantise(scene.vectors().targets)[0]
+    for row in rows:
+        pupil.keep(samples[row], targets[row])
+    for _ in range(1200):
+        pupil.step()
+    lines.append(worst(scene, pupil.process(samples), rows))
+    theta = fit(recorded, placements_of(scene, samples, rows)).theta
+    lines.append(recalibrated(scene, recorded, theta, samples, rows))
+    page = section("monitor", "Teach a board that learns")
+    assert "DRIFT=0.03,0.02 SEED=4" in page
+    assert "twelve times" in page
+    found = re.findall(r"^\| (before|after 1200|`make).*? \| ([0-9. |]*) \|$", page, re.M)
+    shown = [[float(cell) for cell in cells.split(" | ")] for _, cells in found]
+    np.testing.assert_allclose(shown, lines, atol=0.06)
+
+
+def placements_of(scene: Scene, samples: Codes, rows: list[int]) -> Placements:
+    vectors = scene.vectors()
+    return Placements(
+        SIGNAL.to_real(samples[rows]),
+        vectors.targets[rows],
+        vectors.scale[rows],
+        np.ones(len(rows)),
+    )
+
+
+def recalibrated(
+    scene: Scene, recorded: Sensitivity, theta: np.ndarray, samples: Codes, rows: list[int]
+) -> np.ndarray:
+    """The errors with the correction of ``make recalibrate``."""
+    mlps = corrected(scene, recorded.correction(theta))
+    return worst(scene, evaluate(integer_networks("cascade", mlps), samples), rows)
+
+
+def test_a_damaged_lesson_is_told_once(scene: Scene) -> None:
+    said: list[str] = []
+    with TwinBoard(scene, 200.0) as simulated, Line(simulated.port, BAUD) as line:
+        monitor = Monitor(Board(scene, scene), said.append)
+        with listening(monitor, line):
+            wait(lambda: monitor.decoder.tally.frames > 10)
+            line.write(lesson_packet(4, True, [1, 2, 3, 4])[:-1] + b"\x00")
+            wait(lambda: len(said) == 1)
+            before = monitor.decoder.tally.frames
+            wait(lambda: monitor.decoder.tally.frames > before + 10)
+        flags = {flag["name"]: flag["count"] for flag in monitor.state()["flags"]}
+    assert flags == {"converter_error": 0, "line_error": 0, "lesson_error": 1, "learn_error": 0}
+    assert not monitor.state()["learning"]["on"]
+    assert said[0].partition(" ")[2] == (
+        "a lesson was damaged on its way, or its known outputs were not taken"
+    )
+
+
+class Written:
+    """Adds to a wire what is written to it; with ``broken`` nothing can be."""
+
+    def __init__(self, still: Still) -> None:
+        self.data, self.broken = b"", False
+        still.wire.write = self.write
+
+    def write(self, data: bytes) -> None:
+        if self.broken:
+            raise InputError("PORT=wire: the line was cut: the device is gone")
+        self.data += data
+
+
+def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
+    still = Still(scene)
+    written, monitor = Written(still), still.monitor
+    with pytest.raises(InputError, match="a lesson is not sent: no frames come from the board"):
+        monitor.teach({"known": KNOWN})
+    still.bring(still.packet(0, count=1))
+    monitor.teach({"known": KNOWN})
+    codes = [round(0.9 * 8192), round(0.45 * 8192)] * 2
+    assert still.bring(b"") == []
+    assert written.data == lesson_packet(4, False, codes)
+    state = monitor.state()["learning"]
+    (placement,) = state["placements"]
+    assert placement == {
+        "number": 1,
+        "known": ["0.9000", "0.4500", "0.9000", "0.4500"],
+        "errors": ["-0.9000", "-0.4500", "-0.9000", "-0.4500"],
+    }
+    still.now += 1
+    still.bring(still.packet(1, "learning", count=2))
+    state = monitor.state()["learning"]
+    assert [t for t, *_ in state["errors"]] == [-1.0, 0.0]
+    assert state["errors"][-1][1:] == pytest.approx([-0.9, -0.45, -0.9, -0.45], abs=1e-4)
+    # The board learns, whoever said so. The last wish counts from then on.
+    for wish, learn in ((None, False), (True, True), (None, True), (False, False), (None, False)):
+        written.data = b""
+        monitor.teach({"known": KNOWN} if wish is None else {"learn": wish})
+        still.bring(still.packet(2, "learning", count=3))
+        sent = codes if wish is None else ()
+        assert written.data == lesson_packet(4, learn, sent)
+    assert monitor.state()["learning"]["shown"] == 4
+    monitor.actions()["/moved"]({})
+    state = monitor.state()["learning"]
+    assert (state["there"], state["errors"]) == (False, [])
+    monitor.teach({"known": KNOWN})
+    written.broken = True
+    (line,) = still.bring(b"")
+    assert line == NOT_SENT
+    assert monitor.state()["learning"]["shown"] == 4
+
+
+def test_a_monitor_that_begins_later_leaves_the_board_learning(scene: Scene) -> None:
+    still = Still(scene)
+    written = Written(still)
+    still.bring(still.packet(0, "learning", count=1))
+    assert still.monitor.state()["learning"]["on"]
+    still.monitor.teach({"known": KNOWN})
+    still.bring(b"")
+    assert written.data[3] == 3
+
+
+WRONG = {
+    "a list": ([], "lesson: got [], expected an object with known, learn or both"),
+    "nothing": ({}, "lesson: got {}, expected an object with known, learn or both"),
+    "another key": ({"lern": True}, "lesson: got 'lern', expected an object with known, learn"),
+    "no truth": ({"learn": "yes"}, "learn: got 'yes', expected true or false"),
+    "no values": ({"known": 5}, "known: got 5, expected a value for each output"),
+    "null": ({"known": None}, "known: got None, expected a value for each output"),
+    "missing": ({"known": {"load": 1}}, "load: got '1', expected a number from -1.0000 to 0.9999"),
+    "another one": ({"known": KNOWN | {"lode": 1}}, "lode: got an output that is not there, expe"),
+    "empty": ({"known": KNOWN | {"width": " "}}, "width: got nothing, expected a number from -1.0"),
+    "text": ({"known": KNOWN | {"shape": "far"}}, "shape: got 'far', expected a number from -1.00"),
+    "true": ({"known": KNOWN | {"shape": True}}, "shape: got 'True', expected a number from -1.00"),
+    "no number": ({"known": KNOWN | {"load": "nan"}}, "load: got 'nan', expected a number from -1"),
+    "too far": ({"known": KNOWN | {"load": -1.0001}}, "load: got '-1.0001', expected a number fr"),
+}
+
+
+def posted(server: Server, path: str, body: str, **headers: str) -> tuple[int, str]:
+    """Status and text of the answer to a request, with these headers in place of the usual ones."""
+    host, port = server.address.removeprefix("http://").rstrip("/").split(":")
+    connection = http.client.HTTPConnection(host, int(port), timeout=30)
+    usual = {"Content_Type": "application/json", "Host": f"{host}:{port}"}
+    sent = {name.replace("_", "-"): text for name, text in (usual | headers).items() if text}
+    connection.putrequest("POST", path, skip_host=True)
+    for name, text in ({"Content-Length": str(len(body))} | sent).items():
+        connection.putheader(name, text)
+    connection.endheaders(body.encode())
+    answer = connection.getresponse()
+    return answer.status, answer.read().decode()
+
+
+def stated(server: Server) -> dict[str, Any]:
+    """What the page shows."""
+    with urllib.request.urlopen(server.address + "state") as answer:
+        return json.load(answer)
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_request_is_answered_with_what_was_expected(scene: Scene, name: str) -> None:
+    request, message = WRONG[name]
+    still = Still(scene)
+    written = Written(still)
+    still.bring(still.packet(0, count=1))
+    with Server("t", still.monitor.state, still.monitor.actions()) as server:
+        status, text = posted(server, "/teach", json.dumps(request))
+    assert status == 400
+    assert json.loads(text)["error"].startswith(message)
+    still.bring(b"")
+    assert written.data == b""
+
+
+def test_only_the_page_itself_may_ask() -> None:
+    asked: list[Any] = []
+
+    def take(sent: Any) -> dict[str, int]:
+        asked.append(sent)
+        return {"took": 1}
+
+    with Server("t", dict, {"/teach": take}) as server:
+        own = server.address.rstrip("/")
+        own_name = own.removeprefix("http://").replace("127.0.0.1", "localhost")
+        for path, body, headers, status in (
+            ("/teach", "{}", {}, 200),
+            ("/teach", "{}", {"Content_Type": "application/json; charset=utf-8"}, 200),
+            ("/teach", "{}", {"Origin": own}, 200),
+            ("/teach", "{}", {"Origin": f"http://{own_name}", "Host": own_name}, 200),
+            ("/teach", "{}", {"Origin": "http://evil.example"}, 403),
+            ("/teach", "{}", {"Origin": "null"}, 403),
+            ("/teach", "{}", {"Origin": f"http://{own_name}"}, 403),
+            ("/teach", "{}", {"Host": "evil.example:80"}, 403),
+            ("/teach", "{}", {"Host": ""}, 403),
+            ("/teach", "{}", {"Content_Type": "text/plain"}, 415),
+            ("/teach", "{}", {"Content_Type": ""}, 415),
+            ("/state", "{}", {}, 404),
+            ("/teach", "{", {}, 400),
+            ("/teach", "", {"Content_Length": "99999"}, 400),
+            ("/teach", "", {"Content_Length": "-1"}, 400),
+        ):
+            answer = posted(server, path, body, **headers)
+            assert answer[0] == status, (path, headers, answer)
+            assert ("took" in answer[1]) == (status == 200)
+        # A browser asks first whether it may send JSON from elsewhere.
+        connection = http.client.HTTPConnection(own.removeprefix("http://"), timeout=30)
+        connection.request("OPTIONS", "/teach")
+        assert connection.getresponse().status == 501
+    assert asked == [{}] * 4
+
+
+def test_a_board_that_does_not_learn_takes_no_lessons() -> None:
+    still = Still(replace(load_scene("digit-board"), design_options={}))
+    still.bring(still.packet(0, count=1))
+    state = still.monitor.state()
+    assert state["learning"] is None
+    assert [flag["name"] for flag in state["flags"]] == ["converter_error"]
+    assert still.monitor.actions() == {}
+    # What a board of other hardware reports is shown.
+    (line,) = still.bring(still.packet(1, "learn_error", "learning", count=2))
+    assert line == "a step of learning would have left the range, and was not taken"
+    assert [flag["name"] for flag in still.monitor.state()["flags"]][1:] == ["learn_error"]
+
+
+def test_a_scene_of_fewer_outputs_teaches_nothing(scene: Scene) -> None:
+    board = Board(replace(scene, outputs=scene.outputs[:2]), scene)
+    with pytest.raises(InputError, match=r"data.outputs: got 2, expected 4, those that .* learns"):
+        board.known_codes({"load": "0.5", "position": "0.5"})
+
+
+def test_a_simulated_board_goes_from_placement_to_placement(scene: Scene) -> None:
+    places: list[dict[str, float]] = []
+
+    class Simulated:
+        port = ""
+
+        def place(self, targets: dict[str, float]) -> None:
+            places.append(targets)
+
+    still = Still(scene)
+    still.monitor.lessons.tour = Tour(still.board, Simulated())
+    count = len(scene.vectors().codes)
+    found = [still.monitor.actions()["/next"]({}) for _ in range(count + 1)]
+    rows = [one.row for one in islice(proposed(Sensitivity.of(scene, np.zeros(4))), 3)]
+    assert found[:3] == [texts(scene, row) for row in rows]
+    assert found[count] == found[0]
+    for told, placed in zip(found, places, strict=True):
+        assert [float(text) for text in told.values()] == pytest.approx(list(placed.values()), 1e-5)
+
+
+CLICKS = """<script>
+const asked = [], answers = {teach: [400, {error: "load: got nothing"}], next: [200, KNOWN]};
+window.fetch = async (path, options) => {
+  if (path === "state") return {json: async () => (STATE)};
+  asked.push([path, options.method, options.headers["Content-Type"], JSON.parse(options.body)]);
+  const [status, answer] = answers[path] || [200, null];
+  return {ok: status === 200, json: async () => answer};
+};
+const later = n => new Promise(done => setTimeout(done, n));
+setTimeout(async () => {
+  const told = [];
+  for (const id of ["teach", "next", "teach", "learn", "moved"]) {
+    document.getElementById(id).click();
+    await later(50);
+    told.push(document.getElementById("refused").textContent);
+  }
+  document.title = JSON.stringify([asked, told]);
+}, 500);
+</script>"""
+
+
+def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None:
+    still = Still(scene)
+    Written(still)
+    still.bring(still.packet(0, "learning", count=1))
+    state = still.monitor.state()
+    state["learning"]["tour"] = True
+    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    script = CLICKS.replace("STATE", json.dumps(state)).replace("KNOWN", json.dumps(KNOWN))
+    (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
+    shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
+    title = re.search(r"<title>(.*?)</title>", shown, re.S)
+    assert title
+    asked, told = json.loads(html.unescape(title[1]))
+    empty = dict.fromkeys(KNOWN, "")
+    assert [[path, sent] for path, _, _, sent in asked] == [
+        ["teach", {"known": empty}],
+        ["next", {}],
+        ["teach", {"known": KNOWN}],
+        ["teach", {"learn": False}],
+        ["moved", {}],
+    ]
+    assert {(method, kind) for _, method, kind, _ in asked} == {("POST", "application/json")}
+    refusal = "load: got nothing"
+    assert told == [refusal, "", refusal, refusal, ""]
+
+
+def test_the_browser_shows_what_is_learned(scene: Scene, tmp_path: Path) -> None:
+    with TwinBoard(scene, 200.0, drift=DRIFT) as simulated, Line(simulated.port, BAUD) as line:
+        monitor = Monitor(Board(scene, scene), print)
+        with (
+            listening(monitor, line),
+            Server("t", monitor.state, monitor.actions()) as server,
+        ):
+            teach(monitor, simulated, 75, learn=True)
+            wait(lambda: simulated.lessons.pupil.steps > 8)
+            page = browse(server.address, tmp_path)
+            state = monitor.state()["learning"]
+    assert not re.search(r'<section id="learning" hidden', page)
+    said = "The board learns now. Placements that were shown: 1. It keeps the last 31."
+    assert plain(page, "learns") == said
+    assert plain(page, "learn") == "Stop learning"
+    assert re.search(r'<button id="next" hidden', page)
+    assert page.count("<input ") == 4
+    (placement,) = state["placements"]
+    row = " ".join(t for pair in zip(*list(placement.values())[1:], strict=True) for t in pair)
+    assert f"1 {row}" in plain(page, "placements")
+    # Four courses of the outputs, and four of their errors.
+    assert page.count('class="course"') == 8
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["twin", "--drift=0.03"], "DRIFT=0.03: expected 2 numbers with a comma between, each"),
+        (["sim", "--drift=a,b"], "DRIFT=a,b: expected 2 numbers with a comma between, each from"),
+        (["/dev/nowhere", "--drift=0.03,0.02"], "DRIFT=: got PORT=/dev/nowhere, expected twin or "),
+        (["twin", "--drift=0.03,0.02", "--seed=-1"], "SEED=-1: expected a whole number, 0 to 429"),
+    ],
+)
+def test_a_drift_that_cannot_be_is_refused(
+    words: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    monkeypatch.setattr("sys.argv", ["monitor", "digit-board", *words])
+    assert run(main) == 2
+    said = capfd.readouterr().err
+    assert said.startswith(f"error: {message}")
+    assert said.count("\n") == 1
+
+
+def test_the_command_teaches_a_drifted_board_of_twins(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    """It is asked as the page asks, while it runs."""
+    words = ["monitor", str(scene.path), "twin", "--drift=0.03,0.02", "--seed=4"]
+    monkeypatch.setattr("sys.argv", words)
+    answers: list[Any] = []
+    done, starts = threading.Event(), Server.__enter__
+    monkeypatch.setattr("tb.monitor.__main__.Terminal.over", lambda _: done.is_set())
+
+    def starting(server: Server) -> Server:
+
+        def teach() -> None:
+            try:
+                known = json.loads(posted(server, "/next", "{}")[1])
+                wait(lambda: posted(server, "/teach", json.dumps({"known": known}))[0] == 200)
+                answers.append(posted(server, "/teach", json.dumps({"learn": True}))[0])
+                wait(lambda: stated(server)["learning"]["on"])
+                answers.append(stated(server)["learning"]["shown"])
+            finally:
+                done.set()
+
+        found = starts(server)
+        threading.Thread(target=teach, daemon=True).start()
+        return found
+
+    monkeypatch.setattr(Server, "__enter__", starting)
+    assert run(main) == 0, capfd.readouterr().err
+    assert answers == [200, 1]
+    assert re.search(r"\d+ packets, \d+ missed, 0 damaged\n$", capfd.readouterr().out)
+
+
+@pytest.mark.all_only
+def test_the_simulated_hardware_is_taught(scene: Scene) -> None:
+    """Each output that it sends is one that a pupil has on its way, in the same order."""
+    board, said = Board(scene, scene), []
+    with open_line("sim", None, board, replace(DRIFT, seed=4)) as line:
+        monitor = Monitor(board, said.append)
+        frames: list[Any] = []
+        known = texts(scene, 75)
+        line.simulated.place(known)
+        done = threading.Event()
+        thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
+        thread.start()
+        try:
+            # The first packets may hold another row.
+            seen_frames(monitor, frames, 3)
+            before = frames[-1]
+            monitor.teach({"known": known, "learn": True})
+            seen_frames(monitor, frames, 9)
+        finally:
+            done.set()
+            thread.join()
+    assert said == []
+    flags = [frame.flags for frame in frames[3:]]
+    assert set(flags) <= {(), ("learning",)}
+    assert flags[-1] == ("learning",)
+    pupil = lessons_of(scene).pupil
+    samples, codes = np.array(before.samples), Board(scene, scene).known_codes(known)
+    pupil.keep(samples, np.array(codes))
+    way = []
+    for _ in range(3000):
+        way.append(tuple(pupil.process(samples[np.newaxis])[0].tolist()))
+        pupil.step()
+    at = 0
+    for frame in frames[3:]:
+        assert frame.samples == before.samples
+        at = way.index(frame.outputs, at)
+    assert frames[-1].outputs != before.outputs
+    assert at > 20
+
+
+def seen_frames(monitor: Monitor, frames: list[Any], count: int) -> None:
+    """Collect frames as they come, until there are so many."""
+    began = time.monotonic()
+    while len(frames) < count:
+        newest = monitor._newest
+        if newest is not None and (not frames or newest is not frames[-1]):
+            frames.append(newest)
+        time.sleep(0.01)
+        assert time.monotonic() - began < 600
