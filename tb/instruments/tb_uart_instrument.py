@@ -444,7 +444,10 @@ async def recorded(dut):
     if twin.image:
         assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
     if twin.learns:
-        assert told == {"line_error", "lesson_error", "learning"}, f"got the flags {told}"
+        # Whether a step is refused depends on the networks, and tx shows that it is reported.
+        due = {"line_error", "lesson_error", "learning"}
+        due |= told & ({"learn_error"} if played.met["steps refused"] else set())
+        assert told == due, f"got the flags {told}"
         for name in ("placements", "steps taken", "corrected frames"):
             assert played.met[name], f"{name}: none, expected some; {played.met}"
     # The next scan begins before the samples of this scan have left.
