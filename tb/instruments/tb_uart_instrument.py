@@ -551,7 +551,7 @@ async def drawn_slowly(dut):
     levels, clocks = until_a_profile_ends(twin, network, packet, len(frames) + 1)
     resets.append(np.zeros(clocks, dtype=np.int64))
     rx.append(np.concatenate([levels, np.ones(clocks - len(levels), dtype=np.int64)]))
-    line = np.concatenate(rx) if twin.image else None
+    line = np.concatenate(rx) if twin.hears else None
     played = await check(bench, frames, np.concatenate(resets), line)
     recording, profile = played.recording, played.told
     rows = recording.resets() - RESET_CLOCKS
