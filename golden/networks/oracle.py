@@ -10,6 +10,7 @@ from functools import singledispatch
 
 import numpy as np
 
+from golden.block import Block, walk
 from golden.dense import DenseNetwork, Trained
 from golden.engine import bounds as of_engine
 from golden.engine.integer_network import evaluate
@@ -23,9 +24,19 @@ from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.exact import ExactLayers, ExactSum
 from golden.networks.hybrid import Hybrid
+from golden.networks.learning_engine import LearningEngine
 from golden.networks.parallel import Parallel
 from golden.precision import Precision
 from golden.real import Real
+
+
+def designs_in(network: Block) -> list[Design]:
+    """The designs inside a network, in the order of the outputs.
+
+    For an engine that learns it is the one that computes the same before anything is learned.
+    """
+    found = [part.engine if isinstance(part, LearningEngine) else part for part in walk(network)]
+    return [part for part in found if isinstance(part, Design)]
 
 
 @singledispatch

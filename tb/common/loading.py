@@ -71,6 +71,22 @@ def after_loading(drive: dict[str, np.ndarray], image: bytes) -> dict[str, np.nd
     return quiet
 
 
+def untaught(bench: Bench, drive: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """A timeline in which an engine that learns keeps no placement, though it may learn.
+
+    All known outputs that come are of the wrong length, so there is nothing to learn from.
+    """
+    length, added = len(drive["in_valid"]), {}
+    for port in bench.twin.core.lesson_ports:
+        if port.direction == "in":
+            low, high = (0, 1) if port.kind is None else (port.kind.low, port.kind.high)
+            added[port.name] = bench.rng.integers(low, high + 1, length)
+    if added:
+        several = bench.twin.core.outputs > 1
+        added["target_last"] = np.where(added["target_valid"], several, added["target_last"])
+    return drive | added
+
+
 async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Sent]) -> Recording:
     """Play a timeline and send bytes in their order. Each byte is offered until it is taken.
 

@@ -8,13 +8,12 @@ import cocotb
 import numpy as np
 
 from golden.block import walk
-from golden.networks.design import Design
-from golden.networks.oracle import hidden_weights
+from golden.networks.oracle import designs_in, hidden_weights
 from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import begun, random_lengths, scan, yielding
-from tb.common.loading import after_loading
+from tb.common.loading import after_loading, untaught
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
@@ -44,6 +43,7 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
+    drive = untaught(bench, drive)
     if twin.image:
         drive = after_loading(drive, twin.image)
     recording = await bench.play(drive, WATCH)
@@ -135,8 +135,7 @@ def frames_of_all_lengths(bench, samples):
 def driven_to_ends(bench):
     """Frames that drive every sum of samples to both of its ends."""
     inputs = bench.twin.core.inputs
-    designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
-    rows = [row[:inputs] for design in designs for row in hidden_weights(design)]
+    rows = [row[:inputs] for design in designs_in(bench.twin) for row in hidden_weights(design)]
     ends = extreme_frames(SIGNAL, rows)
     for part in walk(bench.twin):
         if isinstance(part, Windowed):

@@ -6,7 +6,8 @@ frames, and of many random frames those with the greatest and the least height.
 Drives: frames as close as the network takes them, with gaps, of wrong lengths, and with resets. For
 the profile they come at all distances, so that many results come while a ramp is being drawn. If
 the engine inside can be reloaded, its image comes first and after each reset, and a wrong image
-comes between good ones.
+comes between good ones. One that learns gets known outputs of the wrong length and, in a test of
+its own, what tb_learning_engine shows.
 Checks: outputs, ``frame_error``, held outputs, index and margin of the winner, and every point of
 the profile bit for bit and in their clocks.
 Does not prove: the extremes of the profile; and, if the network needs about as long for a frame as
@@ -20,7 +21,8 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import Bench, test_of
 from tb.common.framing import longest_wait
-from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded
+from tb.common.lessons import Player, refusals, traffic
+from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
 from tb.common.network import (
     WATCH,
     corners_and_random,
@@ -35,7 +37,8 @@ from tb.common.network import (
 from tb.common.small import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
 from tb.common.stimulus import random_resets, spread
 
-CASES = OTHER_PROFILES | {"reload-uart": UART_INSTRUMENTS["reload-uart"]} | READ_WINNERS
+LOADED = {name: UART_INSTRUMENTS[name] for name in ("reload-uart", "learn-uart")}
+CASES = OTHER_PROFILES | LOADED | READ_WINNERS
 # It has the ports of the largest output too.
 ALSO = ("winner",)
 FAULTS = [
@@ -76,6 +79,7 @@ async def check(bench, frames, resets=None):
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
+    drive = untaught(bench, drive)
     if twin.image:
         drive = after_loading(drive, twin.image)
     recording = await bench.play(drive, WATCH + readout.ports(twin))
@@ -136,3 +140,15 @@ async def images(dut):
     assert all(counts), f"frames of each good image: got {counts}, expected some of each"
     bench.twin = whole
     bench.finish(at_least=5 * whole.outputs)
+
+
+@test_of(lambda t: bool(t.core.lesson_ports))
+async def lessons(dut):
+    """Show placements and learn from them, through the ports of the engine inside."""
+    bench = Bench(dut)
+    bench.twin = bench.twin.core
+    player = Player(bench)
+    refusals(player)
+    traffic(player, 50)
+    met = "frames refused", "targets refused", "placements", "steps taken", "steps refused"
+    await player.check(*met, at_least=20)

@@ -13,18 +13,12 @@ the frame, and which were not. The bench also measures the clocks of a frame.
 Does not prove: how much of a drift the rule takes away (docs/learning.md).
 """
 
-from dataclasses import dataclass, field
-
 import cocotb
-import numpy as np
 
-from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
-from golden.precision import SIGNAL
-from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.framing import random_lengths
+from tb.common.bench import Bench
+from tb.common.lessons import Player, near, refusals, traffic
 from tb.common.network import random_elements, recorded_frames
 from tb.common.small import LESSONS
-from tb.common.stimulus import random_resets
 
 CASES = LESSONS
 FAULTS = [
@@ -39,108 +33,6 @@ FAULTS = [
     (r"spoiled <= 1'b1", "spoiled <= 1'b0"),
     (r"jump <= \(", "jump <= !("),
 ]
-
-
-@dataclass
-class Words:
-    """Words that are sent one after the other, each from a clock on, and held until it is taken.
-
-    Attributes
-    ----------
-    rows : list of tuples of int
-        The clocks to wait before a word, the word, and whether it is the last of its frame.
-    """
-
-    rows: list[tuple[int, int, int]] = field(default_factory=list)
-    waited: int = 0
-
-    def offered(self, rng):
-        """The valid, data and last of this clock. Data without valid is random."""
-        if self.rows and self.waited >= self.rows[0][0]:
-            return 1, *self.rows[0][1:]
-        self.waited += 1
-        return 0, int(rng.integers(SIGNAL.low, SIGNAL.high + 1)), int(rng.integers(0, 2))
-
-    def taken(self):
-        self.rows.pop(0)
-        self.waited = 0
-
-
-class Player:
-    """Makes a timeline with the twin beside it, which says when a known output is taken."""
-
-    def __init__(self, bench):
-        self.bench, self.rng = bench, bench.rng
-        self.twin = bench.twin
-        self.timeline = Timeline(self.twin.program)
-        self.rows = []
-
-    def play(self, samples, targets, learn=1, clocks=0, resets=()):
-        """Send words until all are sent, and for so many clocks at least."""
-        samples, targets = Words(samples), Words(targets)
-        for n in range(1_000_000):
-            if n >= clocks and not samples.rows and not targets.rows:
-                break
-            valid, data, last = samples.offered(self.rng)
-            offered = targets.offered(self.rng)
-            row = (valid, data, last, *offered, learn, int(n in resets))
-            seen = self.timeline.clock(len(self.rows), *row)
-            self.rows.append(row)
-            if valid:
-                samples.taken()
-            if offered[0] and seen[OUTPUTS.index("target_ready")]:
-                targets.taken()
-
-    def frame(self, codes, before=0, gap=0):
-        """The words of a frame, with clocks before it and before each other sample."""
-        return [
-            (before if k == 0 else gap, int(code), int(k == len(codes) - 1))
-            for k, code in enumerate(codes)
-        ]
-
-    async def check(self, *met, at_least=1, frames=0):
-        """Play the timeline, and compare every port with the twin in every clock.
-
-        With a number of frames, as close as the design takes them, their clocks are measured.
-        """
-        bench = self.bench
-        drive = dict(zip(INPUTS, np.array(self.rows).T, strict=True))
-        recording = await bench.play(drive, list(OUTPUTS))
-        rows = np.arange(RESET_CLOCKS, recording.clocks)
-        signed = {"in_data", "target_data"}
-        inputs = {
-            name: (recording.signed if name in signed else recording.unsigned)(name, rows)
-            for name in INPUTS
-        }
-        timeline = Timeline(self.twin.program)
-        expected = timeline.play(inputs)
-        for name in OUTPUTS:
-            if name != "out_data":
-                bench.compare(name, recording.unsigned(name, rows), expected[name], clock=rows)
-        left = np.flatnonzero(expected["out_valid"])
-        got = recording.signed("out_data", rows[left])
-        bench.compare("out_data", got, expected["out_data"][left], clock=left)
-        if frames:
-            entered = rows[(inputs["in_valid"] & inputs["in_last"]) == 1]
-            assert len(entered) == frames, "a frame was refused"
-            first, final = entered[0] - self.twin.inputs + 1, recording.rows("out_last")[0]
-            bench.facts = {
-                "frames": frames,
-                "seconds": recording.seconds,
-                "clocks_per_frame": int(final - first + 1),
-                "interval": int(np.diff(entered).min()),
-            }
-        for name in met:
-            assert timeline.met[name], f"{name}: none, expected some; {dict(timeline.met)}"
-        assert len(left) >= at_least, f"got {len(left)} outputs, expected {at_least}"
-        bench.finish(at_least=at_least)
-        return timeline
-
-
-def near(twin, rng, frame, off):
-    """Known outputs near those that the networks give."""
-    outputs = twin.process(frame[np.newaxis])[0]
-    return np.clip(outputs + rng.integers(-off, off + 1, len(outputs)), SIGNAL.low, SIGNAL.high)
 
 
 @cocotb.test()
@@ -177,18 +69,9 @@ async def lessons(dut):
 
 @cocotb.test()
 async def steps_refused(dut):
-    """Show what no gain and no offset gives, until a step would leave the range."""
-    bench = Bench(dut)
-    player, twin = Player(bench), bench.twin
-    for frame in bench.given.codes[:1]:
-        ends = SIGNAL.low, SIGNAL.high
-        target = np.array([ends[int(output < 0)] for output in twin.process(frame)])
-        player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
-        player.play([], player.frame(target), learn=0, clocks=60)
-    for _ in range(12):
-        frame = random_elements(bench, twin.inputs)
-        player.play(player.frame(frame, before=12 * twin.longest_equation), [])
-    player.play([], [], clocks=twin.interval)
+    """Show what no gain and no offset gives."""
+    player = Player(Bench(dut))
+    refusals(player)
     await player.check("steps refused", "steps taken", "corrected frames", at_least=12)
 
 
@@ -211,28 +94,6 @@ async def more_placements_than_are_kept(dut):
     timeline = await player.check("corrected frames", at_least=twin.placements)
     assert timeline.full, "the places were not all taken"
     assert timeline.met["placements"] > 1 << twin.program.places.number_width
-
-
-def traffic(player, count, resets=False):
-    """Frames and known outputs of any length at any time."""
-    twin, rng = player.twin, player.rng
-    longest = twin.longest_equation
-
-    def stream(length, most):
-        words = []
-        last = random_lengths(rng, length, count * length)
-        pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
-        for ends, before in zip(last.tolist(), pause.tolist(), strict=True):
-            wait = before if before else int(rng.integers(0, 3) * (rng.random() < 0.2))
-            words.append((wait, int(random_elements(player.bench, 1)[0]), ends))
-        return words
-
-    samples = stream(twin.inputs, twin.interval + 3 * longest)
-    targets = stream(twin.outputs, twin.interval + longest)
-    clocks = 8 * (twin.interval + longest)
-    at = np.flatnonzero(random_resets(rng, 60 * clocks, every=clocks)) if resets else ()
-    player.play(samples, targets, resets=set(map(int, at)))
-    player.play([], [], clocks=twin.interval)
 
 
 @cocotb.test()

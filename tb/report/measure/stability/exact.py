@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from golden.block import walk
 from golden.fixed import Codes
 from golden.networks.arrangement import seen
-from golden.networks.design import Design
 from golden.networks.network import Network
-from golden.networks.oracle import exact
+from golden.networks.oracle import designs_in, exact
 
 
 def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
@@ -22,8 +20,7 @@ def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
         The arrangement of the networks in ``design``.
     frames : int64 array
     """
-    parts = [block for block in walk(design) if isinstance(block, Design)]
     found: list[Codes] = []
-    for part in parts:
+    for part in designs_in(design):
         found.append(exact(part, seen(arrangement, frames, found)))
     return np.concatenate(found, axis=1)

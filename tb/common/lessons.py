@@ -1,0 +1,163 @@
+"""Plays frames and known outputs to an engine that learns, in the timeline of its twin."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
+from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.framing import random_lengths
+from tb.common.network import random_elements
+from tb.common.stimulus import random_resets
+
+
+@dataclass
+class Words:
+    """Words that are sent one after the other, each from a clock on, and held until it is taken.
+
+    Attributes
+    ----------
+    rows : list of tuples of int
+        The clocks to wait before a word, the word, and whether it is the last of its frame.
+    """
+
+    rows: list[tuple[int, int, int]] = field(default_factory=list)
+    waited: int = 0
+
+    def offered(self, rng: np.random.Generator) -> tuple[int, int, int]:
+        """The valid, data and last of this clock. Data without valid is random."""
+        if self.rows and self.waited >= self.rows[0][0]:
+            _, word, last = self.rows[0]
+            return 1, word, last
+        self.waited += 1
+        return 0, int(rng.integers(SIGNAL.low, SIGNAL.high + 1)), int(rng.integers(0, 2))
+
+    def taken(self) -> None:
+        self.rows.pop(0)
+        self.waited = 0
+
+
+class Player:
+    """Makes a timeline with the twin beside it, which says when a known output is taken."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench, self.rng = bench, bench.rng
+        self.twin = bench.twin
+        self.timeline = Timeline(self.twin.program)
+        self.rows: list[tuple[int, ...]] = []
+
+    def play(
+        self,
+        samples: list[tuple[int, int, int]],
+        targets: list[tuple[int, int, int]],
+        learn: int = 1,
+        clocks: int = 0,
+        resets: Container[int] = (),
+    ) -> None:
+        """Send words until all are sent, and for so many clocks at least."""
+        sent, known = Words(samples), Words(targets)
+        for n in range(1_000_000):
+            if n >= clocks and not sent.rows and not known.rows:
+                break
+            valid, data, last = sent.offered(self.rng)
+            offered = known.offered(self.rng)
+            row = (valid, data, last, *offered, learn, int(n in resets))
+            seen = self.timeline.clock(len(self.rows), *row)
+            self.rows.append(row)
+            if valid:
+                sent.taken()
+            if offered[0] and seen[OUTPUTS.index("target_ready")]:
+                known.taken()
+
+    def frame(self, codes: Codes, before: int = 0, gap: int = 0) -> list[tuple[int, int, int]]:
+        """The words of a frame, with clocks before it and before each other sample."""
+        return [
+            (before if k == 0 else gap, int(code), int(k == len(codes) - 1))
+            for k, code in enumerate(codes)
+        ]
+
+    async def check(self, *met: str, at_least: int = 1, frames: int = 0) -> Timeline:
+        """Play the timeline, and compare every port with the twin in every clock.
+
+        With a number of frames, as close as the design takes them, their clocks are measured.
+        """
+        bench = self.bench
+        drive = dict(zip(INPUTS, np.array(self.rows).T, strict=True))
+        recording = await bench.play(drive, list(OUTPUTS))
+        rows = np.arange(RESET_CLOCKS, recording.clocks)
+        signed = {"in_data", "target_data"}
+        inputs = {
+            name: (recording.signed if name in signed else recording.unsigned)(name, rows)
+            for name in INPUTS
+        }
+        timeline = Timeline(self.twin.program)
+        expected = timeline.play(inputs)
+        for name in OUTPUTS:
+            if name != "out_data":
+                bench.compare(name, recording.unsigned(name, rows), expected[name], clock=rows)
+        left = np.flatnonzero(expected["out_valid"])
+        got = recording.signed("out_data", rows[left])
+        bench.compare("out_data", got, expected["out_data"][left], clock=left)
+        if frames:
+            entered = rows[(inputs["in_valid"] & inputs["in_last"]) == 1]
+            assert len(entered) == frames, "a frame was refused"
+            first, final = entered[0] - self.twin.inputs + 1, recording.rows("out_last")[0]
+            bench.facts = {
+                "frames": frames,
+                "seconds": recording.seconds,
+                "clocks_per_frame": int(final - first + 1),
+                "interval": int(np.diff(entered).min()),
+            }
+        for name in met:
+            assert timeline.met[name], f"{name}: none, expected some; {dict(timeline.met)}"
+        assert len(left) >= at_least, f"got {len(left)} outputs, expected {at_least}"
+        bench.finish(at_least=at_least)
+        return timeline
+
+
+def near(twin: LearningEngine, rng: np.random.Generator, frame: Codes, off: int) -> Codes:
+    """Known outputs near those that the networks give."""
+    outputs = twin.process(frame[np.newaxis])[0]
+    return np.clip(outputs + rng.integers(-off, off + 1, len(outputs)), SIGNAL.low, SIGNAL.high)
+
+
+def refusals(player: Player) -> None:
+    """Show what no gain and no offset gives, until a step would leave the range."""
+    bench, twin = player.bench, player.twin
+    for frame in bench.given.codes[:1]:
+        ends = SIGNAL.low, SIGNAL.high
+        target = np.array([ends[int(output < 0)] for output in twin.process(frame)])
+        player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
+        player.play([], player.frame(target), learn=0, clocks=60)
+    for _ in range(12):
+        frame = random_elements(bench, twin.inputs)
+        player.play(player.frame(frame, before=12 * twin.longest_equation), [])
+    player.play([], [], clocks=twin.interval)
+
+
+def traffic(player: Player, count: int, resets: bool = False) -> None:
+    """Frames and known outputs of any length at any time."""
+    twin, rng = player.twin, player.rng
+    longest = twin.longest_equation
+
+    def stream(length: int, most: int) -> list[tuple[int, int, int]]:
+        words = []
+        last = random_lengths(rng, length, count * length)
+        pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
+        for ends, before in zip(last.tolist(), pause.tolist(), strict=True):
+            wait = before if before else int(rng.integers(0, 3) * (rng.random() < 0.2))
+            words.append((wait, int(random_elements(player.bench, 1)[0]), ends))
+        return words
+
+    samples = stream(twin.inputs, twin.interval + 3 * longest)
+    targets = stream(twin.outputs, twin.interval + longest)
+    clocks = 8 * (twin.interval + longest)
+    at = np.flatnonzero(random_resets(rng, 60 * clocks, every=clocks)) if resets else ()
+    player.play(samples, targets, resets=set(map(int, at)))
+    player.play([], [], clocks=twin.interval)
