@@ -11,7 +11,7 @@ from pages import section
 
 from golden.commands import listing
 from golden.engine.fields import get
-from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.program import STORE
 from golden.fixed import Codes
 from golden.input_error import InputError
@@ -19,7 +19,7 @@ from golden.learning import steps
 from golden.learning.lesson import Lesson
 from golden.learning.places import Places
 from golden.learning.program import EQUATIONS, FRAME, KEEP, ends, jumps
-from golden.learning.timeline import INPUTS, Timeline
+from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
@@ -64,6 +64,7 @@ class Desk:
         targets: list[tuple[int, int, int]] = (),  # type: ignore[assignment]
         learn: int = 0,
         clocks: int = 0,
+        theta: int = 0,
     ) -> list[tuple[int, ...]]:
         """The outputs of every clock."""
         nothing, found = (0, 0, 0), []
@@ -71,6 +72,7 @@ class Desk:
             row = (
                 *(samples[n] if n < len(samples) else nothing),
                 *(targets[n] if n < len(targets) else nothing),
+                theta,
                 learn,
                 0,
             )
@@ -165,12 +167,67 @@ def test_frames_come_in_the_same_clocks_whether_it_learns_or_not(small: Scene) -
         assert clocks[0] == clocks[1]
 
 
+def read_behind(desk: Desk, frame: Codes) -> list[int]:
+    """The codes of theta that leave behind a frame."""
+    seen = desk.play(sent(frame[np.newaxis]), clocks=desk.twin.interval + 2 * desk.twin.inputs + 3)
+    return [row[OUTPUTS.index("theta_data")] for row in seen if row[OUTPUTS.index("theta_valid")]]
+
+
+def test_what_was_learned_is_read_and_put_in_again(twin: LearningEngine) -> None:
+    """Outputs of a second board are those of networks with the theta that the first one told."""
+    taught, _ = taught_of(SCENE)
+    lesson, first, second = drifted(4), Desk(twin), Desk(twin)
+    for samples, known in zip(lesson.samples[0], lesson.targets[0], strict=True):
+        first.show(samples, known)
+    first.learn(20 * twin.outputs)
+    frame = VECTORS.codes[0]
+    codes = read_behind(first, frame)
+    assert codes == [word >> OUTPUT_SHIFT for word in first.timeline.theta]
+    assert len(codes) == 8
+    assert read_behind(second, frame) == [0] * 8
+    second.play([], sent(np.array([codes])), clocks=60, theta=1)
+    assert read_behind(second, frame) == codes
+    seen = second.play(sent(VECTORS.codes[:9], before=twin.interval), clocks=12 * twin.interval)
+    words = np.array(codes)[np.newaxis] << OUTPUT_SHIFT
+    outputs = [row[1] for row in seen if row[0]]
+    np.testing.assert_array_equal(
+        np.array(outputs).reshape(9, -1),
+        np.vstack([taught.process(words, one[np.newaxis]) for one in VECTORS.codes[:9]]),
+    )
+    assert second.timeline.met["theta put in"] == 1
+    assert not second.timeline.met["placements"]
+
+
+@pytest.mark.parametrize("count", [4, 7, 9])
+def test_theta_of_the_wrong_length_is_not_put_in(twin: LearningEngine, count: int) -> None:
+    desk = Desk(twin)
+    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
+    seen = desk.play([], sent(np.full((1, count), 500)), clocks=60, theta=1)
+    assert sum(row[OUTPUTS.index("target_error")] for row in seen) == 1
+    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
+
+
+def test_no_equation_comes_between_words_of_theta(small: Scene) -> None:
+    """An equation writes where they come in, so a board that learns all the time waits for them."""
+    twin = small.twin()
+    assert isinstance(twin, LearningEngine)
+    desk = Desk(twin)
+    desk.show(np.array([1000, -2000]), np.array([300, 400]))
+    codes = [100, -200, 300, -400]
+    for k, code in enumerate(codes):
+        desk.play([], [(1, code, int(k == 3))], learn=1, clocks=2 * twin.longest_equation, theta=1)
+        if k < 3:
+            assert desk.timeline.met["steps taken"] == 0
+    assert desk.timeline.met["theta put in"] == 1
+    assert desk.timeline.met["steps taken"] > 0
+
+
 def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
     lesson, desk = drifted(1), Desk(twin)
     desk.show(lesson.samples[0, 0], lesson.targets[0, 0])
     desk.learn(3)
     assert any(desk.timeline.theta)
-    desk.timeline.clock(desk.clock, 0, 0, 0, 0, 0, 0, 0, 1)
+    desk.timeline.clock(desk.clock, 0, 0, 0, 0, 0, 0, 0, 0, 1)
     desk.clock += 1
     frames = VECTORS.codes[:3]
     seen = desk.play(sent(frames, before=twin.interval), learn=1)
@@ -315,7 +372,7 @@ def test_the_digit_keeps_20_placements(twin: LearningEngine) -> None:
 
 
 def test_the_program_of_the_digit_fits_in_two_block_rams(twin: LearningEngine) -> None:
-    assert len(twin.contents) == len(twin.program.table) + len(twin.program.words) == 1024
+    assert len(twin.contents) == 1024
 
 
 @pytest.mark.parametrize("shapes", [[(1, 2, 1), (2, 1, 1)], [(2, 3, 1)], [(5, 2, 1), (6, 2, 1)]])

@@ -64,8 +64,8 @@ class Places:
 
     @cached_property
     def target_width(self) -> int:
-        """Bits of the number of a known output, as they come in."""
-        return bits_for(self.outputs + 1)
+        """Bits of the number of a word that comes in, a known output or an element of theta."""
+        return bits_for(max(self.outputs, self.unknowns) + 1)
 
     @cached_property
     def placement_width(self) -> int:

@@ -34,7 +34,7 @@ from golden.engine.program import (
 from golden.engine.schedule import Step
 from golden.fixed import Codes
 from golden.learning import steps
-from golden.learning.corrected import HALF, Corrected
+from golden.learning.corrected import Corrected
 from golden.learning.places import Places
 from golden.learning.segments import (
     Planner,
@@ -364,9 +364,11 @@ class _Parts:
         # A known output comes in as a sample does.
         weight = 1 << (DROPPED + OUTPUT_SHIFT - SAMPLE_SHIFT)
         for k in range(self.taught.outputs):
-            text = f"placement: known {k}"
-            found.append(_named(Slot(Kind.WORD, places.targets + k, weight, first=True), text))
-            found.append(_named(Slot(Kind.ONE, 0, HALF, store=True), f"{text}, done"))
+            # The sum of an output begins with half a unit of one, which a known output has too.
+            known = Slot(
+                Kind.WORD, places.targets + k, weight, first=True, of_output=True, store=True
+            )
+            found.append(_named(known, f"placement: known {k}, done"))
         return found
 
     def equation(self, places: Places, sums: Sequence[steps.Sum]) -> list[Slot]:

@@ -24,6 +24,7 @@ INPUTS = (
     "target_valid",
     "target_data",
     "target_last",
+    "target_theta",
     "learn",
     "rst",
 )
@@ -35,6 +36,8 @@ OUTPUTS = (
     "target_ready",
     "target_error",
     "learn_error",
+    "theta_valid",
+    "theta_data",
 )
 
 
@@ -44,7 +47,6 @@ class Stream:
 
     Attributes
     ----------
-    length : int
     count : int
         Elements of the frame so far.
     began, dropping : bool
@@ -53,13 +55,12 @@ class Stream:
         Whether the element of the clock before broke its frame.
     """
 
-    length: int
     count: int = 0
     began: bool = False
     dropping: bool = False
     raised: bool = False
 
-    def take(self, valid: bool, last: bool, refused: bool) -> tuple[int, bool]:
+    def take(self, valid: bool, last: bool, refused: bool, length: int) -> tuple[int, bool]:
         """The number of the element that is accepted, or -1; and whether its frame is complete.
 
         Parameters
@@ -67,10 +68,12 @@ class Stream:
         valid, last : bool
         refused : bool
             Whether nothing is accepted, and a frame that has begun is broken.
+        length : int
+            How many elements a frame has.
         """
         accept = valid and not refused and not self.dropping
         breaks = refused and (valid or self.began) and not self.dropping
-        complete = self.count == self.length - 1
+        complete = self.count == length - 1
         wrong = accept and complete != last
         number, done = self.count if accept and not wrong else -1, accept and complete and last
         self.raised = breaks or wrong
@@ -113,6 +116,8 @@ class Timeline:
         Whether any step has been taken.
     fresh : bool
         Whether the samples of the last frame are there.
+    putting, partly : bool
+        Whether the last word that came in was one of theta, and whether more of them are to come.
     """
 
     program: LessonProgram
@@ -128,9 +133,13 @@ class Timeline:
         places = self.program.places
         self.bank = self.equation = self.shown = self.written = 0
         self.full = self.stepped = self.fresh = self.lost = self.refused = False
-        self.samples, self.targets = Stream(places.sensors), Stream(places.outputs)
+        self.putting = self.partly = False
+        self.samples, self.targets = Stream(), Stream()
         self.frame, self.keep, self.study = Part(), Part(), Part()
         self.leaving: dict[int, int] = {}
+        # The elements of theta that are still to be read, and the one that leaves.
+        self.unread = range(0)
+        self.told: int | None = None
 
     @property
     def theta(self) -> list[int]:
@@ -142,7 +151,7 @@ class Timeline:
     def play(self, columns: Mapping[str, Codes]) -> dict[str, Codes]:
         """The outputs in each clock, by the names of the ports, from the inputs in each clock.
 
-        ``out_data`` is 0 where no output leaves.
+        ``out_data`` is 0 where no output leaves, and ``theta_data`` where no element of theta does.
         """
         clocks = zip(*(np.asarray(columns[name]).tolist() for name in INPUTS), strict=True)
         found = [self.clock(t, *row) for t, row in enumerate(clocks)]
@@ -157,6 +166,7 @@ class Timeline:
         target: int,
         known: int,
         last_known: int,
+        of_theta: int,
         learn: int,
         reset: int,
     ) -> tuple[int, ...]:
@@ -172,14 +182,20 @@ class Timeline:
             int(ready),
             int(self.targets.raised or self.lost),
             int(self.refused),
+            int(self.told is not None),
+            self.told or 0,
         )
         arrives, taken = bool(valid) and not busy, bool(target) and ready
-        idle = ready and not (studying or arrives or taken)
+        quiet = not (studying or arrives or taken or self.unread or self.partly)
+        idle = ready and quiet
         self.refused = self.lost = False
         if idle and learn and self.shown != self.written:
             self.study = self._part(t, EQUATIONS + self.equation)
         kept, passed = keeping and t == self.keep.ends, studying and t == self.study.ends
-        if kept:
+        self._tell(arrives, ended=busy and t == self.frame.ends)
+        if kept and self.putting:
+            self._put()
+        if kept and not self.putting:
             self._keep()
         elif passed:
             self._step()
@@ -191,6 +207,10 @@ class Timeline:
         if keeping and not kept and arrives:
             self.met["placements lost"] += 1
             self.keep, self.lost = Part(), True
+        if taken:
+            self.putting, self.partly = bool(of_theta), bool(of_theta and not last_known)
+        elif arrives:
+            self.partly = False
         self._take_targets(t, taken, known, bool(last_known), arrives, keeping)
         self._take_samples(t, bool(valid), data, bool(last), busy)
         self.fresh = (self.fresh or (busy and t == self.frame.ends)) and not arrives
@@ -207,16 +227,21 @@ class Timeline:
         self, t: int, taken: bool, code: int, last: bool, arrives: bool, keeping: bool
     ) -> None:
         refused = (not self.fresh or arrives) and not keeping
-        number, done = self.targets.take(taken, last, refused)
+        places = self.program.places
+        length = places.unknowns if self.putting else places.outputs
+        number, done = self.targets.take(taken, last, refused, length)
         self.met["targets refused"] += self.targets.raised
-        if number >= 0:
-            self.memory[self.program.places.targets + number] = code << SAMPLE_SHIFT
+        if number >= 0 and self.putting:
+            self._write(places.theta + number, code << OUTPUT_SHIFT, 1 - self.bank)
+        elif number >= 0:
+            self.memory[places.targets + number] = code << SAMPLE_SHIFT
         if done:
             self.keep = self._part(t, KEEP)
 
     def _take_samples(self, t: int, valid: bool, code: int, last: bool, busy: bool) -> None:
         # A frame that comes too early is broken at once. One that began before is complete.
-        number, done = self.samples.take(valid, last, busy and valid)
+        sensors = self.program.places.sensors
+        number, done = self.samples.take(valid, last, busy and valid, sensors)
         self.met["frames refused"] += self.samples.raised
         if number >= 0:
             self.memory[self.program.places.samples + number] = code << SAMPLE_SHIFT
@@ -234,8 +259,21 @@ class Timeline:
                 clock = t + self.program.clock(next(leaves))
                 self.leaving[clock] = int(one.word[0]) >> OUTPUT_SHIFT
 
-    def _write(self, address: int, word: Codes, bank: int) -> None:
+    def _write(self, address: int, word: Codes | int, bank: int) -> None:
         self.memory[self.program.places.mapped(address, bank, self.written)] = word
+
+    def _tell(self, arrives: bool, ended: bool) -> None:
+        """Behind a frame theta leaves, element by element, until a sample comes."""
+        self.told = self.theta[self.unread[0]] >> OUTPUT_SHIFT if self.unread else None
+        if ended:
+            self.unread = range(self.program.places.unknowns)
+        else:
+            self.unread = range(0) if arrives else self.unread[1:]
+
+    def _put(self) -> None:
+        """Theta that came in is the one in use from now on."""
+        self.met["theta put in"] += 1
+        self.bank, self.stepped = 1 - self.bank, True
 
     def _keep(self) -> None:
         """Keep a placement, with which learning goes on."""

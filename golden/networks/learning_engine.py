@@ -129,20 +129,32 @@ class LearningEngine(Network):
     @property
     def lesson_ports(self) -> tuple[Port, ...]:
         return (
-            input_port("target_valid", "`target_data` holds a known output of the last frame"),
-            input_port("target_data", "known output y, in the order of the outputs", SIGNAL),
-            input_port("target_last", "this is the last known output of the frame"),
-            output_port("target_ready", "a known output is taken in this clock"),
+            input_port("target_valid", "`target_data` holds a word"),
+            input_port(
+                "target_data",
+                "known output y of the last frame, in the order of the outputs, or an element of "
+                "theta, which stands for 1024 times itself",
+                SIGNAL,
+            ),
+            input_port("target_last", "this is the last word"),
+            input_port("target_theta", "the words are theta, the same for all of a stream"),
+            output_port("target_ready", "a word is taken in this clock"),
             output_port(
                 "target_error",
-                "high for one clock for each stream of known outputs of the wrong length, without "
-                "a frame before, or that a frame interrupts; nothing of it is kept",
+                "high for one clock for each such stream of the wrong length, without a frame "
+                "before, or that a frame interrupts; nothing of it is kept",
             ),
             input_port("learn", "it learns from the placements that it keeps"),
             output_port(
                 "learn_error",
                 "high for one clock for each step that would leave the range, which is not taken",
             ),
+            output_port(
+                "theta_valid",
+                "`theta_data` holds an element of the theta in use; all come behind each frame, in "
+                "their order, as far as no sample comes before",
+            ),
+            output_port("theta_data", "1024 times the element, truncated", SIGNAL),
         )
 
     @property

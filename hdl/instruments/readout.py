@@ -57,6 +57,7 @@ def readout(
     target: Stream = None,
     learn=None,
     learn_error=None,
+    theta: Stream = None,
     spec: Readout,
 ):
     """A frame of samples in; its outputs as a frame, held, and drawn (Figures 5.12 and 5.25).
@@ -78,7 +79,7 @@ def readout(
     load, image : Group
         They are those of an engine that can be reloaded. Where an image has more outputs than there
         are held ones, the further outputs are on the stream alone.
-    target : Stream
+    target, theta : Stream
     learn, learn_error : bool
         They are those of an engine that learns.
     spec : Readout
@@ -103,7 +104,7 @@ def readout(
 
     inner = {"load": load, "image": image} if spec.image else {}
     if spec.network.lesson_ports:
-        inner = {"target": target, "learn": learn, "learn_error": learn_error}
+        inner = {"target": target, "learn": learn, "learn_error": learn_error, "theta": theta}
     parts = [
         hardware(spec.network)(
             clk, rst, in_, results, frame_error=frame_error, **inner, spec=spec.network

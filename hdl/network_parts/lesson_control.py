@@ -12,6 +12,7 @@ def lesson_control(
     rst,
     *,
     stops,
+    waits,
     ready,
     learn,
     opening,
@@ -19,6 +20,7 @@ def lesson_control(
     goes,
     finish,
     keep_run,
+    putting,
     bad,
     bank,
     stepped,
@@ -35,6 +37,8 @@ def lesson_control(
     stops : bool
         A sample or a known output comes in: an equation that runs is stopped, and begins anew
         later.
+    waits : bool
+        No equation begins.
     ready : bool
         Neither a frame nor a placement is computed or kept.
     learn : bool
@@ -47,6 +51,8 @@ def lesson_control(
         The last result of the part that runs is stored.
     keep_run : bool
         That part keeps a placement.
+    putting : bool
+        Not so if this is high: theta has come in, and is the one that is read from then on.
     bad : bool
         A word of the new theta was saturated, so the step is not taken.
     bank : bool
@@ -62,18 +68,19 @@ def lesson_control(
     design : LearningEngine
     """
     final = design.outputs - 1
-    passed, kept, none, full = (flag() for _ in range(4))
+    passed, kept, put, none, full = (flag() for _ in range(5))
     most = (1 << design.program.places.number_width) - 1
 
     @always_comb
     def judge():
         passed.next = finish and studying
-        kept.next = finish and keep_run
+        kept.next = finish and keep_run and not putting
+        put.next = finish and keep_run and putting
         none.next = shown == written
 
     @always_comb
     def decide():
-        goes.next = learn and ready and not (none or opening or studying or stops)
+        goes.next = learn and ready and not (none or opening or studying or waits)
 
     @always_seq(clk.posedge, reset=rst)
     def open_equation():
@@ -86,7 +93,7 @@ def lesson_control(
     @always_seq(clk.posedge, reset=rst)
     def exchange():
         learn_error.next = passed and bad
-        if passed and not bad:
+        if put or (passed and not bad):
             bank.next = not bank
             stepped.next = True
 

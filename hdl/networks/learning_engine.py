@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
 from golden.engine.program import (
     END,
@@ -43,6 +43,7 @@ def learning_engine(
     target: Stream,
     learn,
     learn_error,
+    theta: Stream,
     spec: LearningEngine,
 ):
     """A frame of sensor samples in, a frame of outputs out; and known outputs in, to learn from.
@@ -57,15 +58,22 @@ def learning_engine(
         It is high for one clock for each frame that has the wrong length, or that begins before the
         last output of the frame before has left. Such a frame yields no result.
     target_valid, target_data, target_last, target_ready : bool, signed Fix(14,13), bool, bool
-        The known outputs of the last frame, which make it a placement that is kept.
+        The known outputs of the last frame, which make it a placement that is kept; or theta, which
+        is then the one in use.
+    target_theta : bool
+        Whether it is theta; the same for all words of a stream. An element is its code divided by
+        1024.
     target_error : bool
-        It is high for one clock for each stream of known outputs of the wrong length, without a
-        frame before, or that a frame interrupts. Nothing of it is kept.
+        It is high for one clock for each such stream of the wrong length, without a frame before,
+        or that a frame interrupts. Nothing of it is kept.
     learn : bool
         While it is high, equations of the placements that are kept are computed one after the
         other, in the clocks that frames leave free.
     learn_error : bool
         It is high for one clock for each step that would leave the range and is not taken.
+    theta_valid, theta_data : bool, signed Fix(14,13)
+        The elements of the theta in use, truncated to the codes of above. They come behind each
+        frame, in their order, as far as no sample comes before.
     spec : LearningEngine
 
     Notes
@@ -86,6 +94,7 @@ def learning_engine(
     opening, studying, active, finish, frame_finish, keep_over = (flag() for _ in range(6))
     busy, arrives, ready, taken, stops, halt, fresh, lost = (flag() for _ in range(8))
     broken_targets, nothing, goes, bad = (flag() for _ in range(4))
+    telling, told, partly, putting, waits = (flag() for _ in range(5))
     # Marks of steps.
     store, leaves, places_next, ends, wrote, jump = (flag() for _ in range(6))
     # Where words are.
@@ -96,6 +105,9 @@ def learning_engine(
     source, read_addr, second_addr, second_source = (unsigned(addr_width) for _ in range(4))
     result_source, result_addr, write_addr = (unsigned(addr_width) for _ in range(3))
     sample_place, target_place = unsigned(addr_width), unsigned(addr_width)
+    theta_place, asked, unread_place, part_addr = (unsigned(addr_width) for _ in range(4))
+    unread = Signal(modbv(0, min=0, max=1 << places.target_width))
+    put_word, kept_word = fixed(WORD), fixed(WORD)
     sample_write, target_write, write = (flag() for _ in range(3))
     sample_addr = unsigned(places.sample_width)
     target_width = spec.frame_guard.addr_width
@@ -111,8 +123,10 @@ def learning_engine(
     first_bit, first_of_output_bit = FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit, product_bit = STORE[0], OUTPUT[0], END[0], PRODUCT[0]
     top_bit, theta_bit, sign_bit = addr_width - 1, addr_width - 2, WIDTH - 1
-    samples, targets = places.samples, places.targets
+    samples, targets, theta_low = places.samples, places.targets, places.theta
+    final, more = places.unknowns - 1, OUTPUT_SHIFT - SAMPLE_SHIFT
     less_two = (spec.outputs - 2) % (1 << target_width)
+    theta_less_two = (places.unknowns - 2) % (1 << target_width)
     target_bits = places.target_width
 
     @always_comb
@@ -154,13 +168,45 @@ def learning_engine(
     @always(clk.posedge)
     def hold():
         nothing.next = False
-        before_last.next = less_two
+
+    @always_comb
+    def measure():
+        if target.theta:
+            before_last.next = theta_less_two
+        else:
+            before_last.next = less_two
+
+    # Equations write where words of theta come in, so none begins between these.
+    @always_seq(clk.posedge, reset=rst)
+    def note():
+        if taken:
+            putting.next = target.theta
+            partly.next = target.theta and not target.last
+        elif arrives:
+            partly.next = False
+
+    # Behind a frame theta is read where second words of products are at other times.
+    @always_seq(clk.posedge, reset=rst)
+    def tell():
+        told.next = telling
+        if frame_finish:
+            telling.next = True
+            unread.next = 0
+        elif telling:
+            unread.next = unread + 1
+            telling.next = unread != final and not arrives
+
+    @always_comb
+    def delay_equations():
+        waits.next = stops or telling or partly
 
     @always_comb
     def report():
         target.ready.next = ready
         target.error.next = broken_targets or lost
         out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        theta.valid.next = told
+        theta.data.next = second[WIDTH:OUTPUT_SHIFT].signed()
         out.last.next = frame_finish
 
     control = (
@@ -196,6 +242,7 @@ def learning_engine(
             clk,
             rst,
             stops=stops,
+            waits=waits,
             ready=ready,
             learn=learn,
             opening=opening,
@@ -203,6 +250,7 @@ def learning_engine(
             goes=goes,
             finish=finish,
             keep_run=keep_run,
+            putting=putting,
             bad=bad,
             bank=bank,
             stepped=stepped,
@@ -249,8 +297,19 @@ def learning_engine(
         look_up.next = kind == 1 or kind == 2
 
     @always_comb
+    def count():
+        unread_place.next = unread
+
+    @always_comb
+    def point():
+        asked.next = theta_low + unread_place
+
+    @always_comb
     def name():
-        second_source.next = kept[addr_width:]
+        if telling:
+            second_source.next = asked
+        else:
+            second_source.next = kept[addr_width:]
 
     @always_comb
     def weigh():
@@ -296,15 +355,39 @@ def learning_engine(
         sample_place.next = sample_addr
         target_place.next = target_addr[target_bits:]
 
+    # A word of theta goes to the bank that is not in use, as a result does.
+    @always_comb
+    def place_theta():
+        theta_place.next = theta_low + target_place
+
+    @always_comb
+    def locate():
+        if target_write:
+            part_addr.next = theta_place
+        else:
+            part_addr.next = result_source
+
     @always_comb
     def direct():
         write.next = sample_write or target_write or wrote
         if sample_write:
             write_addr.next = samples | sample_place
-        elif target_write:
+        elif target_write and not putting:
             write_addr.next = targets | target_place
         else:
             write_addr.next = result_addr
+
+    # A word has come in as a sample does, and theta is in the format of what leaves.
+    @always_comb
+    def scale():
+        put_word.next = data << more
+
+    @always_comb
+    def choose_word():
+        if target_write and putting:
+            kept_word.next = put_word
+        else:
+            kept_word.next = data
 
     @always_comb
     def bring():
@@ -344,7 +427,7 @@ def learning_engine(
         elif of_theta:
             spoiled.next = True
 
-    written_words = {"write": write, "write_addr": write_addr, "data": data}
+    written_words = {"write": write, "write_addr": write_addr, "data": kept_word}
     memory = spec.operand_memory
     # Two memories with the same words, because two are read in a clock.
     memories = (
@@ -368,11 +451,13 @@ def learning_engine(
             bring,
         ),
         *(look, compare, follow, judge, sentence, spoil),
+        *(measure, note, tell, delay_equations, count, point, place_theta, locate, scale),
+        choose_word,
         control,
         memories,
         lesson_address(source, bank, shown, read_addr, places=places),
         lesson_address(second_source, bank, shown, second_addr, places=places),
-        lesson_address(result_source, write_bank, written, result_addr, places=places),
+        lesson_address(part_addr, write_bank, written, result_addr, places=places),
         delay(clk, None, intercept, take_intercept, clocks=2),
         table_address(clk, read, segment, spec=spec.table_address),
         operand_select(clk, read, kind, operand, spec=spec.operand_select),

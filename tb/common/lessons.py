@@ -24,19 +24,23 @@ class Words:
     Attributes
     ----------
     rows : list of tuples of int
-        The clocks to wait before a word, the word, and whether it is the last of its frame.
+        The clocks to wait before a word, the word, whether it is the last of its frame, and whatever
+        other bits come with it.
+    bits : int
+        How many bits come with each word.
     """
 
-    rows: list[tuple[int, int, int]] = field(default_factory=list)
+    rows: list[tuple[int, ...]] = field(default_factory=list)
+    bits: int = 1
     waited: int = 0
 
-    def offered(self, rng: np.random.Generator) -> tuple[int, int, int]:
-        """The valid, data and last of this clock. Data without valid is random."""
+    def offered(self, rng: np.random.Generator) -> tuple[int, ...]:
+        """The valid, data and bits of this clock. Without valid they are random."""
         if self.rows and self.waited >= self.rows[0][0]:
-            _, word, last = self.rows[0]
-            return 1, word, last
+            return 1, *self.rows[0][1:]
         self.waited += 1
-        return 0, int(rng.integers(SIGNAL.low, SIGNAL.high + 1)), int(rng.integers(0, 2))
+        bits = rng.integers(0, 2, self.bits).tolist()
+        return 0, int(rng.integers(SIGNAL.low, SIGNAL.high + 1)), *bits
 
     def taken(self) -> None:
         self.rows.pop(0)
@@ -59,18 +63,32 @@ class Player:
         learn: int = 1,
         clocks: int = 0,
         resets: Container[int] = (),
+        theta: bool = False,
     ) -> None:
-        """Send words until all are sent, and for so many clocks at least."""
-        sent, known = Words(samples), Words(targets)
+        """Send words until all are sent, and for so many clocks at least.
+
+        With ``theta`` the targets are theta, and without it known outputs.
+        """
+        self.send(samples, [(*row, int(theta)) for row in targets], learn, clocks, resets)
+
+    def send(
+        self,
+        samples: list[tuple[int, int, int]],
+        targets: list[tuple[int, int, int, int]],
+        learn: int,
+        clocks: int,
+        resets: Container[int],
+    ) -> None:
+        """Like ``play``, with a bit behind each target that says whether it is theta."""
+        sent, known = Words(samples), Words(targets, bits=2)
         for n in range(1_000_000):
             if n >= clocks and not sent.rows and not known.rows:
                 break
-            valid, data, last = sent.offered(self.rng)
-            offered = known.offered(self.rng)
-            row = (valid, data, last, *offered, learn, int(n in resets))
+            came, offered = sent.offered(self.rng), known.offered(self.rng)
+            row = (*came, *offered, learn, int(n in resets))
             seen = self.timeline.clock(len(self.rows), *row)
             self.rows.append(row)
-            if valid:
+            if came[0]:
                 sent.taken()
             if offered[0] and seen[OUTPUTS.index("target_ready")]:
                 known.taken()
@@ -99,11 +117,13 @@ class Player:
         timeline = Timeline(self.twin.program)
         expected = timeline.play(inputs)
         for name in OUTPUTS:
-            if name != "out_data":
+            if not name.endswith("_data"):
                 bench.compare(name, recording.unsigned(name, rows), expected[name], clock=rows)
-        left = np.flatnonzero(expected["out_valid"])
-        got = recording.signed("out_data", rows[left])
-        bench.compare("out_data", got, expected["out_data"][left], clock=left)
+        for stream in ("theta", "out"):
+            left = np.flatnonzero(expected[f"{stream}_valid"])
+            name = f"{stream}_data"
+            got = recording.signed(name, rows[left])
+            bench.compare(name, got, expected[name][left], clock=left)
         if frames:
             entered = rows[(inputs["in_valid"] & inputs["in_last"]) == 1]
             assert len(entered) == frames, "a frame was refused"
@@ -141,23 +161,38 @@ def refusals(player: Player) -> None:
     player.play([], [], clocks=twin.interval)
 
 
+def mixed(
+    rng: np.random.Generator, known: list[tuple[int, int, int]], theta: list[tuple[int, int, int]]
+) -> list[tuple[int, int, int, int]]:
+    """Frames of known outputs and of theta in random order, with a bit that tells which is which."""
+    frames: list[list[tuple[int, int, int, int]]] = []
+    for of_theta, words in enumerate((known, theta)):
+        frames.append([])
+        for word in words:
+            frames[-1].append((*word, of_theta))
+            if word[2]:
+                frames.append([])
+    return [word for n in rng.permutation(len(frames)) for word in frames[n]]
+
+
 def traffic(player: Player, count: int, resets: bool = False) -> None:
-    """Frames and known outputs of any length at any time."""
+    """Frames, known outputs and theta of any length at any time."""
     twin, rng = player.twin, player.rng
     longest = twin.longest_equation
 
-    def stream(length: int, most: int) -> list[tuple[int, int, int]]:
+    def stream(frames: int, length: int, most: int) -> list[tuple[int, int, int]]:
         words = []
-        last = random_lengths(rng, length, count * length)
+        last = random_lengths(rng, length, frames * length)
         pause = np.roll(last, 1) * rng.integers(0, most + 1, len(last))
         for ends, before in zip(last.tolist(), pause.tolist(), strict=True):
             wait = before if before else int(rng.integers(0, 3) * (rng.random() < 0.2))
             words.append((wait, int(random_elements(player.bench, 1)[0]), ends))
         return words
 
-    samples = stream(twin.inputs, twin.interval + 3 * longest)
-    targets = stream(twin.outputs, twin.interval + longest)
+    samples = stream(count, twin.inputs, twin.interval + 3 * longest)
+    unknowns, most = twin.program.places.unknowns, twin.interval + longest
+    targets = mixed(rng, stream(count, twin.outputs, most), stream(count // 2, unknowns, most))
     clocks = 8 * (twin.interval + longest)
     at = np.flatnonzero(random_resets(rng, 60 * clocks, every=clocks)) if resets else ()
-    player.play(samples, targets, resets=set(map(int, at)))
+    player.send(samples, targets, learn=1, clocks=0, resets=set(map(int, at)))
     player.play([], [], clocks=twin.interval)

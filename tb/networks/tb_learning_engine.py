@@ -2,7 +2,8 @@
 
 Sweeps: all recorded frames of the scene; frames of random samples; known outputs that the networks
 would nearly give, random ones, and those at the ends of their range; more placements than are kept;
-frames and known outputs that are too short or too long, and known outputs without a frame before.
+theta that is put in, random and at its ends; frames, known outputs and theta that are too short or
+too long, and known outputs and theta without a frame before.
 Drives: frames as close as the design takes them, closer, and so far apart that equations fit
 between them; samples with gaps, which stop equations; known outputs behind a frame, late, with
 gaps, and interrupted by the next frame; a mode that is switched on and off; resets at random
@@ -73,6 +74,30 @@ async def steps_refused(dut):
     player = Player(Bench(dut))
     refusals(player)
     await player.check("steps refused", "steps taken", "corrected frames", at_least=12)
+
+
+@cocotb.test()
+async def theta_put_in(dut):
+    """Put theta in, also at its ends and with gaps, read it behind frames, and learn on from it."""
+    bench = Bench(dut)
+    player, twin, rng = Player(bench), bench.twin, bench.rng
+    unknowns = twin.program.places.unknowns
+    frame = random_elements(bench, twin.inputs)
+    player.play(player.frame(frame), [], clocks=twin.interval)
+    player.play([], player.frame(near(twin, rng, frame, 500)), clocks=4 * twin.longest_equation)
+    for n in range(12):
+        codes = random_elements(bench, unknowns) if n % 4 else rng.choice([-8192, 8191], unknowns)
+        player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=twin.interval)
+        gap = int(rng.integers(0, 3 * twin.longest_equation)) * (n % 3 == 2)
+        words = player.frame(codes, before=int(rng.integers(0, unknowns + 4)), gap=gap)
+        player.play([], words, learn=n % 2, clocks=60, theta=True)
+        # What is in use is read behind the next frames, some of which cut it.
+        for _ in range(3):
+            before = int(rng.integers(0, unknowns + 4))
+            player.play(player.frame(random_elements(bench, twin.inputs), before), [], learn=0)
+            player.play([], [], learn=0, clocks=twin.interval - twin.inputs)
+        player.play([], [], clocks=3 * twin.longest_equation)
+    await player.check("theta put in", "steps taken", "corrected frames", at_least=12)
 
 
 @cocotb.test()
