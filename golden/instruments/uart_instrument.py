@@ -88,6 +88,12 @@ class UartInstrument(ConverterInstrument):
         return bool(self.readout.network.lesson_ports)
 
     @property
+    def elements(self) -> int:
+        """How many elements of theta the engine inside learns."""
+        core = self.core
+        return core.program.places.unknowns if isinstance(core, LearningEngine) else 0
+
+    @property
     def hears(self) -> bool:
         """Whether the computer may send something."""
         return self.reload or self.learns
@@ -132,7 +138,7 @@ class UartInstrument(ConverterInstrument):
             self.reload,
             self.interval,
             self.readout.decides,
-            self.learns,
+            self.elements,
         )
 
     @property
@@ -153,7 +159,7 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def lesson_receiver(self) -> LessonReceiver:
-        return LessonReceiver(self.outputs, self.idle_clocks)
+        return LessonReceiver(self.outputs, self.elements, self.idle_clocks)
 
     @property
     def idle_clocks(self) -> int:

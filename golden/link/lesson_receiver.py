@@ -1,4 +1,4 @@
-"""lesson_receiver: takes known outputs, and whether to learn, out of packets of a serial line."""
+"""lesson_receiver: takes known outputs, theta, and whether to learn, out of bytes of a line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from golden.precision import SIGNAL
 # The bytes before the codes: SYNC, the kind, the length, and the bits.
 HEAD_BYTES = 4
 # Each code takes two bytes, and a place in a packet has at most 8 bits.
-MOST_OUTPUTS = 120
+MOST_CODES = 120
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,27 @@ class Taught:
 
     Attributes
     ----------
-    target_valid, target_last : bool array
+    target_valid, target_last, target_theta : bool array
     target_data : int64 array
-        0 in a clock without ``target_valid``, as ``target_last`` is too.
+        0 in a clock without ``target_valid``, as the two flags are too.
     learn, lesson_error : bool array
     place : int64 array
         The number of the byte of a packet that is next, in each clock.
     armed : bool array
-        Whether known outputs wait for the end of a frame.
+        Whether codes wait for the end of a frame.
+    gone : int64 array
+        How many of the codes that leave have left before each clock.
     """
 
     target_valid: NDArray[np.bool_]
     target_data: Codes
     target_last: NDArray[np.bool_]
+    target_theta: NDArray[np.bool_]
     learn: NDArray[np.bool_]
     lesson_error: NDArray[np.bool_]
     place: Codes
     armed: NDArray[np.bool_]
+    gone: Codes
 
 
 @dataclass(frozen=True)
@@ -51,38 +55,48 @@ class LessonReceiver(Block):
     """Finds the packets of lessons among bytes (ours; see ``golden.link.packets``).
 
     A packet begins with a byte SYNC and a byte of version and kind; with another kind there is no
-    packet. If it is whole and its check is right, ``learn`` becomes its bit, and its known outputs,
-    if it has any, wait for the end of the next frame. Then they leave. Until then, a further packet
-    takes their place, also if it is wrong.
+    packet. If it is whole and its check is right, ``learn`` becomes its bit, and its known outputs
+    or its theta, if it has any, wait for the end of the next frame. Then they leave. Until then, a
+    further packet takes their place, also if it is wrong. With both bits they are theta.
 
     Parameters
     ----------
     outputs : int
         Number of known outputs.
+    elements : int
+        Number of elements of theta.
     idle_clocks : int
         Clocks without a byte after which a packet is dropped.
 
     Raises
     ------
     InputError
-        When either is below 1, or for more outputs than a packet has room for.
+        When any is below 1, or for more codes than a packet has room for.
     """
 
     block = "lesson_receiver"
     area = "link"
     outputs: int
+    elements: int
     idle_clocks: int
 
     def __post_init__(self) -> None:
-        if not 1 <= self.outputs <= MOST_OUTPUTS or self.idle_clocks < 1:
+        for name, got in (("outputs", self.outputs), ("elements", self.elements)):
+            if not 1 <= got <= MOST_CODES:
+                raise InputError(f"{self.entity}: got {name}={got}, expected 1 to {MOST_CODES}")
+        if self.idle_clocks < 1:
             raise InputError(
-                f"{self.entity}: got outputs={self.outputs} and idle_clocks={self.idle_clocks}, "
-                f"expected 1 to {MOST_OUTPUTS} outputs, and 1 clock or more"
+                f"{self.entity}: got idle_clocks={self.idle_clocks}, expected 1 or more"
             )
 
     @property
+    def codes(self) -> int:
+        """How many codes a packet has."""
+        return max(self.outputs, self.elements)
+
+    @property
     def payload_bytes(self) -> int:
-        return 1 + self.outputs * CODE_BYTES
+        return 1 + self.codes * CODE_BYTES
 
     @property
     def packet_bytes(self) -> int:
@@ -95,10 +109,13 @@ class LessonReceiver(Block):
             input_port("in_valid", "`in_data` holds a byte from the line"),
             input_port("in_data", "the byte", Unsigned(8)),
             input_port("frame_end", "the last output of a frame leaves in this clock"),
-            input_port("target_ready", "a known output is taken in this clock"),
-            output_port("target_valid", "`target_data` holds a known output, until it is taken"),
-            output_port("target_data", "known output y, in the order of the outputs", SIGNAL),
-            output_port("target_last", "the known output is the last one"),
+            input_port("target_ready", "a code is taken in this clock"),
+            output_port("target_valid", "`target_data` holds a code, until it is taken"),
+            output_port(
+                "target_data", "known output y, or an element of theta, in their order", SIGNAL
+            ),
+            output_port("target_last", "the code is the last one"),
+            output_port("target_theta", "the code is an element of theta"),
             output_port("learn", "the bit of the last packet that was right; 0 after a reset"),
             output_port(
                 "lesson_error", "high for one clock for each packet that is wrong or is cut"
@@ -109,7 +126,7 @@ class LessonReceiver(Block):
     def states(self) -> tuple[State, ...]:
         return (
             State("byte of a packet where the line falls idle", range(self.packet_bytes)),
-            State("known outputs that have left when a byte comes", range(self.outputs)),
+            State("codes that have left when a byte comes", range(self.codes)),
         )
 
     @property
@@ -134,16 +151,19 @@ class LessonReceiver(Block):
             np.asarray(c).tolist() for c in (in_valid, in_data, frame_end, target_ready, reset)
         ]
         count = len(columns[0])
-        flags = np.zeros((5, count), dtype=bool)
-        data, places = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
+        flags = np.zeros((6, count), dtype=bool)
+        data, places, gone = np.zeros((3, count), dtype=np.int64)
         state = _State(self)
         for t, (comes, byte, ends, ready, clears) in enumerate(zip(*columns, strict=True)):
             places[t] = len(state.packet)
             if state.leaving:
                 data[t] = state.leaving[0]
+                whole = self.elements if state.theta else self.outputs
+                gone[t] = whole - len(state.leaving)
             flags[:, t] = (
                 bool(state.leaving),
                 len(state.leaving) == 1,
+                bool(state.leaving) and state.theta,
                 state.learn,
                 state.wrong,
                 bool(state.waiting),
@@ -151,8 +171,8 @@ class LessonReceiver(Block):
             state.step(comes, byte, ends, ready)
             if clears:
                 state = _State(self)
-        valid, last, learn, wrong, armed = flags
-        return Taught(valid, data, last, learn, wrong, places, armed)
+        valid, last, theta, learn, wrong, armed = flags
+        return Taught(valid, data, last, theta, learn, wrong, places, armed, gone)
 
 
 class _State:
@@ -162,7 +182,7 @@ class _State:
         self.twin = twin
         self.packet = b""
         self.idle = 0
-        self.learn = self.wrong = False
+        self.learn = self.theta = self.wrong = False
         self.waiting: list[int] = []
         self.leaving: list[int] = []
 
@@ -206,15 +226,16 @@ class _State:
 
     def _judge(self) -> None:
         """A packet is whole."""
-        body = self.packet[1:]
+        body, twin = self.packet[1:], self.twin
         if check_of(body):
             self._drop()
             return
         bits, codes = body[2], body[3:-CHECK_BYTES]
         self.packet = b""
-        self.learn = bool(bits & 1)
-        if bits & 2:
+        self.learn, self.theta = bool(bits & 1), bool(bits & 4)
+        if bits & 6:
             # The two highest bits of a code are not kept.
             words = [int.from_bytes(codes[n : n + 2], "big") for n in range(0, len(codes), 2)]
             wide = 1 << SIGNAL.width
-            self.waiting = [(w & (wide - 1)) - (w >> (SIGNAL.width - 1) & 1) * wide for w in words]
+            found = [(w & (wide - 1)) - (w >> (SIGNAL.width - 1) & 1) * wide for w in words]
+            self.waiting = found[: twin.elements if self.theta else twin.outputs]

@@ -66,8 +66,9 @@ class PacketSender(Block):
         Clocks without a packet after which one is sent.
     decides : bool
         Whether a packet carries index and margin of the largest output.
-    learns : bool
-        Whether the network learns, so that lessons, steps and bytes of the line can be wrong.
+    elements : int
+        Number of elements of the theta that the network learns, so that lessons, steps and bytes of
+        the line can be wrong; 0 where it learns nothing. Each packet carries the next element.
 
     Raises
     ------
@@ -83,7 +84,7 @@ class PacketSender(Block):
     reload: bool
     patience: int
     decides: bool = False
-    learns: bool = False
+    elements: int = 0
 
     def __post_init__(self) -> None:
         for name, least, most in (
@@ -91,6 +92,7 @@ class PacketSender(Block):
             ("outputs", 1, MOST_POINTS),
             ("points", 0, MOST_POINTS),
             ("patience", 2, MOST_PATIENCE),
+            ("elements", 0, MOST_POINTS),
         ):
             got = getattr(self, name)
             if not least <= got <= most:
@@ -100,8 +102,14 @@ class PacketSender(Block):
         _ = self.layout, self.argmax
 
     @property
+    def learns(self) -> bool:
+        """Whether the network learns."""
+        return bool(self.elements)
+
+    @property
     def layout(self) -> FrameLayout:
-        return FrameLayout(self.inputs, self.outputs, bool(self.points), self.decides)
+        drawn = bool(self.points)
+        return FrameLayout(self.inputs, self.outputs, drawn, self.decides, self.learns)
 
     @property
     def argmax(self) -> Argmax | None:
@@ -121,6 +129,8 @@ class PacketSender(Block):
             input_port("lesson_error", "a lesson, or its known outputs, were refused"),
             input_port("learn_error", "a step of learning was refused"),
             input_port("learning", "the network learns"),
+            input_port("theta_valid", "`theta_data` holds an element of theta"),
+            input_port("theta_data", "the element, in their order behind a frame", SIGNAL),
         )
         winner = self.argmax.result_ports("winner") if self.argmax else ()
         drawn = (
@@ -154,6 +164,7 @@ class PacketSender(Block):
             State("byte of a packet that a reset cuts", range(size)),
             *([State("point", range(self.points))] if self.points else []),
             *([State("index", range(self.outputs))] if self.decides else []),
+            *([State("element of theta", range(self.elements))] if self.learns else []),
         )
 
     @property
@@ -215,9 +226,10 @@ class _State:
         self.twin = twin
         self.samples = [0] * twin.inputs
         self.outputs = [0] * twin.outputs
-        self.at = {"sample": 0, "result": 0, "profile": 0}
+        self.at = {"sample": 0, "result": 0, "profile": 0, "theta": 0}
         self.winner = (0, 0)
         self.point, self.wanted = (0, 0, 0), 0
+        self.theta, self.asked = (0, 0), 0
         # The flags that were set since the packet before, and whether a frame was refused since the
         # frame before.
         self.since = {name: False for name in FLAGS if name not in STATES}
@@ -230,7 +242,7 @@ class _State:
         """Advance by one clock; returns the frame of a packet that begins in it, or None."""
         for name in self.since:
             self.since[name] |= bool(now.get(name))
-        ready, wanted = bool(now["out_ready"]), self.wanted
+        ready, wanted, asked = bool(now["out_ready"]), self.wanted, self.asked
         free = ready and not self.packet
         begins = free and (self.complete or self.waited == self.twin.patience - 1)
         self.waited = self.waited + 1 if free and not begins else 0
@@ -240,6 +252,7 @@ class _State:
             self.number = (self.number + 1) % 256
             self.since = dict.fromkeys(self.since, False)
             self.wanted = (self.point[0] + 1) % max(1, self.twin.points)
+            self.asked = (self.theta[0] + 1) % max(1, self.twin.elements)
         elif ready:
             self.packet = self.packet[1:]
         self.refused = not self.complete and (self.refused or bool(now.get("frame_error")))
@@ -255,6 +268,14 @@ class _State:
             if number == wanted:
                 self.point = (number, now["profile_x"], now["profile_y"])
             self.at["profile"] = 0 if now["profile_last"] else number + 1
+        if now.get("theta_valid"):
+            number = self.at["theta"]
+            if number == asked:
+                self.theta = (number, now["theta_data"])
+            self.at["theta"] = number + 1
+        # The elements come behind a frame.
+        if now["result_valid"] and now["result_last"]:
+            self.at["theta"] = 0
         return frame
 
     def _frame(self, now: dict[str, int]) -> Frame:
@@ -268,6 +289,7 @@ class _State:
             tuple(self.outputs),
             self.point if self.twin.points else None,
             self.winner if self.twin.decides else None,
+            self.theta if self.twin.learns else None,
         )
 
     def _catch(self, now: dict[str, int], name: str, words: list[int]) -> bool:

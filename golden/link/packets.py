@@ -9,13 +9,15 @@ numbers are sent with their highest byte first.
 
 The payload of a frame consists of a byte of flags, the number of frames that the network has
 computed (16 bits), the samples and the outputs. Where the largest output is looked for, its index
-(1 byte) and its margin (16 bits, unsigned) follow; where a profile is drawn, one of its points: its
-number (1 byte), i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
+(1 byte) and its margin (16 bits, unsigned) follow; where the network learns, an element of theta: its
+number (1 byte) and its code; where a profile is drawn, one of its points: its number (1 byte), i_p
+and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
 polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
 check. An image has its own check (``golden.engine.image``).
 
 A lesson is for a board that learns. Its payload consists of a byte whose bits are those of
-LESSON_BITS, and of the known outputs, as codes of 16 bits.
+LESSON_BITS, and of codes of 16 bits: as many as there are outputs or elements of theta, whichever
+are more. The known outputs, or theta, come first; the codes behind them have no effect.
 """
 
 from __future__ import annotations
@@ -45,9 +47,9 @@ FLAGS = (
     "learning",
 )
 STATES = ("converter_error", "learning")
-# The bits of the first byte of a lesson: whether the board learns from now on, and whether the
-# known outputs are those of its next frame.
-LESSON_BITS = ("learn", "known")
+# The bits of the first byte of a lesson: whether the board learns from now on, whether its codes are
+# the known outputs of the next frame, and whether they are the theta to be used behind that.
+LESSON_BITS = ("learn", "known", "theta")
 FRAME_HEADER = 4
 MOST_PAYLOAD = 255
 MOST_IMAGE = (1 << 16) - 1
@@ -79,6 +81,8 @@ class Frame:
         Number, i_p and f(i_p) of a point of the profile.
     winner : tuple of int or None
         Index and margin of the largest output.
+    theta : tuple of int or None
+        Number and code of an element of theta.
     """
 
     number: int
@@ -88,6 +92,7 @@ class Frame:
     outputs: tuple[int, ...]
     point: tuple[int, int, int] | None = None
     winner: tuple[int, int] | None = None
+    theta: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +106,8 @@ class FrameLayout:
         Whether the instrument draws a profile.
     decides : bool
         Whether it looks for the largest output.
+    learns : bool
+        Whether its network learns.
 
     Raises
     ------
@@ -112,6 +119,7 @@ class FrameLayout:
     outputs: int
     drawn: bool = False
     decides: bool = False
+    learns: bool = False
 
     def __post_init__(self) -> None:
         if self.payload_bytes > MOST_PAYLOAD:
@@ -123,8 +131,9 @@ class FrameLayout:
     @property
     def payload_bytes(self) -> int:
         point = (1 + 2 * CODE_BYTES) * self.drawn
-        winner = (1 + CODE_BYTES) * self.decides
-        return 1 + COUNT_BYTES + (self.inputs + self.outputs) * CODE_BYTES + winner + point
+        winner, theta = (1 + CODE_BYTES) * self.decides, (1 + CODE_BYTES) * self.learns
+        codes = (self.inputs + self.outputs) * CODE_BYTES
+        return 1 + COUNT_BYTES + codes + winner + theta + point
 
     @property
     def packet_bytes(self) -> int:
@@ -139,6 +148,10 @@ class FrameLayout:
             assert frame.winner is not None, "a layout with the largest output has a winner"
             index, margin = frame.winner
             payload += bytes([index]) + margin.to_bytes(CODE_BYTES, "big")
+        if self.learns:
+            assert frame.theta is not None, "a layout of a network that learns has theta"
+            number, code = frame.theta
+            payload += bytes([number]) + _code(code)
         if self.drawn:
             assert frame.point is not None, "a layout with a profile has a point"
             number, x, y = frame.point
@@ -153,10 +166,13 @@ class FrameLayout:
         count = int.from_bytes(payload[1:at], "big")
         end = at + (self.inputs + self.outputs) * CODE_BYTES
         codes = _codes(payload[at:end])
-        point, winner = None, None
+        point = winner = theta = None
         if self.decides:
             at, end = end, end + 1 + CODE_BYTES
             winner = (payload[at], int.from_bytes(payload[at + 1 : end], "big"))
+        if self.learns:
+            at, end = end, end + 1 + CODE_BYTES
+            theta = (payload[at], *_codes(payload[at + 1 : end]))
         if self.drawn:
             x, y = _codes(payload[end + 1 :])
             point = (payload[end], x, y)
@@ -168,6 +184,7 @@ class FrameLayout:
             codes[self.inputs :],
             point,
             winner,
+            theta,
         )
 
 
@@ -184,20 +201,22 @@ def image_packet(image: bytes) -> bytes:
     return bytes([SYNC, kind_byte(IMAGE)]) + len(image).to_bytes(2, "big") + image
 
 
-def lesson_packet(outputs: int, learn: bool, known: Sequence[int] = ()) -> bytes:
+def lesson_packet(codes: int, learn: bool, given: Sequence[int] = (), what: str = "known") -> bytes:
     """A packet that says whether a board learns, and may say what the outputs should be.
 
     Parameters
     ----------
-    outputs : int
-        How many outputs the board has.
+    codes : int
+        How many codes a lesson has for the board.
     learn : bool
-    known : sequence of int
-        The codes of the known outputs of the next frame; none if nothing is to be kept.
+    given : sequence of int
+        The codes of the known outputs of the next frame, or of theta; none if nothing is given.
+    what : str
+        "known" or "theta".
     """
-    assert len(known) in (0, outputs), f"got {len(known)} known outputs, expected {outputs}"
-    bits = learn << LESSON_BITS.index("learn") | bool(known) << LESSON_BITS.index("known")
-    payload = bytes([bits]) + b"".join(map(_code, known or (0,) * outputs))
+    assert len(given) <= codes, f"got {len(given)} codes, expected {codes} at most"
+    bits = learn << LESSON_BITS.index("learn") | bool(given) << LESSON_BITS.index(what)
+    payload = bytes([bits]) + b"".join(map(_code, (*given, *(0,) * (codes - len(given)))))
     body = bytes([kind_byte(LESSON), len(payload)]) + payload
     return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
 

@@ -162,14 +162,23 @@ def uart_instrument(
             image_receiver(clk, rst, received, load, spec=spec.image_receiver),
         ]
     if spec.learns:
-        target = Stream(valid=flag(), data=fixed(SIGNAL), last=flag(), ready=flag(), error=flag())
+        target = Stream(
+            valid=flag(),
+            data=fixed(SIGNAL),
+            last=flag(),
+            theta=flag(),
+            ready=flag(),
+            error=flag(),
+        )
+        theta = Stream(valid=flag(), data=fixed(SIGNAL))
         learn, refused, misread, lost, frame_end = (flag() for _ in range(5))
-        lessons = {"target": target, "learn": learn, "learn_error": refused}
+        lessons = {"target": target, "learn": learn, "learn_error": refused, "theta": theta}
         told = {
             "line_error": wrong,
             "lesson_error": lost,
             "learn_error": refused,
             "learning": learn,
+            "theta": theta,
         }
         parts += [
             uart_receiver(clk, rst, received, rx=rx, line_error=wrong, spec=spec.uart_receiver),

@@ -1,4 +1,4 @@
-"""lesson_receiver: takes known outputs, and whether to learn, out of packets of a serial line."""
+"""lesson_receiver: takes known outputs, theta, and whether to learn, out of bytes of a line."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv
 
@@ -11,7 +11,7 @@ from hdl.common.signals import Stream, fixed, flag, unsigned
 
 @block
 def known_word(clk, moves, following, here):
-    """One known output; all move up when one comes in behind the last or leaves in front."""
+    """One code; all move up when one comes in behind the last or leaves in front."""
 
     @always(clk.posedge)
     def move():
@@ -25,7 +25,7 @@ def known_word(clk, moves, following, here):
 def lesson_receiver(
     clk, rst, in_: Stream, target: Stream, *, frame_end, learn, lesson_error, spec: LessonReceiver
 ):
-    """Finds the packets of lessons among bytes, and hands known outputs on behind a frame.
+    """Finds the packets of lessons among bytes, and hands their codes on behind a frame.
 
     Parameters
     ----------
@@ -34,34 +34,38 @@ def lesson_receiver(
     frame_end : bool
         The last output of a frame leaves in this clock.
     target_valid, target_data, target_last, target_ready : bool, signed Fix(14,13), bool, bool
-        The known outputs of that frame; one leaves in each clock in which ready and valid are high.
+        The known outputs of that frame, or theta; one leaves in each clock in which ready and valid
+        are high.
+    target_theta : bool
+        Whether it is theta.
     learn : bool
         The bit of the last packet that was right; 0 after a reset.
     lesson_error : bool
         It is high for one clock for each packet that is wrong, that is cut, or that comes while
-        known outputs leave.
+        codes leave.
     spec : LessonReceiver
 
     Notes
     -----
-    Latency 1 clock from the end of a frame to the first known output. A packet in which no byte
+    Latency 1 clock from the end of a frame to the first code. A packet in which no byte
     comes for ``spec.idle_clocks`` clocks is dropped. Reset forgets what has come.
     """
     sync, kind, length = SYNC, kind_byte(LESSON), spec.payload_bytes
     final, end, code_end = spec.idle_clocks - 1, spec.packet_bytes - 1, spec.packet_bytes - 2
     bits_place, first_code = HEAD_BYTES - 1, HEAD_BYTES
-    preset, last_known = CHECK_PRESET, spec.outputs - 1
+    preset, last_known, last_theta = CHECK_PRESET, spec.outputs - 1, spec.elements - 1
     above = SIGNAL.width - 8
     place, idle = unsigned(end.bit_length()), unsigned(max(1, final.bit_length()))
     check, following = Signal(intbv(preset, min=0, max=1 << 16)), unsigned(16)
     over, refused, whole, right, wrong = (flag() for _ in range(5))
     of_kind, of_length, odd = flag(), flag(), flag()
-    learns, knows, armed, sending, leaves, final_leaves, mode = (flag() for _ in range(7))
-    count = unsigned(max(1, last_known.bit_length()))
+    learns, knows, puts, armed, sending, leaves, final_leaves, mode = (flag() for _ in range(8))
+    putting, at_last = flag(), flag()
+    count = unsigned(max(1, (spec.codes - 1).bit_length()))
     high = unsigned(above)
     entering = fixed(SIGNAL)
     enters, moves = flag(), flag()
-    words = [fixed(SIGNAL) for _ in range(spec.outputs)]
+    words = [fixed(SIGNAL) for _ in range(spec.codes)]
     first = words[0]
 
     @always_comb
@@ -70,7 +74,7 @@ def lesson_receiver(
         of_kind.next = in_.data == kind
         of_length.next = in_.data == length
 
-    # While known outputs leave, no packet comes further than to the byte behind its bits.
+    # While codes leave, no packet comes further than to the byte behind its bits.
     @always_comb
     def judge():
         refused.next = in_.valid and (
@@ -125,12 +129,14 @@ def lesson_receiver(
             high.next = in_.data[above:]
             if place == bits_place:
                 learns.next = in_.data[0]
-                knows.next = in_.data[1]
+                knows.next = in_.data[1] or in_.data[2]
+                puts.next = in_.data[2]
 
     @always_seq(clk.posedge, reset=rst)
     def obey():
         if right:
             mode.next = learns
+            putting.next = puts
 
     @always_comb
     def join():
@@ -144,9 +150,16 @@ def lesson_receiver(
         leaves.next = sending and target.ready
 
     @always_comb
+    def find():
+        if putting:
+            at_last.next = count == last_theta
+        else:
+            at_last.next = count == last_known
+
+    @always_comb
     def shift():
         moves.next = enters or leaves
-        final_leaves.next = leaves and count == last_known
+        final_leaves.next = leaves and at_last
 
     @always_seq(clk.posedge, reset=rst)
     def arm():
@@ -173,12 +186,13 @@ def lesson_receiver(
     def show():
         target.valid.next = sending
         target.data.next = first
-        target.last.next = count == last_known
+        target.last.next = at_last
+        target.theta.next = putting
         learn.next = mode
 
     return (
         *(look, judge, decide, wait_for_byte, step, follow_check, tell, keep, obey),
-        *(join, enter, shift, arm, send, number, show),
+        *(join, enter, find, shift, arm, send, number, show),
         check_byte(check, in_.data, following),
         [
             known_word(clk, moves, behind, here)

@@ -61,6 +61,39 @@ def keep_winner(clk, rst, winner: Stream, index, margin_high, margin_low):
 
 
 @block
+def keep_element(clk, rst, result: Stream, theta: Stream, *, shown, number, element, elements: int):
+    """One element of theta, as it came last, and its number; behind a packet it is the next one.
+
+    The elements come behind each frame, in their order.
+    """
+    final = elements - 1
+    place, wanted = (unsigned(elements.bit_length()) for _ in range(2))
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if result.valid and result.last:
+            place.next = 0
+        elif theta.valid and place != elements:
+            place.next = place + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def keep():
+        if theta.valid and place == wanted:
+            number.next = place
+            element.next = theta.data
+
+    @always_seq(clk.posedge, reset=rst)
+    def ask():
+        if shown:
+            if number == final:
+                wanted.next = 0
+            else:
+                wanted.next = number + 1
+
+    return count, keep, ask
+
+
+@block
 def since_packet(clk, rst, begins, event, told):
     """``told`` is high if ``event`` has come since the last packet, or comes in this clock."""
     seen = flag()
@@ -139,6 +172,7 @@ def packet_sender(
     learn_error=None,
     learning=None,
     winner: Stream = None,
+    theta: Stream = None,
     profile=None,
     spec: PacketSender,
 ):
@@ -161,6 +195,9 @@ def packet_sender(
     winner : Stream
         ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``. Then a
         frame is complete with its winner, and the latency counts from there.
+    theta : Stream
+        ``valid`` and ``data`` of the theta that a network learns; it exists only with
+        ``spec.learns``.
     profile : Group
         ``valid``, ``x``, ``y`` and ``last`` of load_profile; it is empty where none is drawn.
     out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
@@ -312,15 +349,32 @@ def packet_sender(
             next_point(clk, rst, profile, shown=begins, number=point, x=x, y=y, points=spec.points)
         )
         codes += [x, y]
+    if spec.learns:
+        turn, element = unsigned(8), fixed(SIGNAL)
+        parts.append(
+            keep_element(
+                clk,
+                rst,
+                result,
+                theta,
+                shown=begins,
+                number=turn,
+                element=element,
+                elements=spec.elements,
+            )
+        )
+        codes.insert(spec.inputs + spec.outputs, element)
     halves = [(unsigned(8), unsigned(8)) for _ in codes]
     parts += [two_bytes(code, *pair) for code, pair in zip(codes, halves, strict=True)]
     words = [half for pair in halves for half in pair]
     if spec.points:
         words.insert(-4, point)
+    behind_outputs = 2 * (spec.inputs + spec.outputs)
+    if spec.learns:
+        words.insert(behind_outputs, turn)
     if spec.decides:
         told = [unsigned(8) for _ in range(3)]
         parts.append(keep_winner(clk, rst, winner, *told))
-        behind_outputs = 2 * (spec.inputs + spec.outputs)
         words[behind_outputs:behind_outputs] = told
     fresh += words
     line = [unsigned(8) for _ in fresh]

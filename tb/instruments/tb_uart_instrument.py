@@ -142,7 +142,10 @@ def noise_and_lessons(bench, count):
         known = rng.integers(-8192, 8192, twin.outputs)
         ends = rng.random(twin.outputs) < n % 2 / 2
         known = np.where(ends, rng.choice([-8192, 8191], twin.outputs), known).tolist()
-        packet = lesson_packet(twin.outputs, n % 5 != 4, known if n % 4 else ())
+        given, what = (known if n % 4 else []), "known"
+        if n % 6 == 3:
+            given, what = rng.integers(-8192, 8192, twin.elements).tolist(), "theta"
+        packet = lesson_packet(twin.lesson_receiver.codes, n % 5 != 4, given, what)
         if n % 3 == 0:
             line.noise()
             line.rest(25)
@@ -249,7 +252,7 @@ def loaded(bench, recording, valid, last, ends):
 
 
 def taught(bench, recording, samples):
-    """What the twins compute from ``rx`` and the frames: flags, columns of outputs, and the engine.
+    """What the twins compute from ``rx`` and the frames: columns, outputs, and the engine.
 
     Known outputs are offered when a frame ends, and are taken when the engine is ready. As each
     depends on the other, both are computed again until nothing changes.
@@ -267,13 +270,14 @@ def taught(bench, recording, samples):
         if (found["target_ready"] == ready).all() and (found["out_last"] == ends).all():
             break
         ready, ends = found["target_ready"], found["out_last"]
-    flags = {
+    columns = {
         "line_error": heard.line_error,
         "lesson_error": lesson.lesson_error | (found["target_error"] == 1),
         "learn_error": found["learn_error"],
         "learning": lesson.learn,
+        **{name: found[name] for name in ("theta_valid", "theta_data")},
     }
-    return flags, np.array([found[name] for name in ("out_valid", "out_data", "out_last")]), engine
+    return columns, np.array([found[name] for name in ("out_valid", "out_data", "out_last")]), engine
 
 
 def check_taught(bench, recording, result):
@@ -448,7 +452,7 @@ async def recorded(dut):
         due = {"line_error", "lesson_error", "learning"}
         due |= told & ({"learn_error"} if played.met["steps refused"] else set())
         assert told == due, f"got the flags {told}"
-        for name in ("placements", "steps taken", "corrected frames"):
+        for name in ("placements", "steps taken", "corrected frames", "theta put in"):
             assert played.met[name], f"{name}: none, expected some; {played.met}"
     # The next scan begins before the samples of this scan have left.
     last_bit = played.ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
@@ -574,7 +578,7 @@ async def steps_refused(dut):
     twin, line = bench.twin, Sender(bench)
     frames = recorded_frames(bench)[:1]
     known = np.where(twin.readout.process(frames)[0] < 0, 8191, -8192)
-    line.send(lesson_packet(twin.outputs, True, known.tolist()))
+    line.send(lesson_packet(twin.lesson_receiver.codes, True, known.tolist()))
     line.idle(REFUSED * twin.interval)
     rx = line.levels
     played = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)

@@ -1,14 +1,14 @@
 """lesson_receiver against its twin.
 
 Sweeps: lessons with random codes and with both ends, that say to learn or not and have known
-outputs or not; packets with one wrong bit, one for each bit, and for each bit of the check one that
+outputs, theta, both or none; packets with one wrong bit, one for each bit, and for each bit of the check one that
 leaves only this bit; packets that are cut behind each of their bytes, and pauses around the longest
 one that a packet may have; bytes that begin no packet, among them many SYNC bytes.
 Drives: bytes at random clocks and back to back; frames that end often and seldom, also in the clock
-of any byte; a network that takes known outputs at once, late, and one by one, while the next packet
-comes; a line that becomes idle; resets.
-Checks: ``learn``, ``lesson_error``, ``target_valid``, the known output and ``target_last`` in every
-clock; that the known outputs of every lesson arrive where frames end and nothing disturbs them.
+of any byte; a network that takes codes at once, late, and one by one, while the next packet comes; a line that becomes idle; resets.
+Checks: ``learn``, ``lesson_error``, ``target_valid``, the code, ``target_last`` and
+``target_theta`` in every clock; that the codes of every lesson arrive where frames end and nothing
+disturbs them.
 Does not prove: that each wrong packet is found, of which a check of 16 bits lets one in 65536 pass.
 """
 
@@ -33,6 +33,8 @@ FAULTS = [
     (r"place >= 3", "place >= 9"),
     (r"mode <= learns", "mode <= 1"),
     (r"armed <= knows", "armed <= 1"),
+    (r"putting <= puts", "putting <= 0"),
+    (r"count == \d+;(\s+end\s+else)", r"count == 0;\1"),
     (r"frame_end && armed", "armed"),
     (r"sending && target_ready", "sending"),
     (r"check <= 65535", "check <= 0"),
@@ -40,7 +42,12 @@ FAULTS = [
     (r"if \(rst == 1\) begin\s+armed", "if (0) begin armed"),
     (r"frame_end \|\| \(in_valid && \(place == 3\)\)", "frame_end"),
 ]
-WATCH = ["target_valid", "target_data", "target_last", "learn", "lesson_error"]
+OFFERED = ("target_data", "target_last", "target_theta")
+WATCH = ["target_valid", *OFFERED, "learn", "lesson_error"]
+
+
+# What a lesson may give.
+GIVEN = ("nothing", "known", "theta")
 
 
 class Line:
@@ -69,13 +76,14 @@ class Line:
         return dict(zip(names, np.array(self.rows).T, strict=True))
 
 
-def lesson(bench, learn=1, known=1):
-    """A packet with random codes or both ends, and its known outputs."""
-    codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, bench.twin.outputs)
-    ends = bench.rng.random(len(codes)) < 1 / 4
-    codes = np.where(ends, bench.rng.choice([SIGNAL.low, SIGNAL.high], len(codes)), codes)
-    given = codes.tolist() if known else ()
-    return lesson_packet(bench.twin.outputs, bool(learn), given), list(given)
+def lesson(bench, learn=1, what="known"):
+    """A packet with random codes or both ends, and those of its codes that leave."""
+    twin, rng = bench.twin, bench.rng
+    count = {"known": twin.outputs, "theta": twin.elements}.get(what, 0)
+    codes = rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
+    codes = np.where(rng.random(count) < 1 / 4, rng.choice([SIGNAL.low, SIGNAL.high], count), codes)
+    packet = lesson_packet(twin.codes, bool(learn), codes.tolist(), what if count else "known")
+    return packet, codes.tolist()
 
 
 def almost_right(packet, bit):
@@ -102,7 +110,8 @@ async def check(bench, drive):
     for name in ("target_valid", "learn", "lesson_error"):
         bench.compare(name, recording.unsigned(name, rows), getattr(expected, name), clock=rows)
     offered = rows[expected.target_valid]
-    for name, read in (("target_data", recording.signed), ("target_last", recording.unsigned)):
+    for name in OFFERED:
+        read = recording.signed if name == "target_data" else recording.unsigned
         want = getattr(expected, name)[expected.target_valid]
         bench.compare(name, read(name, offered), want, clock=offered)
     place, left = bench.twin.states
@@ -110,30 +119,28 @@ async def check(bench, drive):
     idle = np.convolve(comes, np.ones(bench.twin.idle_clocks), "full")[: len(comes)] == 0
     bench.visit(place, expected.place[idle & (np.roll(expected.place, -1) == 0)])
     bench.visit(place, expected.place[np.roll(idle, -1) & ~idle])
-    begun = np.flatnonzero(expected.target_valid & comes)
-    since = np.cumsum(expected.target_valid & (seen["target_ready"] == 1))
-    bench.visit(left, (since[begun - 1] if len(begun) else since[:0]) % bench.twin.outputs)
+    bench.visit(left, expected.gone[expected.target_valid & comes])
     taken = np.intersect1d(offered, rows[seen["target_ready"] == 1])
     return recording.signed("target_data", taken), expected
 
 
 @cocotb.test()
 async def lessons(dut):
-    """Play lessons, each of which meets the end of a frame; all their known outputs arrive."""
+    """Play lessons, each of which meets the end of a frame; all their codes arrive."""
     bench = Bench(dut)
     line, due = Line(bench), []
     for n in range(60):
-        packet, known = lesson(bench, n // 2 % 2, n % 3)
+        packet, codes = lesson(bench, n // 2 % 2, GIVEN[n % 3])
         if n % 7 == 6:
             packet = bytes([SYNC]) * int(bench.rng.integers(1, 4)) + packet
         line.send(packet, spacing=n % 4)
         line.wait(int(bench.rng.integers(0, 6)), ready=0.5)
         line.wait(1, ends=1.0)
-        line.wait(4 * bench.twin.outputs + 4, ready=(1.0, 0.5)[n % 2])
+        line.wait(4 * bench.twin.codes + 4, ready=(1.0, 0.5)[n % 2])
         line.wait(40)
-        due += known
+        due += codes
     got, expected = await check(bench, line.drive)
-    bench.compare("known outputs", got, np.array(due))
+    bench.compare("codes", got, np.array(due))
     assert not expected.lesson_error.any(), "a right lesson was refused"
     bench.finish(at_least=500)
 
@@ -180,18 +187,18 @@ async def wrong_packets(dut):
 
 
 @cocotb.test()
-async def packets_while_outputs_leave(dut):
-    """Play packets close together, while frames end in any clock and outputs are taken slowly."""
+async def packets_while_codes_leave(dut):
+    """Play packets close together, while frames end in any clock and codes are taken slowly."""
     bench = Bench(dut)
     line, rng = Line(bench), bench.rng
     for n in range(300):
-        packet, _ = lesson(bench, int(rng.integers(0, 2)), int(rng.integers(0, 4)))
+        packet, _ = lesson(bench, int(rng.integers(0, 2)), str(rng.choice(GIVEN)))
         ends, ready = (0.05, 0.3, 1.0)[n % 3], (0.02, 0.3, 1.0)[n // 3 % 3]
         line.send(packet, (0, 0, 3)[n % 3], ends=ends, ready=ready)
         line.wait(int(rng.integers(0, 12)), ends=ends, ready=ready)
     _, expected = await check(bench, line.drive)
-    assert expected.lesson_error.sum() > 10, "no packet met outputs that leave"
-    assert expected.target_last.sum() > 10, "no known outputs left"
+    assert expected.lesson_error.sum() > 10, "no packet met codes that leave"
+    assert expected.target_last.sum() > 10, "no codes left"
     bench.finish(at_least=1000)
 
 
@@ -200,7 +207,8 @@ async def resets(dut):
     bench = Bench(dut)
     line, rng = Line(bench), bench.rng
     for _ in range(150):
-        line.send(lesson(bench)[0], int(rng.integers(0, 3)), ends=0.05, ready=0.5)
+        packet, _ = lesson(bench, what=str(rng.choice(GIVEN)))
+        line.send(packet, int(rng.integers(0, 3)), ends=0.05, ready=0.5)
         line.wait(int(rng.integers(0, 9)), ends=0.2, ready=0.5)
     drive = line.drive
     drive["rst"] = random_resets(rng, len(drive["in_valid"]), 60)

@@ -1,7 +1,7 @@
 """packet_sender against its twin.
 
 Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
-Drives: samples, outputs, winners, points of a profile and flags at random clocks, often and seldom;
+Drives: samples, outputs, winners, points of a profile, elements of theta and flags at random clocks, often and seldom;
 a line that takes bytes at once, slowly, or not at all; so many packets that their number wraps
 around; resets in each byte of a packet.
 Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
@@ -35,6 +35,8 @@ FAULTS = [
     (r"since_packet1_seen <= \(images && \(!begins\)\)", "since_packet1_seen <= images"),
     (r"next_point0_place == next_point0_wanted", "1"),
     (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
+    (r"keep_element0_place == keep_element0_wanted", "1"),
+    (r"keep_element0_wanted <= 0", "keep_element0_wanted <= 1"),
     (r"two_bytes\d+_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
     (r"out_ready && \(!sending\)", "(!sending)"),
     (r"if \(rst == 1\) begin", "if (0) begin"),
@@ -74,6 +76,17 @@ def winners_of(bench, length, chance):
     }
 
 
+def elements_of(bench, drive, chance):
+    """Columns of theta: its elements behind each frame of outputs, of which some are cut."""
+    length, rng = len(drive["result_valid"]), bench.rng
+    valid = (rng.random(length) < max(chance, 0.05)).astype(np.int64)
+    ends, place = drive["result_valid"] & drive["result_last"], bench.twin.elements
+    for t in range(length):
+        valid[t] &= place < bench.twin.elements
+        place = 0 if ends[t] else place + valid[t]
+    return {"theta_valid": valid, "theta_data": rng.integers(SIGNAL.low, SIGNAL.high + 1, length)}
+
+
 def drive_for(bench, length, chance, ready):
     """The columns of every input."""
     twin, rng = bench.twin, bench.rng
@@ -94,6 +107,8 @@ def drive_for(bench, length, chance, ready):
         drive["profile_y"] = rng.permutation(x)
     if twin.decides:
         drive |= winners_of(bench, length, chance)
+    if twin.learns:
+        drive |= elements_of(bench, drive, chance)
     flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
     flags += ["line_error", "lesson_error", "learn_error", "learning"] * twin.learns
     # Frames are rare enough that packets without a new frame follow a refused frame.
@@ -137,6 +152,8 @@ def read(bench, recording, rows, seen, expected):
     bench.compared += len(frames)
     if bench.twin.points:
         bench.visit("point", np.array([frame.point[0] for frame in frames]))
+    if bench.twin.learns:
+        bench.visit("element of theta", np.array([frame.theta[0] for frame in frames]))
     if bench.twin.decides:
         bench.visit("index", np.array([frame.winner[0] for frame in frames]))
     return frames

@@ -127,7 +127,7 @@ class Lessons:
             values = readings(SIGNAL.to_real(codes), scene.scales(scene.outputs))
         # Only what is right changes anything.
         self._learn = learn
-        packet = lesson_packet(self.board.layout.outputs, learn, codes)
+        packet = lesson_packet(self.board.instrument.lesson_receiver.codes, learn, codes)
         self._waiting.append(Lesson(packet, values))
 
     def next(self) -> Lesson | None:
