@@ -184,10 +184,12 @@ class Still:
         count: int = 0,
         point: int = 0,
         winner: tuple[int, int] = (0, 0),
+        theta: tuple[int, int] = (0, 0),
     ) -> bytes:
         layout = self.board.layout
         zeros = (0,) * layout.inputs, (0,) * layout.outputs
-        return layout.to_bytes(Frame(number, flags, count, *zeros, (point, 0, 0), winner))
+        shown = (point, 0, 0), winner, theta
+        return layout.to_bytes(Frame(number, flags, count, *zeros, *shown))
 
 
 def test_a_fault_is_told_once_and_again_after_a_while(scene: Scene) -> None:

@@ -23,11 +23,13 @@ from test_monitor import BAUD, Still, browse, listening, plain, wait
 
 from golden.cli import run
 from golden.disturbance import Disturbance
+from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
+from golden.learning.unit import Unit
 from golden.link.packets import lesson_packet
 from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
@@ -139,21 +141,21 @@ def test_a_pupil_without_placements_learns_nothing(small: Scene) -> None:
     assert (lessons.pupil.steps, lessons.pupil.refused) == (0, 0)
     codes = small.vectors().codes
     np.testing.assert_array_equal(lessons.pupil.process(codes), small.twin().process(codes))
-    lessons.take(lesson_packet(2, learn=True))
+    lessons.take(lesson_packet(4, learn=True))
     assert (lessons.learn, lessons.busy) == (True, False)
 
 
-GOOD = lesson_packet(2, True, [-8192, 8191])
+GOOD = lesson_packet(4, True, [-8192, 8191])
 SOUND = {
     "whole": GOOD,
     "behind noise": b"\x00\xa5\xa5\x11\xa5" + GOOD,
-    "behind one that does not learn": lesson_packet(2, learn=False) + GOOD,
+    "behind one that does not learn": lesson_packet(4, learn=False) + GOOD,
 }
 DAMAGED = {
     "a bit": GOOD[:5] + bytes([GOOD[5] ^ 4]) + GOOD[6:],
     "the check": GOOD[:-1] + bytes([GOOD[-1] ^ 1]),
     "the length": GOOD[:2] + b"\x07" + GOOD[3:],
-    "of more outputs": lesson_packet(3, True, [1, 2, 3]),
+    "of more codes": lesson_packet(5, True, [1, 2, 3]),
 }
 
 
@@ -193,7 +195,7 @@ def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.Monke
 def test_a_step_that_is_refused_is_told(small: Scene) -> None:
     lessons, codes = lessons_of(small), small.vectors().codes[0]
     known = np.where(small.twin().process(codes[np.newaxis])[0] > 0, SIGNAL.low, SIGNAL.high)
-    lessons.take(lesson_packet(2, True, known.tolist()))
+    lessons.take(lesson_packet(4, True, known.tolist()))
     lessons.read(codes)
     assert lessons.flags() == ["learning"]
     while not lessons.pupil.refused:
@@ -314,13 +316,55 @@ def recalibrated(
     return worst(scene, evaluate(integer_networks("cascade", mlps), samples), rows)
 
 
+def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
+    """Over the line, there and back; a reset in between is a board that was never taught."""
+    board, drift = Board(scene, scene), replace(DRIFT, seed=4)
+    with TwinBoard(scene, 200.0, drift=drift) as simulated, Line(simulated.port, BAUD) as line:
+        monitor, pupil = Monitor(board, print), simulated.lessons.pupil
+        with listening(monitor, line):
+            for row in (75, 20):
+                teach(monitor, simulated, row)
+            monitor.teach({"learn": True})
+            wait(lambda: pupil.steps >= 100)
+            monitor.teach({"learn": False})
+            wait(lambda: monitor.state()["learning"]["theta"] == pupil.codes.tolist())
+            state = monitor.state()["learning"]
+            samples = simulated.samples[:5]
+    assert any(state["theta"])
+    gain, offset = pupil.taught.corrections(np.array(state["theta"]))
+    assert [one["gain"] for one in state["corrections"]] == [f"{100 * g:+.2f}" for g in gain]
+    assert [one["name"] for one in state["corrections"]] == list(scene.sensors)
+    x = SIGNAL.to_real(samples)
+    words, unit = pupil.theta[np.newaxis].repeat(5, axis=0), Unit(5)
+    z = SAMPLE.to_real(pupil.taught.samples(words, samples << SAMPLE_SHIFT, unit))
+    np.testing.assert_allclose(x + x * gain + offset, z, atol=1e-4)
+    with TwinBoard(scene, 200.0, drift=drift) as simulated, Line(simulated.port, BAUD) as line:
+        monitor, second = Monitor(board, print), simulated.lessons.pupil
+        with listening(monitor, line):
+            wait(lambda: monitor.state()["learning"]["theta"] == [0] * 8)
+            monitor.teach({"theta": state["theta"]})
+            wait(lambda: monitor.state()["learning"]["theta"] == state["theta"])
+            shown = monitor.state()["learning"]
+            outputs = simulated.lessons.pupil.process(samples)
+            simulated.place(texts(scene, 75))
+            wait(lambda: monitor._newest.outputs == tuple(outputs_at(simulated, 75)))
+    assert second.codes.tolist() == state["theta"]
+    assert (shown["shown"], shown["on"], second.placements) == (0, False, 0)
+    # What is read has not the lowest bits of the words.
+    assert np.abs(outputs - pupil.process(samples)).max() <= 8
+
+
+def outputs_at(simulated: TwinBoard, row: int) -> list[int]:
+    return simulated.lessons.pupil.process(simulated.samples[row : row + 1])[0].tolist()
+
+
 def test_a_damaged_lesson_is_told_once(scene: Scene) -> None:
     said: list[str] = []
     with TwinBoard(scene, 200.0) as simulated, Line(simulated.port, BAUD) as line:
         monitor = Monitor(Board(scene, scene), said.append)
         with listening(monitor, line):
             wait(lambda: monitor.decoder.tally.frames > 10)
-            line.write(lesson_packet(4, True, [1, 2, 3, 4])[:-1] + b"\x00")
+            line.write(lesson_packet(8, True, [1, 2, 3, 4])[:-1] + b"\x00")
             wait(lambda: len(said) == 1)
             before = monitor.decoder.tally.frames
             wait(lambda: monitor.decoder.tally.frames > before + 10)
@@ -354,7 +398,7 @@ def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
     monitor.teach({"known": KNOWN})
     codes = [round(0.9 * 8192), round(0.45 * 8192)] * 2
     assert still.bring(b"") == []
-    assert written.data == lesson_packet(4, False, codes)
+    assert written.data == lesson_packet(8, False, codes)
     state = monitor.state()["learning"]
     (placement,) = state["placements"]
     assert placement == {
@@ -373,7 +417,7 @@ def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
         monitor.teach({"known": KNOWN} if wish is None else {"learn": wish})
         still.bring(still.packet(2, "learning", count=3))
         sent = codes if wish is None else ()
-        assert written.data == lesson_packet(4, learn, sent)
+        assert written.data == lesson_packet(8, learn, sent)
     assert monitor.state()["learning"]["shown"] == 4
     monitor.actions()["/moved"]({})
     state = monitor.state()["learning"]
@@ -396,9 +440,9 @@ def test_a_monitor_that_begins_later_leaves_the_board_learning(scene: Scene) -> 
 
 
 WRONG = {
-    "a list": ([], "lesson: got [], expected an object with known, learn or both"),
-    "nothing": ({}, "lesson: got {}, expected an object with known, learn or both"),
-    "another key": ({"lern": True}, "lesson: got 'lern', expected an object with known, learn"),
+    "a list": ([], "lesson: got [], expected an object with known, theta or learn"),
+    "nothing": ({}, "lesson: got {}, expected an object with known, theta or learn"),
+    "another key": ({"lern": True}, "lesson: got 'lern', expected an object with known, theta"),
     "no truth": ({"learn": "yes"}, "learn: got 'yes', expected true or false"),
     "no values": ({"known": 5}, "known: got 5, expected a value for each output"),
     "null": ({"known": None}, "known: got None, expected a value for each output"),
@@ -408,6 +452,14 @@ WRONG = {
     "text": ({"known": KNOWN | {"shape": "far"}}, "shape: got 'far', expected a number from -1.00"),
     "true": ({"known": KNOWN | {"shape": True}}, "shape: got 'True', expected a number from -1.00"),
     "no number": ({"known": KNOWN | {"load": "nan"}}, "load: got 'nan', expected a number from -1"),
+    "both": (
+        {"known": KNOWN, "theta": [0] * 8},
+        "lesson: got known and theta, expected one of them",
+    ),
+    "no theta": ({"theta": "0"}, "theta: got '0', expected 8 whole numbers from -8192 to 8191"),
+    "short": ({"theta": [1] * 7}, "theta: got 7 values, [1, 1, 1, 1, 1, 1, 1], expected 8 whole"),
+    "beyond": ({"theta": [8192] * 8}, "theta: got 8 values, [8192, 8192, 8192, 8192, 8192, 8192, "),
+    "half": ({"theta": [0.5] + [0] * 7}, "theta: got 8 values, [0.5, 0, 0, 0, 0, 0, 0, 0], expect"),
     "too far": ({"known": KNOWN | {"load": -1.0001}}, "load: got '-1.0001', expected a number fr"),
 }
 
@@ -569,6 +621,57 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     assert told == [refusal, "", refusal, refusal, ""]
 
 
+KEPT = """<script>
+const asked = [], files = [];
+window.fetch = async (path, options) => {
+  if (path === "state") return {json: async () => (STATE)};
+  asked.push([path, JSON.parse(options.body)]);
+  return {ok: true, json: async () => null};
+};
+URL.createObjectURL = blob => { blob.text().then(text => files.push(text)); return "#kept"; };
+const later = n => new Promise(done => setTimeout(done, n));
+async function give(text) {
+  const given = new DataTransfer();
+  given.items.add(new File([text], "a.json", {type: "application/json"}));
+  const field = document.getElementById("kept");
+  field.files = given.files;
+  field.dispatchEvent(new Event("change"));
+  await later(80);
+  return document.getElementById("refused").textContent;
+}
+setTimeout(async () => {
+  document.getElementById("keep").click();
+  await later(50);
+  const told = [await give("{"), await give('{"theta": [1]}'), await give(files[0])];
+  document.title = JSON.stringify([asked, files, told]);
+}, 500);
+</script>"""
+
+
+def test_the_page_keeps_what_was_learned_and_puts_it_in_again(scene: Scene, tmp_path: Path) -> None:
+    still = Still(scene)
+    for n in range(8):
+        assert not still.monitor.state()["learning"]["corrections"]
+        still.bring(still.packet(n, count=n + 1, theta=(n, 100 * n - 300)))
+    state = still.monitor.state()
+    theta = [100 * n - 300 for n in range(8)]
+    assert state["learning"]["theta"] == theta
+    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    script = KEPT.replace("STATE", json.dumps(state))
+    (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
+    shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
+    title = re.search(r"<title>(.*?)</title>", shown, re.S)
+    assert title
+    asked, files, told = json.loads(html.unescape(title[1]))
+    assert [json.loads(file) for file in files] == [{"scene": scene.name, "theta": theta}]
+    assert asked == [["teach", {"theta": theta}]]
+    other = f"a.json: got what scene undefined has learned, expected {scene.name}"
+    assert told == ["a.json: got no file of this page", other, ""]
+    first = state["learning"]["corrections"][0]
+    row = f"{first['name']} {first['gain']} {first['offset']}"
+    assert row in plain(shown, "corrections")
+
+
 def test_the_browser_shows_what_is_learned(scene: Scene, tmp_path: Path) -> None:
     with TwinBoard(scene, 200.0, drift=DRIFT) as simulated, Line(simulated.port, BAUD) as line:
         monitor = Monitor(Board(scene, scene), print)
@@ -585,7 +688,7 @@ def test_the_browser_shows_what_is_learned(scene: Scene, tmp_path: Path) -> None
     assert plain(page, "learns") == said
     assert plain(page, "learn") == "Stop learning"
     assert re.search(r'<button id="next" hidden', page)
-    assert page.count("<input ") == 4
+    assert page.count('<input type="text"') == 4
     (placement,) = state["placements"]
     row = " ".join(t for pair in zip(*list(placement.values())[1:], strict=True) for t in pair)
     assert f"1 {row}" in plain(page, "placements")

@@ -144,6 +144,18 @@ class Corrected:
             found.append(np.array(rows, dtype=np.float64))
         return found
 
+    def corrections(self, codes: Codes) -> tuple[Real, Real]:
+        """The gain less one of each sensor, and its offset as a signal.
+
+        Parameters
+        ----------
+        codes : int64 array, shape (2 sensors,)
+            Theta as it can be read: without the lowest bits of its words, as outputs leave.
+        """
+        by_gain, by_offset = np.split(codes / (1 << (THETA.frac - OUTPUT_SHIFT)), 2)
+        weights = self.gains / (1 << GAIN_WEIGHT), self.offsets / (1 << OFFSET_WEIGHT)
+        return by_gain * weights[0], by_offset * weights[1]
+
     def samples(self, theta: Codes, samples: Codes, unit: Unit) -> Codes:
         """The corrected samples z as words, shape (drifts, sensors).
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from golden.engine.formats import OUTPUT_SHIFT
 from golden.fixed import Codes
 from golden.learning.corrected import Corrected
 from golden.learning.gradient import Gradient
@@ -36,11 +37,13 @@ class Pupil:
         What is learned so far; see ``golden.learning.corrected``.
     steps, refused : int
         How many steps were taken, and how many were not, because they would have left the range.
+    changes : int
+        How often theta was changed.
     """
 
     def __init__(self, taught: Corrected, constants: Sequence[int], placements: int) -> None:
         self.taught = taught
-        self.steps = self.refused = 0
+        self.steps = self.refused = self.changes = 0
         # Only a rule that divides reads the noise.
         noise = np.zeros((1, taught.outputs), dtype=np.int64)
         self._rule = Gradient(taught, 0, noise, np.array(constants))
@@ -53,6 +56,16 @@ class Pupil:
     def placements(self) -> int:
         """How many placements are kept now."""
         return len(self._kept)
+
+    @property
+    def codes(self) -> Codes:
+        """Theta as it can be read, in codes of signals."""
+        return self.theta >> OUTPUT_SHIFT
+
+    def put(self, codes: Codes) -> None:
+        """Use another theta, given as it can be read, from now on."""
+        self.theta = codes << OUTPUT_SHIFT
+        self.changes += 1
 
     def keep(self, samples: Codes, known: Codes) -> None:
         """Keep a placement, with which learning goes on.
@@ -80,6 +93,7 @@ class Pupil:
         self.theta = self._rule.step(lesson, before, 0, self._output, unit)[0]
         taken = not unit.saturated["step"].any()
         self.steps += taken
+        self.changes += taken
         self.refused += not taken
         self._output = (self._output + 1) % self.taught.outputs
         if not self._output:

@@ -130,7 +130,6 @@ class Timeline:
 
     def reset(self) -> None:
         """Forget everything but the words of the memory."""
-        places = self.program.places
         self.bank = self.equation = self.shown = self.written = 0
         self.full = self.stepped = self.fresh = self.lost = self.refused = False
         self.putting = self.partly = False

@@ -9,9 +9,9 @@ numbers are sent with their highest byte first.
 
 The payload of a frame consists of a byte of flags, the number of frames that the network has
 computed (16 bits), the samples and the outputs. Where the largest output is looked for, its index
-(1 byte) and its margin (16 bits, unsigned) follow; where the network learns, an element of theta: its
-number (1 byte) and its code; where a profile is drawn, one of its points: its number (1 byte), i_p
-and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
+(1 byte) and its margin (16 bits, unsigned) follow; where the network learns, an element of theta:
+its number (1 byte) and its code; where a profile is drawn, one of its points: its number (1 byte),
+i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
 polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
 check. An image has its own check (``golden.engine.image``).
 
@@ -47,8 +47,8 @@ FLAGS = (
     "learning",
 )
 STATES = ("converter_error", "learning")
-# The bits of the first byte of a lesson: whether the board learns from now on, whether its codes are
-# the known outputs of the next frame, and whether they are the theta to be used behind that.
+# The bits of the first byte of a lesson: whether the board learns from now on, and whether its codes
+# are the known outputs of the next frame, or the theta that is used behind that frame.
 LESSON_BITS = ("learn", "known", "theta")
 FRAME_HEADER = 4
 MOST_PAYLOAD = 255

@@ -94,7 +94,7 @@ def learning_engine(
     opening, studying, active, finish, frame_finish, keep_over = (flag() for _ in range(6))
     busy, arrives, ready, taken, stops, halt, fresh, lost = (flag() for _ in range(8))
     broken_targets, nothing, goes, bad = (flag() for _ in range(4))
-    telling, told, partly, putting, waits = (flag() for _ in range(5))
+    telling, theta_leaves, partly, putting, waits = (flag() for _ in range(5))
     # Marks of steps.
     store, leaves, places_next, ends, wrote, jump = (flag() for _ in range(6))
     # Where words are.
@@ -188,7 +188,7 @@ def learning_engine(
     # Behind a frame theta is read where second words of products are at other times.
     @always_seq(clk.posedge, reset=rst)
     def tell():
-        told.next = telling
+        theta_leaves.next = telling
         if frame_finish:
             telling.next = True
             unread.next = 0
@@ -205,7 +205,7 @@ def learning_engine(
         target.ready.next = ready
         target.error.next = broken_targets or lost
         out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
-        theta.valid.next = told
+        theta.valid.next = theta_leaves
         theta.data.next = second[WIDTH:OUTPUT_SHIFT].signed()
         out.last.next = frame_finish
 

@@ -24,8 +24,8 @@ class Words:
     Attributes
     ----------
     rows : list of tuples of int
-        The clocks to wait before a word, the word, whether it is the last of its frame, and whatever
-        other bits come with it.
+        The clocks to wait before a word, the word, whether it is the last of its frame, and other
+        bits that come with it.
     bits : int
         How many bits come with each word.
     """
@@ -164,7 +164,7 @@ def refusals(player: Player) -> None:
 def mixed(
     rng: np.random.Generator, known: list[tuple[int, int, int]], theta: list[tuple[int, int, int]]
 ) -> list[tuple[int, int, int, int]]:
-    """Frames of known outputs and of theta in random order, with a bit that tells which is which."""
+    """Frames of known outputs and of theta in random order, with a bit that says which it is."""
     frames: list[list[tuple[int, int, int, int]]] = []
     for of_theta, words in enumerate((known, theta)):
         frames.append([])

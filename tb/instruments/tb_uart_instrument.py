@@ -277,7 +277,11 @@ def taught(bench, recording, samples):
         "learning": lesson.learn,
         **{name: found[name] for name in ("theta_valid", "theta_data")},
     }
-    return columns, np.array([found[name] for name in ("out_valid", "out_data", "out_last")]), engine
+    return (
+        columns,
+        np.array([found[name] for name in ("out_valid", "out_data", "out_last")]),
+        engine,
+    )
 
 
 def check_taught(bench, recording, result):

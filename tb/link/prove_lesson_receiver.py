@@ -15,35 +15,40 @@ def only_right_packets(twin):
     return Property(
         name="only right packets",
         sentence="A packet counts in the clock of its last byte: behind SYNC, the byte of version "
-        f"and kind and the length come {end - 2} bytes, none of them while known outputs leave, "
-        f"and the check is right. No pause in it is {twin.idle_clocks} clocks long. Then learn "
-        "becomes the lowest bit of its fourth byte. In no other clock does learn change.",
+        f"and kind and the length come {end - 2} bytes, none of them while codes leave, and the "
+        f"check is right. No pause in it is {twin.idle_clocks} clocks long. Then learn becomes the "
+        "lowest bit of its fourth byte, and target_theta the bit of theta. In no other clock does "
+        "either change.",
         states=(
             f"right == (in_valid && bytes == {end} && !sending && following == 0)",
             "learn == taught",
+            "target_theta == told",
         ),
         watch=f"""
             reg [7:0] bytes = 0;
-            reg bit_of = 0, taught = 0;
+            reg bit_of = 0, taught = 0, theta_of = 0, told = 0;
             wire silent = idle == {twin.idle_clocks - 1} && !in_valid;
             wire drops = in_valid && ((bytes == 2 && in_data != {twin.payload_bytes})
                 || (bytes > 2 && sending) || bytes == {end});
             always @(posedge clk) begin
                 if (in_valid) begin
                     if (bytes == {bits}) bit_of <= in_data[0];
+                    if (bytes == {bits}) theta_of <= in_data[2];
                     if (bytes == 0) bytes <= in_data == {SYNC};
                     else if (bytes == 1)
                         bytes <= in_data == {kind_byte(LESSON)} ? 2 : in_data == {SYNC};
                     else bytes <= bytes + 1;
                     if (bytes == {end} && !sending && following == 0) taught <= bit_of;
+                    if (bytes == {end} && !sending && following == 0) told <= theta_of;
                 end
                 if (silent || drops || rst) bytes <= 0;
                 if (rst) taught <= 0;
+                if (rst) told <= 0;
             end
         """,
         helps=(
             f"bytes == place && bytes <= {end}",
-            f"bytes <= {bits} || bit_of == learns",
+            f"bytes <= {bits} || (bit_of == learns && theta_of == puts)",
             f"!armed || bytes <= {bits}",
             f"!sending || bytes <= {bits + 1}",
         ),
@@ -54,6 +59,7 @@ def only_right_packets(twin):
             (r"following == 0", "1"),
             (r"in_data == 19", "in_data[3:0] == 3"),
             (r"mode <= learns", "mode <= 1"),
+            (r"putting <= puts", "putting <= 1"),
             (r"place == 2", "place == 3"),
         ),
         clocks=twin.packet_bytes + 3,
@@ -83,27 +89,31 @@ def the_check(twin):
 
 
 def whole_frames(twin):
-    count = twin.outputs
+    count = f"(target_theta ? {twin.elements} : {twin.outputs})"
     return Property(
-        name="whole frames of known outputs",
-        sentence="Known outputs begin to leave only in the clock after frame_end, and only those "
-        f"of a packet that was right before. {count} leave, one after the other, the last one with "
-        "target_last. Each stays until it is taken.",
+        name="whole frames of codes",
+        sentence="Codes begin to leave only in the clock after frame_end, and only those of a "
+        f"packet that was right before. {twin.outputs} known outputs leave or {twin.elements} "
+        "elements of theta, one after the other, the last one with target_last. Each stays until "
+        "it is taken, and so does target_theta.",
         states=(
             "target_valid == (left != 0)",
             "!target_valid || target_last == (left == 1)",
             "!stood || (target_valid && target_data == before)",
+            "!went || target_theta == kind_before",
             "!armed || packets",
         ),
         watch=f"""
             reg [7:0] left = 0;
-            reg stood = 0, packets = 0;
+            reg stood = 0, packets = 0, went = 0, kind_before = 0;
             reg [13:0] before = 0;
             always @(posedge clk) begin
                 if (frame_end && armed) left <= {count};
                 else if (target_ready && left != 0) left <= left - 1;
                 stood <= !rst && target_valid && !target_ready;
                 before <= target_data;
+                went <= !rst && target_valid && !target_last;
+                kind_before <= target_theta;
                 packets <= !rst && (packets || right);
                 if (rst) left <= 0;
             end

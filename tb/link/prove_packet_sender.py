@@ -11,7 +11,7 @@ ALSO = ("learn-uart",)
 
 def properties(twin):
     if twin.learns:
-        return [lessons_told()]
+        return [lessons_told(), element_by_element(twin)]
     found = [
         follow_each_other(twin),
         stand(),
@@ -320,6 +320,48 @@ def point_by_point(twin):
             (r"next_point0_place == next_point0_wanted", "1"),
             (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
             (rf"next_point0_number == {twin.points - 1}", "next_point0_number == 1"),
+        ),
+        clocks=12,
+    )
+
+
+def element_by_element(twin):
+    return Property(
+        name="elements of theta",
+        sentence="The element of theta in a packet is the one that follows the element of the "
+        "packet before, as it came last behind a frame. It is the same element again where the "
+        "next one has not come since, and element 0 follows the last one.",
+        states=("keep_element0_number == element", "keep_element0_element == code"),
+        watch=f"""
+            reg [7:0] at = 0, next = 0, element = 0;
+            reg [{SIGNAL.width - 1}:0] code = 0;
+            always @(posedge clk) begin
+                if (result_valid && result_last) at <= 0;
+                else if (theta_valid && at < {twin.elements}) at <= at + 1;
+                if (theta_valid && at == next) begin
+                    element <= at;
+                    code <= theta_data;
+                end
+                if (begins) next <= (element + 1) % {twin.elements};
+                if (rst) begin
+                    at <= 0;
+                    next <= 0;
+                    element <= 0;
+                    code <= 0;
+                end
+            end
+        """,
+        helps=(
+            f"at <= {twin.elements} && next < {twin.elements} && element < {twin.elements}",
+            "keep_element0_place == at",
+            "keep_element0_wanted == next",
+        ),
+        free=("begins",),
+        reached=("element == 1 && next == 2",),
+        refuted_by=(
+            (r"keep_element0_place == keep_element0_wanted", "1"),
+            (r"keep_element0_wanted <= 0", "keep_element0_wanted <= 1"),
+            (rf"keep_element0_number == {twin.elements - 1}", "keep_element0_number == 1"),
         ),
         clocks=12,
     )

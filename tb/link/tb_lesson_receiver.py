@@ -1,11 +1,13 @@
 """lesson_receiver against its twin.
 
 Sweeps: lessons with random codes and with both ends, that say to learn or not and have known
-outputs, theta, both or none; packets with one wrong bit, one for each bit, and for each bit of the check one that
-leaves only this bit; packets that are cut behind each of their bytes, and pauses around the longest
-one that a packet may have; bytes that begin no packet, among them many SYNC bytes.
+outputs, theta or neither; packets with one wrong bit, one for each bit, and for each bit of the
+check one that leaves only this bit; packets that are cut behind each of their bytes, and pauses
+around the longest one that a packet may have; bytes that begin no packet, among them many SYNC
+bytes.
 Drives: bytes at random clocks and back to back; frames that end often and seldom, also in the clock
-of any byte; a network that takes codes at once, late, and one by one, while the next packet comes; a line that becomes idle; resets.
+of any byte; a network that takes codes at once, late, and one by one, while the next packet comes;
+a line that becomes idle; resets.
 Checks: ``learn``, ``lesson_error``, ``target_valid``, the code, ``target_last`` and
 ``target_theta`` in every clock; that the codes of every lesson arrive where frames end and nothing
 disturbs them.

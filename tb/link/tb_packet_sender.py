@@ -1,9 +1,9 @@
 """packet_sender against its twin.
 
 Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
-Drives: samples, outputs, winners, points of a profile, elements of theta and flags at random clocks, often and seldom;
-a line that takes bytes at once, slowly, or not at all; so many packets that their number wraps
-around; resets in each byte of a packet.
+Drives: samples, outputs, winners, points of a profile, elements of theta and flags at random
+clocks, often and seldom; a line that takes bytes at once, slowly, or not at all; so many packets
+that their number wraps around; resets in each byte of a packet.
 Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
 their numbers in order.
 Does not prove: that more than a few hundred frames are counted right; their count has 16 bits.

@@ -17,11 +17,12 @@ from golden.precision import SIGNAL
 from golden.real import Real
 from golden.recalibration.choice import proposed
 from golden.recalibration.sensitivity import Sensitivity
+from golden.scene.learning import taught_of
 from golden.scene.scale import readings
 from tb.monitor.board import Board
 from tb.monitor.line import Simulated
 
-KEYS = ("known", "learn")
+KEYS = ("known", "learn", "theta")
 
 
 class Tour:
@@ -82,6 +83,7 @@ class Lessons:
         core = board.instrument.core
         assert isinstance(core, LearningEngine), "a board that learns has one"
         self.board, self.places = board, core.placements
+        self._taught, _ = taught_of(board.hardware)
         self.count = 0
         self.tour: Tour | None = None
         self._waiting: deque[Lesson] = deque()
@@ -90,6 +92,17 @@ class Lessons:
         self._there: Real | None = None
         self._since = 0.0
         self._learn: bool | None = None
+        # The elements of theta, as packets told them last.
+        self._theta: dict[int, int] = {}
+
+    def told(self, element: tuple[int, int]) -> None:
+        """Note an element of theta: its number and its code."""
+        number, code = element
+        self._theta[number] = code
+
+    def forget(self) -> None:
+        """What the board told of theta may be that of another board, or of before a reset."""
+        self._theta = {}
 
     def ask(self, request: object, learning: bool) -> None:
         """Take a request for a lesson, which then waits to be sent.
@@ -97,8 +110,9 @@ class Lessons:
         Parameters
         ----------
         request : object
-            What came: a dict with the values of all outputs under ``known``, or with whether the
-            board is to learn from now on under ``learn``, or both.
+            What came: a dict. It may have the values of all outputs under ``known``, or all
+            elements of theta under ``theta``, and whether the board is to learn from now on under
+            ``learn``.
         learning : bool
             Whether the board learns now. It goes on so if nothing else was asked for.
 
@@ -107,7 +121,7 @@ class Lessons:
         InputError
             For another request; see also ``Board.known_codes``.
         """
-        expected = "expected an object with known, learn or both"
+        expected = "expected an object with known, theta or learn"
         if not isinstance(request, dict) or not request:
             raise InputError(f"lesson: got {request!r}, {expected}")
         for key in request:
@@ -119,16 +133,32 @@ class Lessons:
             raise InputError(f"learn: got {learn!r}, expected true or false")
         if "known" in request and not isinstance(known, dict):
             raise InputError(f"known: got {known!r}, expected a value for each output")
+        if "known" in request and "theta" in request:
+            raise InputError("lesson: got known and theta, expected one of them")
         codes: list[int] = []
         values = None
         scene = self.board.scene
         if known is not None:
             codes = self.board.known_codes(known)
             values = readings(SIGNAL.to_real(codes), scene.scales(scene.outputs))
+        what = "known"
+        if "theta" in request:
+            what, codes = "theta", self._right_theta(request["theta"])
         # Only what is right changes anything.
         self._learn = learn
-        packet = lesson_packet(self.board.instrument.lesson_receiver.codes, learn, codes)
+        count = self.board.instrument.lesson_receiver.codes
+        packet = lesson_packet(count, learn, codes, what)
         self._waiting.append(Lesson(packet, values))
+
+    def _right_theta(self, theta: object) -> list[int]:
+        count = self.board.instrument.elements
+        expected = f"expected {count} whole numbers from {SIGNAL.low} to {SIGNAL.high}"
+        if not isinstance(theta, list):
+            raise InputError(f"theta: got {theta!r:.40}, {expected}")
+        right = [type(one) is int and SIGNAL.low <= one <= SIGNAL.high for one in theta]
+        if len(theta) != count or not all(right):
+            raise InputError(f"theta: got {len(theta)} values, {theta!r:.40}, {expected}")
+        return theta
 
     def next(self) -> Lesson | None:
         """The lesson that is to be sent now, if one waits."""
@@ -163,6 +193,29 @@ class Lessons:
             if t >= self._since
         ]
 
+    @property
+    def theta(self) -> list[int]:
+        """The codes of theta, in their order, as packets told them last; none before all came."""
+        count = self.board.instrument.elements
+        return [self._theta[n] for n in range(count)] if len(self._theta) == count else []
+
+    def _corrections(self) -> list[dict[str, str]]:
+        """What theta does to each sensor: the gain in percent, and the offset in its unit."""
+        if not self.theta:
+            return []
+        scene, places = self.board.scene, self.board.decimals
+        factors = [scale.factor for scale in scene.scales(scene.sensors)]
+        gains, offsets = self._taught.corrections(np.array(self.theta))
+        return [
+            {
+                "name": name,
+                "gain": f"{100 * gains[n]:+.2f}",
+                "offset": f"{offsets[n] * factors[n]:+.{places[n]}f}",
+                "unit": scene.units.get(name, ""),
+            }
+            for n, name in enumerate(scene.sensors)
+        ]
+
     def state(
         self, course: Iterable[tuple[float, list[float]]], now: float, learning: bool
     ) -> dict[str, Any]:
@@ -176,6 +229,8 @@ class Lessons:
             "tour": self.tour is not None,
             "there": self._there is not None,
             "errors": self.errors(course, now),
+            "theta": self.theta,
+            "corrections": self._corrections(),
             "placements": [
                 {
                     "number": first + number,

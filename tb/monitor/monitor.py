@@ -185,6 +185,8 @@ class Monitor:
                 self._take_point(frame.point)
             if frame.winner:
                 self._judge_winner(frame.winner[0])
+            if frame.theta and self.lessons:
+                self.lessons.told(frame.theta)
             last = frame
         for flag, text in FLAG_TEXTS.items():
             if self._lit[flag] == now and self.messages.due(flag):
@@ -249,6 +251,8 @@ class Monitor:
             if self._line != "cut":
                 self.decoder.restart()
                 self._newest = None
+                if self.lessons:
+                    self.lessons.forget()
                 self._arrivals.clear()
                 # The course has a gap here, because nothing is known of the time of the cut.
                 self._course.append((now, []))

@@ -137,15 +137,15 @@ class TwinBoard:
         if self._visualisation:
             points = self._visualisation.load_profile.ramp.points
             self._profile: Codes = np.zeros((rows, points), dtype=np.int64)
-        # How many steps of learning the outputs of each row know.
-        self._steps: Codes = np.zeros(rows, dtype=np.int64)
+        # How many changes of theta the outputs of each row know.
+        self._changes: Codes = np.zeros(rows, dtype=np.int64)
         self._compute_rows(slice(rows))
 
     def _compute_rows(self, rows: slice) -> None:
         """Compute the outputs and profiles of some rows."""
         if self.lessons:
             outputs = self.lessons.pupil.process(self.samples[rows])
-            self._steps[rows] = self.lessons.pupil.steps
+            self._changes[rows] = self.lessons.pupil.changes
         else:
             core = self._engine if self._engine else self.scene.twin().core
             outputs = core.process(self.samples[rows])
@@ -188,7 +188,7 @@ class TwinBoard:
             row = number // self.hold % len(self.samples)
         if self.lessons:
             self.lessons.read(self.samples[row])
-            if self._steps[row] != self.lessons.pupil.steps:
+            if self._changes[row] != self.lessons.pupil.changes:
                 self._compute_rows(slice(row, row + 1))
         point = None
         if self._visualisation:
@@ -205,7 +205,8 @@ class TwinBoard:
         if self.layout.decides:
             index, margin = (self._winners[row] * self._runs).tolist()
             winner = (index, margin)
-        return Frame(number % 256, flags, computed % 65536, samples, outputs, point, winner)
+        theta = self.lessons.element(number) if self.lessons else None
+        return Frame(number % 256, flags, computed % 65536, samples, outputs, point, winner, theta)
 
     def _exchange(self, line: bytes) -> bytes:
         """Send what the line takes, take what has come, and return what is still to be sent."""

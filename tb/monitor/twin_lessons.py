@@ -34,10 +34,13 @@ class TwinLessons:
     def __init__(self, pupil: Pupil) -> None:
         self.pupil = pupil
         self.learn = False
+        # The known outputs, or the theta, that wait for the end of a frame.
         self._known: Codes | None = None
+        self._theta: Codes | None = None
         self._lesson_error = self._learn_error = False
         # Bytes come one after the other here, so a clock without one ends a packet.
-        self._receiver = LessonReceiver(pupil.taught.outputs, idle_clocks=1)
+        outputs, elements = pupil.taught.outputs, len(pupil.theta)
+        self._receiver = LessonReceiver(outputs, elements, idle_clocks=1)
         self._packet = b""
         self._place, self._byte_at = 0, 0.0
 
@@ -64,10 +67,20 @@ class TwinLessons:
             self._judge()
 
     def read(self, samples: Codes) -> None:
-        """A frame is computed from these samples; known outputs that wait are kept with them."""
+        """A frame is computed from these samples; known outputs that wait are kept with them.
+
+        Theta that waits is in use behind it.
+        """
         if self._known is not None:
             self.pupil.keep(samples, self._known)
-            self._known = None
+        if self._theta is not None:
+            self.pupil.put(self._theta)
+        self._known = self._theta = None
+
+    def element(self, number: int) -> tuple[int, int]:
+        """Number and code of the element of theta in a packet of this number."""
+        codes = self.pupil.codes
+        return number % len(codes), int(codes[number % len(codes)])
 
     def learn_for(self, seconds: float) -> None:
         """Compute equations for about so long."""
@@ -82,9 +95,10 @@ class TwinLessons:
         return [name for name, on in {**errors, "learning": self.learn}.items() if on]
 
     def _judge(self) -> None:
-        """Look at the packet so far. Behind it a frame ends, so that its known outputs leave."""
-        count, outputs = len(self._packet), self._receiver.outputs
-        none, behind = np.zeros(count, dtype=np.int64), np.zeros(1 + outputs, dtype=np.int64)
+        """Look at the packet so far. Behind it a frame ends, so that its codes leave."""
+        count = len(self._packet)
+        none = np.zeros(count, dtype=np.int64)
+        behind = np.zeros(1 + self._receiver.codes, dtype=np.int64)
         ends = np.append(none, behind)
         ends[count] = 1
         taught = self._receiver.process(
@@ -102,5 +116,10 @@ class TwinLessons:
         if taught.lesson_error[count] or taught.place[count - 1] < self._receiver.packet_bytes - 1:
             return
         self.learn = bool(taught.learn[count])
-        if taught.armed[count]:
-            self._known = taught.target_data[count + 1 :]
+        # A packet takes the place of one that waits.
+        self._known = self._theta = None
+        codes = taught.target_data[count + 1 :][taught.target_valid[count + 1 :]]
+        if taught.target_theta[count + 1 :].any():
+            self._theta = codes
+        elif len(codes):
+            self._known = codes

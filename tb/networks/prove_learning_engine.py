@@ -69,21 +69,30 @@ def whole_updates():
         name="whole updates",
         sentence="While a frame is computed, no equation is, and the theta that is read stays. "
         "It is exchanged in the clock after the last result of an equation in which no word of "
-        "the new theta was saturated, and in no other clock.",
+        "the new theta was saturated, and behind a stream of theta, and in no other clock. No "
+        "equation is computed between two words of such a stream.",
         states=(
             "!(frame_start || frame_run) || !studying",
             "!(ran_before && frame_run) || bank == bank_before",
-            "reset_before || (bank != bank_before) == (passed_before && !bad_before)",
+            "reset_before || (bank != bank_before) == ((passed_before && !bad_before) "
+            "|| put_before)",
+            "!partly || !(studying || opening || goes)",
         ),
         watch=BEFORE,
         helps=(ONE_AT_A_TIME,),
         # A part may end in any clock.
         free=(*FREE, "finish"),
-        reached=("frame_run && ran_before", "bank != bank_before && !reset_before"),
+        reached=(
+            "frame_run && ran_before",
+            "bank != bank_before && !reset_before",
+            "put_before && !reset_before",
+        ),
         refuted_by=(
             (r"lesson_control0_passed && \(!bad\)", "lesson_control0_passed"),
             (r"\(arrives \|\| taken\)", "taken"),
             (r"learn && ready &&", "learn &&"),
+            (r"\(put \|\| ", "(finish || "),
+            (r"\(stops \|\| telling\) \|\| partly", "stops || telling"),
         ),
         clocks=24,
     )
@@ -97,7 +106,7 @@ def refused_steps():
         "equation in which a word of the new theta was saturated. The theta that is read stays.",
         states=(
             "learn_error == (passed_before && bad_before)",
-            "!learn_error || bank == bank_before",
+            "!learn_error || put_before || bank == bank_before",
         ),
         watch=BEFORE,
         free=(*FREE, "finish"),
@@ -110,11 +119,13 @@ def refused_steps():
 
 BEFORE = """
     reg bank_before, ran_before = 0, passed_before = 0, bad_before, reset_before = 1;
+    reg put_before = 0;
     always @(posedge clk) begin
         bank_before <= bank;
         ran_before <= frame_run;
         passed_before <= lesson_control0_passed && !rst;
         bad_before <= bad;
+        put_before <= keep_run && finish && putting && !rst;
         reset_before <= rst;
     end
 """
