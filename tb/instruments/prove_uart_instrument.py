@@ -140,16 +140,19 @@ def lessons():
     streams = ("lesson_error lost", "learn_error refused", "learning learn", "line_error wrong")
     return Property(
         name="lessons",
-        sentence="Known outputs begin to leave only in the clock after the last output of a frame, "
-        "and the engine is given just these. It learns while the last right lesson says so, and "
-        "packets report that, the steps that it refuses, and the lessons, known outputs and bytes "
-        "that are refused.",
+        sentence="Known outputs and theta begin to leave only in the clock after the last output "
+        "of a frame, and the engine is given just these. It learns while the last right lesson "
+        "says so, and packets report that, the theta that it tells, the steps that it refuses, and "
+        "the lessons, known outputs and bytes that are refused.",
         states=(
             *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
             f"lost == ({LESSONS}.lesson_error || {engine}.target_error)",
             f"{engine}.learn == {LESSONS}.mode",
             f"{engine}.target_valid == target_valid && {engine}.target_data == target_data",
             f"{engine}.target_last == target_last && {LESSONS}.target_ready == target_ready",
+            f"{engine}.target_theta == target_theta && {LESSONS}.putting == target_theta",
+            f"{SENDER}.theta_valid == {engine}.theta_valid",
+            f"{SENDER}.theta_data == {engine}.theta_data",
             "!target_valid || leaving || ended",
         ),
         watch="""
@@ -170,6 +173,8 @@ def lessons():
             (r"(?s)(packet_sender u_.*?\.learn_error)\(\w+\)", r"\1(1'b0)"),
             (r"(?s)(packet_sender u_.*?\.learning)\(\w+\)", r"\1(1'b1)"),
             (r"(?s)(readout u_.*?\.learn)\(learn\)", r"\1(1'b1)"),
+            (r"(?s)(readout u_.*?\.target_theta)\(target_theta\)", r"\1(1'b0)"),
+            (r"(?s)(packet_sender u_.*?\.theta_valid)\(theta_valid\)", r"\1(1'b1)"),
             (r"misread \|\| target_error", "misread"),
             (r"frame_end = \(result_valid && result_last\)", "frame_end = result_last"),
         ),

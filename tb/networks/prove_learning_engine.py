@@ -91,8 +91,8 @@ def whole_updates():
             (r"lesson_control0_passed && \(!bad\)", "lesson_control0_passed"),
             (r"\(arrives \|\| taken\)", "taken"),
             (r"learn && ready &&", "learn &&"),
-            (r"\(put \|\| ", "(finish || "),
-            (r"\(stops \|\| telling\) \|\| partly", "stops || telling"),
+            (r"lesson_control0_put \|\| ", "finish || "),
+            (r"telling \|\| partly", "telling"),
         ),
         clocks=24,
     )
