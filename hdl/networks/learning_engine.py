@@ -124,7 +124,8 @@ def learning_engine(
     store_bit, output_bit, end_bit, product_bit = STORE[0], OUTPUT[0], END[0], PRODUCT[0]
     top_bit, theta_bit, sign_bit = addr_width - 1, addr_width - 2, WIDTH - 1
     samples, targets, theta_low = places.samples, places.targets, places.theta
-    final, more = places.unknowns - 1, OUTPUT_SHIFT - SAMPLE_SHIFT
+    final, less = places.unknowns - 1, WIDTH - 1
+    assert OUTPUT_SHIFT - SAMPLE_SHIFT == 1, "theta is scaled by one bit"
     less_two = (spec.outputs - 2) % (1 << target_width)
     theta_less_two = (places.unknowns - 2) % (1 << target_width)
     target_bits = places.target_width
@@ -380,7 +381,7 @@ def learning_engine(
     # A word has come in as a sample does, and theta is in the format of what leaves.
     @always_comb
     def scale():
-        put_word.next = data << more
+        put_word.next = concat(data[less:], nothing).signed()
 
     @always_comb
     def choose_word():
