@@ -39,7 +39,8 @@ FAULTS = [
     (r"count == \d+;(\s+end\s+else)", r"count == 0;\1"),
     (r"frame_end && armed", "armed"),
     (r"sending && target_ready", "sending"),
-    (r"check <= 65535", "check <= 0"),
+    # Not that of the reset: a packet begins with this one too.
+    (r"check <= 65535;(?=\s+end\s+else begin\s+check)", "check <= 0;"),
     (r"lesson_error <= wrong", "lesson_error <= 0"),
     (r"if \(rst == 1\) begin\s+armed", "if (0) begin armed"),
     (r"frame_end \|\| \(in_valid && \(place == 3\)\)", "frame_end"),
