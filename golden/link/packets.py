@@ -47,8 +47,8 @@ FLAGS = (
     "learning",
 )
 STATES = ("converter_error", "learning")
-# The bits of the first byte of a lesson: whether the board learns from now on, and whether its codes
-# are the known outputs of the next frame, or the theta that is used behind that frame.
+# The bits of the first byte of a lesson: whether the board learns from now on; whether the codes
+# are the known outputs of the next frame; whether they are the theta that is used behind that one.
 LESSON_BITS = ("learn", "known", "theta")
 FRAME_HEADER = 4
 MOST_PAYLOAD = 255
@@ -172,7 +172,8 @@ class FrameLayout:
             winner = (payload[at], int.from_bytes(payload[at + 1 : end], "big"))
         if self.learns:
             at, end = end, end + 1 + CODE_BYTES
-            theta = (payload[at], *_codes(payload[at + 1 : end]))
+            (code,) = _codes(payload[at + 1 : end])
+            theta = (payload[at], code)
         if self.drawn:
             x, y = _codes(payload[end + 1 :])
             point = (payload[end], x, y)

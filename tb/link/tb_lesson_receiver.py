@@ -36,7 +36,7 @@ FAULTS = [
     (r"mode <= learns", "mode <= 1"),
     (r"armed <= knows", "armed <= 1"),
     (r"putting <= puts", "putting <= 0"),
-    (r"count == \d+;(\s+end\s+else)", r"count == 0;\1"),
+    (r"if \(putting\) begin", "if (0) begin"),
     (r"frame_end && armed", "armed"),
     (r"sending && target_ready", "sending"),
     # Not that of the reset: a packet begins with this one too.
