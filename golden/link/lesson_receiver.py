@@ -130,12 +130,6 @@ class LessonReceiver(Block):
         )
 
     @property
-    def unreachable(self) -> dict[str, str]:
-        if self.outputs > 1:
-            return {}
-        return {"target_last=0": "the only known output is the last one"}
-
-    @property
     def data_flags(self) -> frozenset[str]:
         return frozenset({"target_last"})
 
