@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import tiered
+from copied import movable
 
 from golden.commands.image import main
 from golden.dense import Quantiser, Trained
@@ -38,12 +39,8 @@ SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 def reloadable(name: str, folder: Path, keys: str = "", design: str = "engine") -> Scene:
     """The networks of a shipped scene, on hardware that can be reloaded."""
-    path = scene_path(name)
-    text = path.read_text()
+    text = movable(scene_path(name))
     text = re.sub(r'design = "\w+"', f'design = "{design}"\nreload = true\n{keys}', text)
-    text = re.sub(
-        r'"([^"]+\.(?:csv|npz))"', lambda found: f'"{(path.parent / found[1]).resolve()}"', text
-    )
     file = folder / f"{name}.toml"
     file.write_text(text)
     return load_scene(str(file))

@@ -8,16 +8,16 @@ runs them, and CI draws a sample of them (``tests/sample.py``).
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from copied import movable
 from test_benches import check, check_clocks
 
 from golden.block import walk
-from golden.scene import load_scene, scene_names
+from golden.scene import load_scene, scene_names, scene_path
 from tb.common.runner import jobs, read_outcome
 from tb.common.tools import SIMULATORS
 
@@ -53,10 +53,8 @@ baud = 1_000_000
 @pytest.mark.parametrize("name", ["digit", "digit-load"])
 def test_the_benches_of_a_board_that_learns_are_green(name: str, tmp_path: Path) -> None:
     """Four outputs with a profile, and one output, whose only known output is the last one."""
-    shipped = load_scene(name).path
-    text = shipped.read_text().replace("clock_mhz = 64.0", 'clock_mhz = 25.0\nlearning = "lms"')
-    for place in re.findall(r'"([^"\n]+\.(?:csv|npz))"', text):
-        text = text.replace(f'"{place}"', f'"{(shipped.parent / place).resolve()}"')
+    text = movable(scene_path(name))
+    text = text.replace("clock_mhz = 64.0", 'clock_mhz = 25.0\nlearning = "lms"')
     drawn = '\n[visualisation]\nanalogue = "pulse_density"\n' if name == "digit" else ""
     own = tmp_path / f"{name}-learns.toml"
     own.write_text(text + LEARNS + drawn)

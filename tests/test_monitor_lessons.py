@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from copied import movable
 from pages import section
 from test_learning_engine import Desk, sent
 from test_monitor import BAUD, Still, browse, listening, plain, wait
@@ -38,7 +39,7 @@ from golden.recalibration.fit import fit
 from golden.recalibration.folder import corrected
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import Scene, load_scene
+from golden.scene import Scene, load_scene, scene_path
 from tb.common.small import LEARN_UART, LESSONS
 from tb.monitor.__main__ import main
 from tb.monitor.board import Board
@@ -53,16 +54,13 @@ from tb.monitor.twin_lessons import TwinLessons
 from tb.report.page.page import environment
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
-BOARD = Path(load_scene("digit-board").path)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
 
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     """Scene digit-board with an engine that learns in the place of one that is loaded."""
-    text = BOARD.read_text().replace("reload = true", 'learning = "lms"')
-    for folder in ("../../", "../"):
-        text = text.replace(f'"{folder}', f'"{(BOARD.parent / folder).resolve()}/')
+    text = movable(scene_path("digit-board")).replace("reload = true", 'learning = "lms"')
     path = tmp_path_factory.mktemp("learns") / "learn-board.toml"
     path.write_text(text)
     return load_scene(str(path))

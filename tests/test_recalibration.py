@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from copied import movable
 
 from golden.commands.recalibrate import main
 from golden.disturbance import Disturbance
@@ -477,9 +478,8 @@ def test_a_scene_in_raw_units_is_recalibrated_in_them(
 
 def reloadable(folder: Path) -> Scene:
     """The networks of the digit, on an engine that can be reloaded."""
-    path = scene_path("digit")
-    text = path.read_text().replace('design = "engine"', 'design = "engine"\nreload = true')
-    text = re.sub(r'"([^"]+\.(?:csv|npz))"', lambda f: f'"{(path.parent / f[1]).resolve()}"', text)
+    text = movable(scene_path("digit"))
+    text = text.replace('design = "engine"', 'design = "engine"\nreload = true')
     (folder / "digit.toml").write_text(text)
     return load_scene(str(folder / "digit.toml"))
 
