@@ -57,29 +57,34 @@ def test_a_fault_turns_the_bench_red(
     assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
 
 
-# A pattern in a matrix of a case, and the text that replaces it: negative results pass, halves
-# round away from the even code, others are taken for halves, and a result that is too large wraps.
-# In sums of three operands a sign is wrong, or a bit that passes beside an adder.
-FINISH_FAULTS = [
-    ("exact-graph", r"(rectify0_keep(?s:.*?)if \()word", r"\1!word"),
-    ("exact-graph", r"(word\[\d+\] = )0;", r"\g<1>1;"),
-    ("exact-graph", r"(tie_to_even0(?s:.*?)) == 0\)", r"\1 == 1)"),
-    ("exact-graph", r"else if \(\(?top == 0\)?\)", "else if (1)"),
-    ("operands-graph", r"turned \+ more", "turned - more"),
-    ("operands-graph", r"turned - more", "turned + more"),
-    ("operands-graph", r"turned - other", "turned + other"),
-    ("operands-graph", r"turned \+ other", "turned - other"),
-    ("operands-graph", r"(append0_total = \$signed\(\{add_three\d+_total, )", r"\1~"),
+# A block, one of its cases, a pattern and the text that replaces it, for what the first case of the
+# block lacks. In matrices, negative results pass, halves round away from the even code, others are
+# taken for halves, and a result that is too large wraps. In sums of three operands a sign is wrong,
+# or a bit that passes beside an adder. A packet holds another element of theta, or none is first.
+FAULTS_OF_CASES = [
+    ("constant_matrix", "exact-graph", r"(rectify0_keep(?s:.*?)if \()word", r"\1!word"),
+    ("constant_matrix", "exact-graph", r"(word\[\d+\] = )0;", r"\g<1>1;"),
+    ("constant_matrix", "exact-graph", r"(tie_to_even0(?s:.*?)) == 0\)", r"\1 == 1)"),
+    ("constant_matrix", "exact-graph", r"else if \(\(?top == 0\)?\)", "else if (1)"),
+    ("constant_matrix", "operands-graph", r"turned \+ more", "turned - more"),
+    ("constant_matrix", "operands-graph", r"turned - more", "turned + more"),
+    ("constant_matrix", "operands-graph", r"turned - other", "turned + other"),
+    ("constant_matrix", "operands-graph", r"turned \+ other", "turned - other"),
+    (
+        "constant_matrix",
+        "operands-graph",
+        r"(append0_total = \$signed\(\{add_three\d+_total, )",
+        r"\1~",
+    ),
+    ("packet_sender", "learn-uart", r"keep_element0_place == keep_element0_wanted", "1"),
+    ("packet_sender", "learn-uart", r"keep_element0_wanted <= 0", "keep_element0_wanted <= 1"),
 ]
 
 
-@pytest.mark.parametrize("number", tiered([0], range(1, len(FINISH_FAULTS))))
-def test_a_fault_of_a_finish_turns_the_bench_red(
-    shared: Shared, tmp_path: Path, number: int
-) -> None:
-    case, pattern, text = FINISH_FAULTS[number]
-    job = job_of(shared, "constant_matrix", pattern, case)
-    outcome = run_job(with_fault(job, tmp_path, pattern, text))
+@pytest.mark.parametrize("number", tiered([0], range(1, len(FAULTS_OF_CASES))))
+def test_a_fault_of_a_case_turns_the_bench_red(shared: Shared, tmp_path: Path, number: int) -> None:
+    block, case, pattern, text = FAULTS_OF_CASES[number]
+    outcome = run_job(with_fault(job_of(shared, block, pattern, case), tmp_path, pattern, text))
     assert not outcome.passed, f"{pattern} as {text}"
     assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
 

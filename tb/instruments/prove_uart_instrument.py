@@ -165,7 +165,7 @@ def lessons():
         free=(
             *("valid", "data", "last", "result_valid", "result", "result_last", "missing"),
             *("wrong", "heard_valid", "heard", "target_ready", "target_error", "refused"),
-            f"{LESSONS}.armed",
+            *(f"{LESSONS}.armed", f"{LESSONS}.putting"),
         ),
         reached=("ended && target_valid",),
         refuted_by=(

@@ -35,8 +35,6 @@ FAULTS = [
     (r"since_packet1_seen <= \(images && \(!begins\)\)", "since_packet1_seen <= images"),
     (r"next_point0_place == next_point0_wanted", "1"),
     (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
-    (r"keep_element0_place == keep_element0_wanted", "1"),
-    (r"keep_element0_wanted <= 0", "keep_element0_wanted <= 1"),
     (r"two_bytes\d+_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
     (r"out_ready && \(!sending\)", "(!sending)"),
     (r"if \(rst == 1\) begin", "if (0) begin"),
