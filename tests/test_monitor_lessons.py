@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from copied import movable
 from pages import section
 from test_learning_engine import Desk, sent
 from test_monitor import BAUD, Still, browse, listening, plain, wait
@@ -39,7 +38,7 @@ from golden.recalibration.fit import fit
 from golden.recalibration.folder import corrected
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import Scene, load_scene, scene_path
+from golden.scene import Scene, load_scene
 from tb.common.small import LEARN_UART, LESSONS
 from tb.monitor.__main__ import main
 from tb.monitor.board import Board
@@ -58,12 +57,8 @@ KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    """Scene digit-board with an engine that learns in the place of one that is loaded."""
-    text = movable(scene_path("digit-board")).replace("reload = true", 'learning = "lms"')
-    path = tmp_path_factory.mktemp("learns") / "learn-board.toml"
-    path.write_text(text)
-    return load_scene(str(path))
+def scene() -> Scene:
+    return load_scene("digit-learning")
 
 
 @pytest.mark.pages

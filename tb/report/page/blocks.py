@@ -44,8 +44,8 @@ README = ROOT / "docs" / "README.md"
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
 LEARNED = "comparison/digit-tables"
-# These are built with an engine that learns, alone and with a serial line.
-LEARNING = ("digit", "digit-board")
+# This is built with an engine that learns.
+LEARNING = "digit"
 # A counter of so many bits makes a scan long enough for every converter.
 WIDE = 13
 AREAS = (
@@ -76,7 +76,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
         if DESIGNS[scene.design] is Engine:
             yield (
                 scene.precision.name,
-                replace(scene, design=Hybrid.block, design_options={}).twin(),
+                replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
             )
         if isinstance(top, AdderGraph):
             yield scene.precision.name, replace(top, decides=True)
@@ -112,10 +112,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
     # No shipped scene has learned functions.
     learned = load_scene(LEARNED)
     yield learned.precision.name, learned.twin()
-    # Nor does one learn.
-    for name in LEARNING:
-        learning = replace(load_scene(name), learning="lms", design_options={})
-        yield learning.precision.name, learning.twin()
+    # Nor does an engine learn by a stream, without a line.
+    learning = replace(load_scene(LEARNING), learning="lms")
+    yield learning.precision.name, learning.twin()
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
