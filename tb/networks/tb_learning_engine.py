@@ -2,8 +2,9 @@
 
 Sweeps: all recorded frames of the scene; frames of random samples; known outputs that the networks
 would nearly give, random ones, and those at the ends of their range; more placements than are kept;
-theta that is put in, random and at its ends; frames, known outputs and theta that are too short or
-too long, and known outputs and theta without a frame before.
+theta that is put in, random, at its ends, and with gaps as long as the program; frames, known
+outputs and theta that are too short or too long, and known outputs and theta without a frame
+before.
 Drives: frames as close as the design takes them, closer, and so far apart that equations fit
 between them; samples with gaps, which stop equations; known outputs behind a frame, late, with
 gaps, and interrupted by the next frame; a mode that is switched on and off; resets at random
@@ -33,6 +34,7 @@ FAULTS = [
     (r"\{second\[17\], ", "{1'b0, "),
     (r"spoiled <= 1'b1", "spoiled <= 1'b0"),
     (r"jump <= \(", "jump <= !("),
+    (r"frame_run \|\| keep_run \|\| studying", "1'b1"),
 ]
 
 
@@ -90,14 +92,22 @@ async def theta_put_in(dut):
         player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=twin.interval)
         gap = int(rng.integers(0, 3 * twin.longest_equation)) * (n % 3 == 2)
         words = player.frame(codes, before=int(rng.integers(0, unknowns + 4)), gap=gap)
-        player.play([], words, learn=n % 2, clocks=60, theta=True)
+        player.play([], words, learn=n % 2, theta=True)
+        player.play([], [], learn=n % 2, clocks=60)
         # What is in use is read behind the next frames, some of which cut it.
         for _ in range(3):
             before = int(rng.integers(0, unknowns + 4))
             player.play(player.frame(random_elements(bench, twin.inputs), before), [], learn=0)
             player.play([], [], learn=0, clocks=twin.interval - twin.inputs)
         player.play([], [], clocks=3 * twin.longest_equation)
-    await player.check("theta put in", "steps taken", "corrected frames", at_least=12)
+    # Between two words the counter of the program passes everything that writes theta.
+    words = player.frame(random_elements(bench, unknowns), gap=1 << twin.program_addr_width)
+    player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=twin.interval)
+    player.play([], words, theta=True)
+    player.play([], [], clocks=60)
+    player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=2 * twin.interval)
+    timeline = await player.check("steps taken", "corrected frames", at_least=12)
+    assert timeline.met["theta put in"] == 13
 
 
 @cocotb.test()
