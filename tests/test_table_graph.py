@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from golden.dense import Dense, DenseNetwork
 from golden.function_network import FunctionNetwork
 from golden.input_error import InputError
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact, hidden_weights
 from golden.networks.settings import Settings
@@ -249,6 +250,32 @@ def test_a_scene_with_another_network_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r"mlp.toml: hardware.design: got 'table_graph' for a net"):
         load_scene(str(path)).twin()
+
+
+def test_it_finds_the_largest_output_where_asked(tmp_path: Path) -> None:
+    case = TABLE_GRAPHS["argmax-tables"]
+    design = case.scene(tmp_path, "decides").twin()
+    assert isinstance(design, TableGraph)
+    plain = replace(design, decides=False)
+    assert plain.argmax is None
+    assert isinstance(design.argmax, ArgmaxTree)
+    assert design.argmax in design.parts()
+    names = [port.name for port in plain.ports]
+    assert [port.name for port in design.ports if port.name not in names] == [
+        "winner_valid",
+        "winner_index",
+        "winner_margin",
+    ]
+    assert design.latency == plain.latency
+    codes = frames(2, count=2000)
+    winners, _ = design.argmax.process(design.process(codes))
+    # The bench meets a frame for each of its classes.
+    assert set(winners.tolist()) == {0, 1, 2}
+
+
+def test_one_output_has_no_largest() -> None:
+    with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
+        replace(graph(random_learned((1, 1, 1), 0, 1.0, 1)), decides=True)
 
 
 @pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])
