@@ -23,7 +23,7 @@ from golden.scene import Scene
 from golden.scene.scale import Scale, on_readings
 from golden.spline_layers import function_network
 from golden.splines import training as splines
-from golden.splines.loss import CrossEntropy, Squares
+from golden.splines.loss import SQUARES, CrossEntropy
 from golden.splines.training import Learned, SplineSettings
 from golden.task_errors import as_read, bit_true_error
 from golden.training.search import Result, shift_biases
@@ -58,7 +58,7 @@ def train(task: Task, hidden: int, number: int) -> Learned:
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    loss = CrossEntropy() if task.scene.labels else Squares()
+    loss = CrossEntropy() if task.scene.labels else SQUARES
     settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss)
     return splines.trained(settings, rng, task.training, task.validation)
 
@@ -95,10 +95,12 @@ def measured(task: Task, hidden: int, number: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
         _, network = as_read(task, as_layers(task, train(task, hidden, number), task.training))
-        errors = [bit_true_error(task, network, part) for part in (task.validation, task.test)]
+        validation, test = (
+            bit_true_error(task, network, part) for part in (task.validation, task.test)
+        )
     except InputError as error:
         return Result(hidden, number, float("inf"), float("inf"), str(error))
-    return Result(hidden, number, *errors)
+    return Result(hidden, number, validation, test)
 
 
 def search(task: Task, workers: int = -1) -> Iterator[Result]:

@@ -159,7 +159,9 @@ def test_classes_are_learned_and_pruned() -> None:
 
 def test_the_penalty_is_of_bends_and_size() -> None:
     like = network(1, 1)
-    aim = SplineObjective(like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())), Squares())
+    aim = SplineObjective(
+        like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())), Squares()
+    )
     straight = [np.arange(basis.count, dtype=float) for basis in (*like.bases, like.hidden)]
     point = np.append(np.concatenate(straight), 5.0)
     size = 0.01 * sum(float(part @ part) for part in straight)

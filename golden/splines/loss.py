@@ -40,6 +40,9 @@ class Squares:
         return self.errors(outputs, rows), weight[..., np.newaxis] * np.eye(weight.shape[1])
 
 
+SQUARES = Squares()
+
+
 @dataclass(frozen=True)
 class CrossEntropy:
     """The cross-entropy of outputs that are logits, with one-hot targets.

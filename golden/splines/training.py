@@ -11,7 +11,7 @@ from golden.real import Real
 from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import FLAT, STRAIGHT, Edges, bends
-from golden.splines.loss import Loss, Squares
+from golden.splines.loss import SQUARES, Loss
 from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Penalty, SplineObjective
 from golden.training.objective import Rows
@@ -52,7 +52,7 @@ class SplineSettings:
     size: float = SIZE
     steps: int = STEPS
     patience: int = PATIENCE
-    loss: Loss = Squares()
+    loss: Loss = SQUARES
 
 
 @dataclass(frozen=True)
@@ -169,4 +169,3 @@ def pruned(
         if error(found, validation) <= allowed:
             return found
     return learned
-

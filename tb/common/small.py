@@ -95,8 +95,8 @@ TREES = {name: DEEP_GRAPHS[name] for name in ("flat-graph", "relu-graph", "deep-
 ADDER_GRAPHS |= DEEP_GRAPHS
 
 # Networks of learned functions: sums that leave their words, as few bits as there may be, one
-# sensor, all bits of a sample, an adder between two registers, three operands, two networks, and one
-# that decides among classes.
+# sensor, all bits of a sample, an adder between two registers, three operands, two networks, and a
+# network that decides among classes.
 TABLE_GRAPH = Case(
     [(2, 2, 2)],
     "exact",

@@ -112,7 +112,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
     # No shipped scene has learned functions.
     learned = load_scene(LEARNED)
     for decides in (False, True):
-        yield learned.precision.name, replace(learned.twin(), decides=decides)
+        graph = learned.twin()
+        assert isinstance(graph, AtOnce)
+        yield learned.precision.name, replace(graph, decides=decides)
     # Nor does one learn.
     for name in LEARNING:
         learning = replace(load_scene(name), learning="lms", design_options={})
