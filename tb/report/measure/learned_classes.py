@@ -72,8 +72,8 @@ SEEDS = max(study.seeds for study in STUDIES)
 
 NOTES = {
     "learned_classes": "The figures are wrong decisions on held-out rows of scenes with classes, "
-    "of networks of learned functions and of MLPs with the shape of the scene's, in floating point on "
-    "coded samples. Each column 'wrong' is a split with starts of its own, the first that of the "
+    "of networks of learned functions and of MLPs with the shape of the scene's, in floating point "
+    "on coded samples. Each column 'wrong' is a split with starts of its own, the first that of the "
     "scene. Networks have as many candidates as column 'candidates' says, and the one with the "
     "fewest wrong decisions on the validation rows is taken, among equal ones that with the least "
     "cross-entropy there. 'In tables' are the same networks of functions as a table_graph with the "
