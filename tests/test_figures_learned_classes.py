@@ -30,8 +30,7 @@ class Fixed:
 def rows() -> dict[tuple[str, str], dict[str, object]]:
     table = table_records.read("learned_classes")
     return {
-        (str(row[0]), str(row[1])): dict(zip(table.columns, row, strict=True))
-        for row in table.rows
+        (str(row[0]), str(row[1])): dict(zip(table.columns, row, strict=True)) for row in table.rows
     }
 
 

@@ -157,6 +157,19 @@ def test_classes_are_learned_and_pruned() -> None:
     assert less.error(parts[1]) <= 1.02 * found.error(parts[1])
 
 
+def test_an_input_that_is_constant_in_training_does_no_harm() -> None:
+    """Another row may have another value of it, which then changes nothing."""
+    given = curve(60, 1)
+    given.inputs[:, 2] = 0.5
+    settings = SplineSettings(2, 2, 4, 1e-3, 1e-3)
+    found = trained(settings, np.random.default_rng(1), given, given)
+    assert rms(found, given) < 0.02
+    other = given.inputs.copy()
+    other[:, 2] = -0.5
+    np.testing.assert_allclose(found.process(other), found.process(given.inputs), atol=1e-12)
+    assert (found.edges.first == [CURVED, CURVED, FLAT]).all()
+
+
 def test_the_penalty_is_of_bends_and_size() -> None:
     like = network(1, 1)
     aim = SplineObjective(

@@ -17,8 +17,9 @@ from golden.splines.objective import Penalty, SplineObjective
 from golden.training.objective import Rows
 
 STEPS, PATIENCE, SIZE = 300, 40, 1e-6
-# The splines of an input reach beyond its range by this part of it.
-MARGIN = 0.01
+# The splines of an input reach beyond its range by this part of it, and by the second number where
+# the input is the same in all rows of training. Nothing can be learned of such an input.
+MARGIN, ALONE = 0.01, 1.0
 # For pruning: how much larger the error on validation rows may be, and the parts of the error of a
 # network that an edge may change, of which the largest that does not cost more is taken.
 COST = 1.02
@@ -120,7 +121,7 @@ def trained(
 ) -> Learned:
     """The network of one candidate."""
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)
-    margin = MARGIN * (high - low)
+    margin = np.where(high > low, MARGIN * (high - low), ALONE)
     bases = [
         Basis(float(a), float(b), settings.intervals)
         for a, b in zip(low - margin, high + margin, strict=True)
@@ -128,6 +129,7 @@ def trained(
     outputs = training.targets.shape[1]
     network = starting(bases, settings.hidden_intervals, settings.nodes, outputs, rng)
     edges = Edges.curved(network.shape)
+    edges = replace(edges, first=np.where(high > low, edges.first, FLAT))
     first = Learned(network, edges, settings, len(training.inputs))
     return first.descended(edges, training, validation)
 

@@ -83,9 +83,7 @@ def classes(table: Table) -> str:
         in_splits = ", ".join(count for count in counts if count != "None")
         in_tables = "" if row["in tables %"] is None else _figure(row["in tables %"])
         first = [f"`{row['scene']}`", *(str(row[name]) for name in heads[1:7])]
-        lines.append(
-            f"| {' | '.join([*first, in_splits, _figure(row['wrong %']), in_tables])} |"
-        )
+        lines.append(f"| {' | '.join([*first, in_splits, _figure(row['wrong %']), in_tables])} |")
     return "\n".join(lines)
 
 
