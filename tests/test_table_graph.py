@@ -12,6 +12,7 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.decisions import decisions_of, held_out_or_all
 from golden.dense import Dense, DenseNetwork
 from golden.function_network import FunctionNetwork
 from golden.input_error import InputError
@@ -23,6 +24,8 @@ from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import TableGraph
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
+from golden.scene_errors import provenances
+from hdl.synth.budget import budget_path, read_budget
 from tb.common.cases import random_learned
 from tb.common.small import TABLE_GRAPHS
 
@@ -307,3 +310,22 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     assert not design.saturations(codes)["layer of hidden sums"].any()
     real = scene.process_real(SIGNAL.to_real(codes))
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
+
+
+def test_the_scene_that_is_compared_with_wine_fast() -> None:
+    scene = load_scene("comparison/wine-tables")
+    design = scene.twin()
+    assert isinstance(design, TableGraph)
+    assert design.decides
+    assert design.interval == 1
+    every = decisions_of(scene)
+    held_out, _ = held_out_or_all(scene, every)
+    (story,) = provenances(scene)
+    wrong = 100 * (len(held_out.actual) - held_out.right) / len(held_out.actual)
+    assert wrong == pytest.approx(story["test_wrong_percent"], abs=1e-4)
+    assert len(held_out.actual) - held_out.right == 1
+    mine, other = (
+        read_budget(budget_path(one.path))["xc7"][one.twin().entity]["LUT"]
+        for one in (scene, load_scene("classes/wine-fast"))
+    )
+    assert mine < other
