@@ -13,7 +13,7 @@ from tb.report.measure import learned_classes, table_records
 from tb.report.measure.learned_classes import STUDIES, best, functions, mlp, wrong
 from tb.report.page import learned
 
-WINE, DIGITS = STUDIES
+(WINE,) = STUDIES
 
 
 class Fixed:
@@ -46,7 +46,7 @@ def test_each_scene_has_its_networks_and_splits(rows) -> None:
         counts = [count for count in found if count is not None]
         assert len(counts) == study.seeds
         assert row["wrong %"] == pytest.approx(100 * sum(counts) / row["held-out rows"])
-        assert (row["in tables %"] is not None) == (study.tabled and row["network"] != "MLP")
+        assert (row["in tables %"] is not None) == (row["network"] != "MLP")
 
 
 def test_pruning_leaves_fewer_curves(rows) -> None:
@@ -81,7 +81,7 @@ def test_fewest_wrong_decisions_choose_and_then_the_cross_entropy() -> None:
 
 def test_a_split_is_measured_as_it_was_recorded(rows) -> None:
     """With fewer candidates, which is quicker; the last bits of others may choose another one."""
-    few = replace(WINE, candidates=3, tabled=False)
+    few = replace(WINE, candidates=3)
     found = [mlp(few, 1), *functions(few, 2, 1)]
     names = ("MLP", "functions, 2 sums", "functions, 2 sums, pruned")
     for one, name in zip(found, names, strict=True):
@@ -94,5 +94,5 @@ def test_a_split_is_measured_as_it_was_recorded(rows) -> None:
 
 def test_a_record_is_stale_if_the_data_of_a_scene_change(monkeypatch: pytest.MonkeyPatch) -> None:
     before = table_records.state("learned_classes")
-    monkeypatch.setitem(table_records.OF_SCENES, "learned_classes", (DIGITS.scene,))
+    monkeypatch.setitem(table_records.OF_SCENES, "learned_classes", ("classes/digits",))
     assert table_records.state("learned_classes") != before

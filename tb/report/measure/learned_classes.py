@@ -48,8 +48,6 @@ class Study:
         How many splits there are; the first is that of the scene.
     candidates : int
         For each network; of functions a third with each penalty on bends.
-    tabled : bool
-        Whether the networks of functions are put into tables.
     """
 
     scene: str
@@ -58,13 +56,9 @@ class Study:
     steps: int
     seeds: int
     candidates: int
-    tabled: bool
 
 
-STUDIES = (
-    Study("classes/wine", (2, 3), 2, 200, seeds=5, candidates=6, tabled=True),
-    Study("classes/digits", (4,), 1, 25, seeds=2, candidates=3, tabled=False),
-)
+STUDIES = (Study("classes/wine", (2,), 2, 200, seeds=3, candidates=6),)
 SCENES = tuple(study.scene for study in STUDIES)
 # What a row tells of networks as a mean over the splits.
 MEANS = ("parameters", "curved", "straight")
@@ -103,7 +97,7 @@ class Found:
     rows, wrong : int
         The held-out rows, and on how many the decision is wrong.
     tabled : int or None
-        On how many it is wrong in small tables; None where this was not tried.
+        On how many it is wrong in small tables; None for an MLP.
     """
 
     parameters: int
@@ -172,10 +166,10 @@ def functions(study: Study, sums: int, seed: int) -> list[Found]:
     tried = [spline_training.train(task, sums, n) for n in range(study.candidates)]
     chosen = best(tried, task.validation)
     pruned = splines.pruned(chosen, task.training, task.validation, Learned.error)
-    return [_found(study, task, one) for one in (chosen, pruned)]
+    return [_found(task, one) for one in (chosen, pruned)]
 
 
-def _found(study: Study, task: Task, learned: Learned) -> Found:
+def _found(task: Task, learned: Learned) -> Found:
     kinds = learned.edges.kinds.tolist()
     return Found(
         learned.parameters,
@@ -183,7 +177,7 @@ def _found(study: Study, task: Task, learned: Learned) -> Found:
         wrong(learned, task.test),
         kinds.count(2),
         kinds.count(1),
-        _in_tables(task, learned) if study.tabled else None,
+        _in_tables(task, learned),
     )
 
 
