@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from golden.cross_entropy import curvature_roots, entropies, probabilities
 from golden.dense import Trained, layers_of, unpacked
 from golden.mlp import Activation, tanh
 from golden.real import Real
@@ -129,18 +130,14 @@ class LayeredObjective(Objective):
 class LabelledRows(Rows):
     """Rows with one-hot targets.
 
-    The outputs are logits: the probability of a class is its part of the sum of exp(output) over
-    all classes (softmax). The residual of a row is the root of its cross-entropy, the negative
-    logarithm of the probability of its own class. So the sum of squares is the cross-entropy.
+    The outputs are logits, and the residual of a row is the root of its cross-entropy. So the sum
+    of squares is the cross-entropy.
     """
 
     def residuals(self, network: Trained, activation: Activation) -> Real:
         """The residual of each row."""
         logits = network.process(self.inputs, activation)
-        own = (logits * self.targets).sum(axis=1, keepdims=True)
-        # One term of the sum is exp(0), so that no result is below 0.
-        entropy = np.logaddexp.reduce(logits - own, axis=1)
-        result: Real = np.sqrt(entropy)
+        result: Real = np.sqrt(entropies(logits, self.targets))
         return result
 
 
@@ -156,14 +153,10 @@ class ClassObjective(LayeredObjective):
     def curvature(self, vector: Real) -> Real:
         """The generalised Gauss-Newton matrix of the value, shape (weights, weights).
 
-        By the logits, the second derivatives of the cross-entropy of a row are diag(p) - p p', with
-        the probabilities p of the classes. This is S S' with S = diag(sqrt p) - p sqrt(p)'.
+        The second derivatives by the logits are carried to the weights; see ``curvature_roots``.
         """
         network = self.network(vector)
-        parts = self._probabilities(network)
-        roots = np.sqrt(parts)[:, np.newaxis, :]
-        # The rows of ``back`` are the columns of S.
-        back = np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]
+        back = curvature_roots(self._probabilities(network))
         slopes = self._derivatives(network, back).reshape(-1, len(vector))
         result: Real = slopes.T @ slopes + 2 * self.weight_decay * np.eye(len(vector))
         return result
@@ -181,7 +174,4 @@ class ClassObjective(LayeredObjective):
 
     def _probabilities(self, network: Trained) -> Real:
         """The probability of each class for each training row, shape (rows, classes)."""
-        logits = network.process(self.training.inputs, self.activation)
-        parts = np.exp(logits - logits.max(axis=1, keepdims=True))
-        result: Real = parts / parts.sum(axis=1, keepdims=True)
-        return result
+        return probabilities(network.process(self.training.inputs, self.activation))

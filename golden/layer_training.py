@@ -23,13 +23,12 @@ from golden.function import Function, by_name, functions_of
 from golden.input_error import InputError
 from golden.layer_digits import ClassDigits, LayerDigits
 from golden.layer_objective import ClassObjective, LabelledRows, LayeredObjective
-from golden.real import Real
 from golden.scene import Scene
-from golden.scene.labels import wrong_percent
 from golden.scene.scale import Scale, on_readings, on_signals, signals
+from golden.task_errors import as_read, bit_true_error
 from golden.training.few_digits import with_few_digits
 from golden.training.objective import Rows
-from golden.training.search import OPTIMISERS, Result, shift_biases, signed_errors
+from golden.training.search import OPTIMISERS, Result, shift_biases
 from golden.training.task import Frames, Task, task_for
 
 CLASS_OPTIMISERS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_descent.descend}
@@ -110,35 +109,6 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
     point = objective.search(optimisers[settings.optimiser], point, settings.steps)
     network = on_readings(unpacked(point, like), normal, plain)
     return network if task.scene.labels else shift_biases(task, network, training)
-
-
-def as_read(task: Task, network: Trained) -> tuple[Trained, Trained]:
-    """A trained network as a file holds it, and as it is read from there."""
-    scene = task.scene
-    inputs, outputs = scene.scales_of(task.number)
-    file = on_readings(network, inputs, outputs)
-    return file, on_signals(file, *scene.scales_as_read(file, task.number))
-
-
-def percent_errors(task: Task, network: Trained, frames: Frames) -> Real:
-    """Bit-true errors in percent, shape (rows, outputs).
-
-    They have their signs or, of a class, are those of ``wrong_percent``.
-    """
-    if task.scene.labels:
-        return wrong_percent(task.bit_true(network, frames), frames.targets)
-    return signed_errors(task, network, frames)
-
-
-def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
-    """The figure that chooses among restarts: the root mean square of the bit-true errors.
-
-    If the scene has classes, it is the part of the frames with a wrong decision, in percent.
-    """
-    errors = percent_errors(task, network, frames)
-    if task.scene.labels:
-        return float(errors.max(axis=1).mean())
-    return float(np.sqrt((errors**2).mean()))
 
 
 def widths(low: int, high: int) -> list[int]:

@@ -2,8 +2,9 @@
 
 A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
 functions, and a random start (``golden.splines``). The one with the least bit-true error on the
-validation rows is chosen. Then edges become straight, or are left out, where that costs next to
-nothing, and with ``training.refit`` the network is trained on with more rows.
+validation rows is chosen; where the scene has classes, that is the one with the fewest wrong
+decisions. Then edges become straight, or are left out, where that costs next to nothing, and with
+``training.refit`` the network is trained on with more rows.
 """
 
 from __future__ import annotations
@@ -19,17 +20,21 @@ from golden.candidate_runs import in_order
 from golden.dense import DenseNetwork, Trained
 from golden.input_error import InputError
 from golden.scene import Scene
-from golden.scene.scale import on_readings, on_signals
+from golden.scene.scale import Scale, on_readings
 from golden.spline_layers import function_network
 from golden.splines import training as splines
+from golden.splines.loss import SQUARES, CrossEntropy
 from golden.splines.training import Learned, SplineSettings
-from golden.training.objective import Rows
-from golden.training.search import Result, bit_true_errors, shift_biases
+from golden.task_errors import as_read, bit_true_error
+from golden.training.search import Result, shift_biases
 from golden.training.task import Frames, Task, task_for
 
-# Intervals of the splines of a hidden sum, and the penalties on bends that are tried.
+# Intervals of the splines of a hidden sum.
 HIDDEN_INTERVALS = 4
+# The penalties on bends that are tried, and those for classes: the cross-entropy of a row is larger
+# than the square of an error.
 BENDS = (0.01, 0.03, 0.1)
+CLASS_BENDS = (0.1, 0.3, 1.0)
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:
@@ -43,7 +48,8 @@ def candidates(task: Task) -> list[tuple[int, int]]:
 def choices(scene: Scene) -> list[tuple[int, float, int]]:
     """Intervals of an input, penalty and random start of each candidate with the same sums."""
     settings = scene.training
-    return list(product(settings.intervals, BENDS, range(settings.restarts)))
+    bends = CLASS_BENDS if scene.labels else BENDS
+    return list(product(settings.intervals, bends, range(settings.restarts)))
 
 
 def train(task: Task, hidden: int, number: int) -> Learned:
@@ -52,12 +58,15 @@ def train(task: Task, hidden: int, number: int) -> Learned:
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent)
+    loss = CrossEntropy() if task.scene.labels else SQUARES
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss)
     return splines.trained(settings, rng, task.training, task.validation)
 
 
 def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
     """A network for hardware, with the constants of its outputs as these frames want them.
+
+    If the scene has classes, its outputs are logits, which nothing shifts.
 
     Raises
     ------
@@ -66,14 +75,29 @@ def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
     """
     earlier = frames.inputs.shape[1] - task.scene.members[0].inputs
     network = function_network(learned, frames.inputs, earlier).layers()
-    return shift_biases(task, network, frames)
+    if not task.scene.labels:
+        return shift_biases(task, network, frames)
+    # The functions have to fill the words of logits as the network is read. They are made again in
+    # this measure, and the last layer has the weights for it.
+    scale = class_scale(task, network)
+    network = function_network(learned.divided(scale.factor), frames.inputs, earlier).layers()
+    outputs = [scale] * network.shape[-1]
+    return on_readings(network, [Scale()] * network.shape[0], outputs)
+
+
+def class_scale(task: Task, network: DenseNetwork) -> Scale:
+    """The scale of the logits of a network when it is read from its file."""
+    file, _ = as_read(task, network)
+    return task.scene.scales_as_read(file, task.number)[1][0]
 
 
 def measured(task: Task, hidden: int, number: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
-        network = as_layers(task, train(task, hidden, number), task.training)
-        validation, test = bit_true_errors(task, network)
+        _, network = as_read(task, as_layers(task, train(task, hidden, number), task.training))
+        validation, test = (
+            bit_true_error(task, network, part) for part in (task.validation, task.test)
+        )
     except InputError as error:
         return Result(hidden, number, float("inf"), float("inf"), str(error))
     return Result(hidden, number, validation, test)
@@ -109,7 +133,7 @@ class SplineStages:
         """
         task = self.task(self.chosen, len(self.chosen))
         found = train(task, hidden, number)
-        found = splines.pruned(found, task.training, task.validation, _rms)
+        found = splines.pruned(found, task.training, task.validation, Learned.error)
         stages = [(self.chosen, found, task.training, task)]
         if self.scene.training.refit:
             for networks, part in ((self.tested, "known"), (self.written, "every")):
@@ -118,20 +142,9 @@ class SplineStages:
                 stages.append((networks, splines.refitted(found, frames), frames, own))
         else:
             stages += [(self.tested, *stages[0][1:]), (self.written, *stages[0][1:])]
-        made = [self._as_read(as_layers(own, one, frames)) for _, one, frames, own in stages]
+        made = [as_read(own, as_layers(own, one, frames)) for _, one, frames, own in stages]
         for (networks, *_), (_, read) in zip(stages, made, strict=True):
             networks.append(read)
         self.files.append(made[-1][0])
         kinds = found.edges.kinds.tolist()
         self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})
-
-    def _as_read(self, network: DenseNetwork) -> tuple[Trained, Trained]:
-        """The network as a file holds it, and as it is read from the file."""
-        scales = self.scene.scales_of(len(self.files))
-        file = on_readings(network, *scales)
-        return file, on_signals(file, *scales)
-
-
-def _rms(learned: Learned, rows: Rows) -> float:
-    errors = (learned.process(rows.inputs) - rows.targets) / rows.scale
-    return float(np.sqrt((errors**2).mean()))

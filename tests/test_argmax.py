@@ -123,7 +123,8 @@ def test_a_profile_is_drawn_of_held_outputs(tmp_path: Path) -> None:
 REFUSED = [
     (
         replace(ADDER_GRAPH, activation="gradient", design="parallel"),
-        "got 'parallel' with argmax, expected adder_graph or engine or hybrid or lanes, because",
+        "got 'parallel' with argmax, expected adder_graph or engine or hybrid or lanes or "
+        "table_graph, because",
     ),
     (
         replace(ADDER_GRAPH, interface="axi_stream"),

@@ -10,14 +10,23 @@ import numpy as np
 import pytest
 
 from golden.commands import train as command
+from golden.decisions import decisions_of
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from golden.spline_layers import function_network
-from golden.spline_training import SplineStages, candidates, choices, train
+from golden.spline_training import (
+    SplineStages,
+    as_layers,
+    candidates,
+    choices,
+    measured,
+    train,
+)
 from golden.splines import training as splines
 from golden.splines.training import Learned, SplineSettings
+from golden.task_errors import as_read
 from golden.training.objective import Rows
 from golden.training.search import bit_true_error
 
@@ -150,19 +159,82 @@ def test_scenes_that_have_no_learned_functions(
         load_scene(str(scene.path))
 
 
-def test_classes_have_no_learned_functions(scene: Scene) -> None:
-    changes = [
-        ('outputs = ["u", "v"]', 'classes = "u"'),
-        ('arrangement = "cascade"', 'arrangement = "single"'),
-        ('["u.npz", "v.npz"]', '"u.npz"'),
-    ]
-    text = scene.path.read_text()
-    for old, new in changes:
-        text = text.replace(old, new, 1)
-    scene.path.write_text(text)
-    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
-    for n, line in enumerate(lines[1:]):
-        line[3] = str(n % 2)
-    scene.data_path.write_text("\n".join(map(",".join, lines)) + "\n")
-    with pytest.raises(InputError, match=r"got 'spline' with data\.classes, expected data"):
-        load_scene(str(scene.path))
+RINGS = """
+[data]
+file = "rings.csv"
+sensors = ["a", "b"]
+classes = "ring"
+
+[network]
+arrangement = "single"
+weights = "rings.npz"
+
+[hardware]
+{hardware}
+precision = "exact"
+activation = "precise"
+
+[training]
+functions = "spline"
+hidden = [1, 2]
+intervals = [2]
+restarts = 1
+steps = 60
+weight_decay = 0.01
+refit = true
+"""
+TABLES = 'design = "table_graph"\nargmax = true\nsample_bits = 8\nhidden_bits = 8'
+
+
+def rings(folder: Path, hardware: str) -> Scene:
+    """Points in a disc and in two rings around it, which one sum of parabolas tells apart."""
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-0.7, 0.7, (180, 2))
+    radius = np.sqrt((points**2).sum(axis=1))
+    labels = np.array(["disc", "inner", "outer"])[np.digitize(radius, (0.35, 0.55))]
+    lines = [f"{a:.4f},{b:.4f},{label}" for (a, b), label in zip(points, labels, strict=True)]
+    (folder / "rings.csv").write_text("\n".join(["a,b,ring", *lines]) + "\n")
+    path = folder / "rings.toml"
+    path.write_text(RINGS.format(hardware=hardware))
+    return load_scene(str(path))
+
+
+@pytest.mark.parametrize("hardware", [TABLES, 'design = "engine"\nsegment_width = 11'])
+def test_it_learns_classes(tmp_path: Path, hardware: str) -> None:
+    """The decisions of the hardware are those of the file, and hardly any is wrong."""
+    scene = rings(tmp_path, hardware)
+    command.train_scene(scene, tmp_path / "build", 1)
+    scene = load_scene(str(scene.path))
+    story = tomllib.loads(provenance_path(scene.weights_paths[0]).read_text())
+    decisions = decisions_of(scene)
+    wrong = 100 * (decisions.bit_true != decisions.actual).mean()
+    assert story["every_wrong_percent"] == pytest.approx(wrong, abs=1e-4)
+    assert (story["functions"], story["candidates"]) == ("spline", 6)
+    # Whoever always said "outer" would be wrong in every second row.
+    assert story["every_wrong_percent"] < 5
+    assert story["test_wrong_percent"] < 10
+    assert decisions.differ <= 2
+    # The file holds logits, and the functions fill the words of an output, of which at least a
+    # quarter is used.
+    (network,) = scene.networks()
+    codes = scene.vectors().codes
+    assert 0.4 < np.abs(network.process(SIGNAL.to_real(codes))).max() < 1
+    assert story["curved_edges"] > 0
+
+
+def test_candidates_for_classes_are_chosen_by_decisions(tmp_path: Path) -> None:
+    scene = rings(tmp_path, TABLES)
+    task = SplineStages(scene).task([], 0)
+    found = measured(task, 1, 0)
+    _, network = as_read(task, as_layers(task, train(task, 1, 0), task.training))
+    for frames, error in ((task.validation, found.validation), (task.test, found.test)):
+        decided = task.bit_true(network, frames).argmax(axis=1)
+        assert error == 100 * (decided != frames.targets.argmax(axis=1)).mean()
+
+
+def test_what_hardware_cannot_compute_is_a_refused_candidate(tmp_path: Path) -> None:
+    scene = rings(tmp_path, TABLES)
+    options = {**scene.design_options, "hidden_bits": 99}
+    found = measured(SplineStages(replace(scene, design_options=options)).task([], 0), 1, 0)
+    assert found.validation == float("inf")
+    assert "hidden_bits: got 99" in found.refused

@@ -12,9 +12,10 @@ from golden.real import Real
 from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
+from golden.splines.loss import CrossEntropy, Squares
 from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Penalty, SplineObjective
-from golden.splines.training import SplineSettings, pruned, refitted, trained
+from golden.splines.training import Learned, SplineSettings, pruned, refitted, trained
 from golden.training.objective import Rows
 
 BASIS = Basis(-0.5, 1.5, 4)
@@ -87,7 +88,7 @@ def test_derivatives_are_differences(kind: int) -> None:
     like = network()
     edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
     freedom = edges.freedom(like)
-    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom)
+    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom, Squares())
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     errors, jacobian = aim.jacobian(point)
     np.testing.assert_allclose(errors, aim.errors(point).ravel())
@@ -99,9 +100,81 @@ def test_derivatives_are_differences(kind: int) -> None:
     np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
 
 
+def labelled(count: int = 40, classes: int = 3, seed: int = 2) -> Rows:
+    """Rows of random classes."""
+    rng = np.random.default_rng(seed)
+    targets = np.eye(classes)[rng.integers(0, classes, count)]
+    return Rows(rng.uniform(-1, 1.5, (count, 3)), targets, np.ones_like(targets))
+
+
+@pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
+def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
+    like = network(outputs=3)
+    edges = Edges.curved(like.shape).with_kind(1, kind)
+    freedom = edges.freedom(like)
+    given = labelled()
+    aim = SplineObjective(like, given, Penalty(0.3, 0.01), freedom, CrossEntropy())
+    point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
+    logits = aim.network(point).process(given.inputs)
+    parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
+    entropy = -np.log(parts[given.targets == 1]).sum()
+    assert aim.value(point) == pytest.approx(entropy + point @ aim.stiffness @ point)
+    value, gradient, hessian = aim.around(point)
+    assert value == pytest.approx(aim.value(point))
+    np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
+    expected = aim.stiffness.copy()
+    slopes = differences(lambda p: aim.network(p).process(given.inputs), point)
+    for row, by_row in zip(parts, np.moveaxis(slopes, 0, -1), strict=True):
+        expected += by_row.T @ (np.diag(row) - np.outer(row, row)) @ by_row / 2
+    np.testing.assert_allclose(hessian, expected, atol=1e-6)
+
+
+def test_a_class_without_any_probability_has_a_gradient() -> None:
+    given = Rows(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]]), np.ones((1, 3)))
+    misses, roots = CrossEntropy().around(np.array([[2000.0, 0.0, 0.0]]), given)
+    np.testing.assert_allclose(np.einsum("rq,rqo->ro", misses, roots), [[0.5, -0.5, 0.0]])
+
+
+def test_classes_are_learned_and_pruned() -> None:
+    """A class is decided by one input of three, of which the others tell nothing."""
+    rng = np.random.default_rng(4)
+
+    def drawn(count: int) -> Rows:
+        inputs = rng.uniform(-1, 1, (count, 3))
+        inside = np.abs(inputs[:, 0]) + 0.1 * rng.normal(size=count) < 0.5
+        targets = np.eye(2)[inside.astype(int)]
+        return Rows(inputs, targets, np.ones_like(targets))
+
+    parts = drawn(200), drawn(200)
+    settings = SplineSettings(1, 4, 4, 0.1, 0.1, loss=CrossEntropy())
+    found = trained(settings, np.random.default_rng(1), *parts)
+    less = pruned(found, *parts, Learned.error)
+    for one in (found, less):
+        wrong = one.process(parts[1].inputs).argmax(axis=1) != parts[1].targets.argmax(axis=1)
+        assert wrong.mean() < 0.15
+    assert found.edges.first.tolist() == [[CURVED] * 3]
+    assert less.edges.first.tolist() == [[CURVED, FLAT, FLAT]]
+    assert less.error(parts[1]) <= 1.02 * found.error(parts[1])
+
+
+def test_an_input_that_is_constant_in_training_does_no_harm() -> None:
+    """Another row may have another value of it, which then changes nothing."""
+    given = curve(60, 1)
+    given.inputs[:, 2] = 0.5
+    settings = SplineSettings(2, 2, 4, 1e-3, 1e-3)
+    found = trained(settings, np.random.default_rng(1), given, given)
+    assert rms(found, given) < 0.02
+    other = given.inputs.copy()
+    other[:, 2] = -0.5
+    np.testing.assert_allclose(found.process(other), found.process(given.inputs), atol=1e-12)
+    assert (found.edges.first == [CURVED, CURVED, FLAT]).all()
+
+
 def test_the_penalty_is_of_bends_and_size() -> None:
     like = network(1, 1)
-    aim = SplineObjective(like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())))
+    aim = SplineObjective(
+        like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())), Squares()
+    )
     straight = [np.arange(basis.count, dtype=float) for basis in (*like.bases, like.hidden)]
     point = np.append(np.concatenate(straight), 5.0)
     size = 0.01 * sum(float(part @ part) for part in straight)
@@ -114,13 +187,13 @@ def test_the_penalty_is_of_bends_and_size() -> None:
 def test_a_descent_ends_lower_and_early() -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
-    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom)
+    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom, Squares())
     start = like.packed()
     assert aim.value(descend(aim, start, 50)) < 0.05 * aim.value(start)
     np.testing.assert_array_equal(descend(aim, start, 0), start)
     # The other rows are those of the start, so any step leads away from them.
     here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = SplineObjective(like, here, Penalty(0), freedom)
+    watched = SplineObjective(like, here, Penalty(0), freedom, Squares())
     near = stopped_early(aim, start, 50, watched, 3)
     assert aim.value(near) < aim.value(start)
     assert watched.value(near) < watched.value(descend(aim, start, 50))
@@ -129,9 +202,9 @@ def test_a_descent_ends_lower_and_early() -> None:
 def test_patience_ends_a_descent(monkeypatch: pytest.MonkeyPatch) -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
-    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom)
+    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom, Squares())
     here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = SplineObjective(like, here, Penalty(0), freedom)
+    watched = SplineObjective(like, here, Penalty(0), freedom, Squares())
     errors, seen = SplineObjective.errors, []
 
     def counted(self: SplineObjective, parameters: Real) -> Real:

@@ -12,9 +12,11 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.decisions import decisions_of, held_out_or_all
 from golden.dense import Dense, DenseNetwork
 from golden.function_network import FunctionNetwork
 from golden.input_error import InputError
+from golden.layers.argmax_tree import ArgmaxTree
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact, hidden_weights
 from golden.networks.settings import Settings
@@ -22,6 +24,8 @@ from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import TableGraph
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
+from golden.scene_errors import provenances
+from hdl.synth.budget import budget_path, read_budget
 from tb.common.cases import random_learned
 from tb.common.small import TABLE_GRAPHS
 
@@ -251,6 +255,32 @@ def test_a_scene_with_another_network_is_refused(tmp_path: Path) -> None:
         load_scene(str(path)).twin()
 
 
+def test_it_finds_the_largest_output_where_asked(tmp_path: Path) -> None:
+    case = TABLE_GRAPHS["argmax-tables"]
+    design = case.scene(tmp_path, "decides").twin()
+    assert isinstance(design, TableGraph)
+    plain = replace(design, decides=False)
+    assert plain.argmax is None
+    assert isinstance(design.argmax, ArgmaxTree)
+    assert design.argmax in design.parts()
+    names = [port.name for port in plain.ports]
+    assert [port.name for port in design.ports if port.name not in names] == [
+        "winner_valid",
+        "winner_index",
+        "winner_margin",
+    ]
+    assert design.latency == plain.latency
+    codes = frames(2, count=2000)
+    winners, _ = design.argmax.process(design.process(codes))
+    # The bench meets a frame for each of its classes.
+    assert set(winners.tolist()) == {0, 1, 2}
+
+
+def test_one_output_has_no_largest() -> None:
+    with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
+        replace(graph(random_learned((1, 1, 1), 0, 1.0, 1)), decides=True)
+
+
 @pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])
 @pytest.mark.parametrize("bits", [3, 15])
 def test_bits_out_of_range_are_refused(key: str, bits: int) -> None:
@@ -280,3 +310,22 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     assert not design.saturations(codes)["layer of hidden sums"].any()
     real = scene.process_real(SIGNAL.to_real(codes))
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
+
+
+def test_the_scene_that_is_compared_with_wine_fast() -> None:
+    scene = load_scene("comparison/wine-tables")
+    design = scene.twin()
+    assert isinstance(design, TableGraph)
+    assert design.decides
+    assert design.interval == 1
+    every = decisions_of(scene)
+    held_out, _ = held_out_or_all(scene, every)
+    (story,) = provenances(scene)
+    wrong = 100 * (len(held_out.actual) - held_out.right) / len(held_out.actual)
+    assert wrong == pytest.approx(story["test_wrong_percent"], abs=1e-4)
+    assert len(held_out.actual) - held_out.right == 1
+    mine, other = (
+        read_budget(budget_path(one.path))["xc7"][one.twin().entity]["LUT"]
+        for one in (scene, load_scene("classes/wine-fast"))
+    )
+    assert mine < other

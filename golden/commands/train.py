@@ -21,13 +21,7 @@ from golden.dense import Trained
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.layer_training import (
-    LayersResult,
-    LayerStages,
-    bit_true_error,
-    layers_searched,
-    percent_errors,
-)
+from golden.layer_training import LayersResult, LayerStages, layers_searched
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.progress import Progress
 from golden.rig import class_counts
@@ -37,6 +31,7 @@ from golden.scene.schema import FEWEST
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
 from golden.spline_training import SplineStages
+from golden.task_errors import bit_true_error, percent_errors
 from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
@@ -109,6 +104,8 @@ def nodes_of(result: Result) -> str:
 
 def has_layers(scene: Scene) -> bool:
     """Whether training is that of ``golden.layer_training``: of any layers, and of classes."""
+    if scene.training.functions:
+        return False
     return bool(scene.labels or scene.members[0].layers or scene.training.layers)
 
 

@@ -18,12 +18,11 @@ from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
 from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
-from golden.layers.argmax_tree import ArgmaxTree
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.mlp import Mlp
+from golden.networks.at_once import AtOnce
 from golden.networks.constants import Constants, Layer, constants_of
-from golden.networks.design import Design
 from golden.networks.network import CHUNK
 from golden.networks.settings import Settings
 from golden.networks.whole_layers import (
@@ -34,7 +33,6 @@ from golden.networks.whole_layers import (
     tabled,
     whole_layers,
 )
-from golden.port import Port
 from golden.precision import EXACT, SIGNAL
 
 # The options of a scene that does not set them: the most adders between two registers, the most
@@ -44,7 +42,7 @@ OPTIONS = {"adders_per_clock": 5, "adder_operands": 2, "word_width": 0, "search_
 
 
 @dataclass(frozen=True)
-class AdderGraph(Design):
+class AdderGraph(AtOnce):
     """Layer after layer; shifted adds form all sums of a layer together, without a multiplier.
 
     Parameters
@@ -57,8 +55,6 @@ class AdderGraph(Design):
         can need.
     constant_nodes : int
         Hidden nodes that are not built, because they never change: they are part of biases.
-    decides : bool
-        Whether there are the index and the margin of the largest output.
     ranges : tuple of Range
         Of the hidden layers in which saturation would be an error.
 
@@ -76,13 +72,12 @@ class AdderGraph(Design):
     arrangements = together = ("single", "multiple")
     precisions = (EXACT.name,)
     known_activations = ("bipartite",)
-    half_codes = decides_itself = True
+    half_codes = True
     options = tuple(OPTIONS)
     stream = "words"
     layers: tuple[ConstantMatrix, ...]
     activations: tuple[tuple[Bipartite, ...], ...]
     constant_nodes: int = field(default=0, kw_only=True)
-    decides: bool = field(default=False, kw_only=True)
     ranges: tuple[Range, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -204,15 +199,6 @@ class AdderGraph(Design):
     @property
     def outputs(self) -> int:
         return len(self.layers[-1].weights)
-
-    @property
-    def argmax(self) -> ArgmaxTree | None:
-        return ArgmaxTree(SIGNAL, self.outputs) if self.decides else None
-
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        winner = self.argmax.serial.result_ports("winner") if self.argmax else ()
-        return (*super().ports, *winner)
 
     @property
     def unreachable(self) -> dict[str, str]:

@@ -15,7 +15,7 @@ from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
-from golden.networks.design import Design
+from golden.networks.at_once import AtOnce
 from golden.networks.function_sums import FunctionSum, FunctionSums, beside, function_sums
 from golden.networks.left_out import left_out, of_useless_nodes
 from golden.networks.oracle import error_bounds, exact, hidden_weights
@@ -44,7 +44,7 @@ EMPTY = SmallTable(0, TablePart(1), (0, 0))
 
 
 @dataclass(frozen=True)
-class TableGraph(Design):
+class TableGraph(AtOnce):
     """Two layers of sums of functions; each function is a sum of small tables.
 
     Parameters
@@ -90,6 +90,7 @@ class TableGraph(Design):
     constant_nodes: int = field(default=0, kw_only=True)
 
     def __post_init__(self) -> None:
+        _ = self.argmax
         for tables, matrix, words in (
             (self.first, self.hidden, self.samples),
             (self.second, self.output, len(self.hidden.weights)),
@@ -166,7 +167,7 @@ class TableGraph(Design):
         return InputController(1, 0)
 
     def parts(self) -> tuple[Block, ...]:
-        return self.hidden, self.output
+        return self.hidden, self.output, *([self.argmax] if self.argmax else [])
 
     def hidden_words(self, frames: Codes) -> Codes:
         """What the tables of samples give, shape (frames, tables)."""

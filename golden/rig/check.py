@@ -287,7 +287,7 @@ def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
         members = []
         for number, member in enumerate(scene.members):
             hiddens = member.layers or (member.hidden,) * (member.hidden > 0)
-            if not hiddens and (settings.layers or not scene.labels):
+            if not hiddens and (settings.layers or settings.functions or not scene.labels):
                 hiddens = hidden
             widths = (member.inputs, *hiddens, len(member.outputs))
             path = Path(folder) / f"{number}.npz"

@@ -13,8 +13,8 @@ from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.instruments.uart_instrument import UartInstrument
 from golden.mlp import Mlp
-from golden.networks.adder_graph import AdderGraph
 from golden.networks.arrangement import arrange
+from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
 from golden.networks.design import Design
@@ -65,7 +65,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     drawn = scene.visualisation
     # Outputs are held for whoever looks at an instrument or at a profile.
     holds = drawn is not None or scene.front_end is not None
-    if scene.argmax and isinstance(network, AdderGraph):
+    if scene.argmax and isinstance(network, AtOnce):
         return replace(network, decides=True)
     if not holds and not scene.argmax:
         return network

@@ -159,7 +159,8 @@ TRAINING = KeyTable(
             "",
             "`spline` trains [networks of learned functions](learned-functions.md) in the place of "
             "networks of tanh: `hidden` is then the number of hidden sums. The design must be "
-            "`engine`, and the weights are NPZ files.",
+            "`engine` or `table_graph`, and the weights are NPZ files. A scene with `data.classes` "
+            "may have them too.",
             "none",
         ),
         "intervals": Key(

@@ -242,8 +242,6 @@ def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
     place = f"{path}: training.functions: got {training['functions']!r}"
     if not training["functions"]:
         return
-    if values["data"]["classes"]:
-        raise InputError(f"{place} with data.classes, expected data.outputs: they are numbers")
     for key in ("layers", "digits"):
         if training.get(key):
             raise InputError(f"{place} with training.{key}, expected one of them")

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from golden.real import Real
+from golden.splines.loss import Loss
 from golden.splines.network import SplineNetwork
 from golden.training.objective import Rows
 
@@ -31,7 +32,7 @@ class Penalty:
 
 @dataclass(frozen=True)
 class SplineObjective:
-    """sum(((y - t) / scale)**2) + penalties, over the training rows.
+    """The loss of the outputs on the training rows, and penalties.
 
     Parameters
     ----------
@@ -41,12 +42,14 @@ class SplineObjective:
     penalty : Penalty
     freedom : float array, shape (coefficients, parameters)
         The coefficients are ``freedom @ parameters``; see ``Edges.freedom``.
+    loss : Loss
     """
 
     like: SplineNetwork
     rows: Rows
     penalty: Penalty
     freedom: Real
+    loss: Loss
 
     @cached_property
     def _spread(self) -> Real:
@@ -71,10 +74,10 @@ class SplineObjective:
         return self.like.unpacked(self.freedom @ parameters)
 
     def errors(self, parameters: Real) -> Real:
-        """The scaled errors, shape (rows, outputs)."""
+        """The numbers whose squares add up to the loss; see ``Loss.errors``."""
         network = self.network(parameters)
         values, _ = network.hidden.at(network.sums(self._spread))
-        return self._scaled(network, values)
+        return self.loss.errors(_outputs(network, values), self.rows)
 
     def value(self, parameters: Real) -> float:
         """The function at a point."""
@@ -83,28 +86,27 @@ class SplineObjective:
         )
 
     def jacobian(self, parameters: Real) -> tuple[Real, Real]:
-        """The scaled errors as a vector, and their derivatives by the parameters."""
+        """The misses m as a vector, and J: the loss has half the gradient J' m, and J' J.
+
+        J has the derivatives of the outputs by the parameters, times the roots of ``Loss.around``.
+        """
         network = self.network(parameters)
         values, slopes = network.hidden.at(network.sums(self._spread))
-        errors = self._scaled(network, values)
-        rows, outputs = errors.shape
-        weight = 1 / self.rows.scale
-        back = np.einsum("rhk,ohk,ro->roh", slopes, network.second, weight, optimize=True)
+        misses, roots = self.loss.around(_outputs(network, values), self.rows)
+        through = np.einsum("rhk,ohk->roh", slopes, network.second, optimize=True)
+        back = np.einsum("rqo,roh->rqh", roots, through)
         first = back[..., np.newaxis] * self._spread[:, np.newaxis, np.newaxis, :]
-        second = np.zeros((rows, outputs, outputs, values[0].size))
-        for o in range(outputs):
-            second[:, o, o] = values.reshape(rows, -1) * weight[:, o, np.newaxis]
-        biases = weight[..., np.newaxis] * np.eye(outputs)
-        parts = [part.reshape(rows * outputs, -1) for part in (first, second, biases)]
-        return errors.ravel(), np.concatenate(parts, axis=1) @ self.freedom
+        second = roots[..., np.newaxis] * values.reshape(len(values), 1, 1, -1)
+        parts = [part.reshape(misses.size, -1) for part in (first, second, roots)]
+        return misses.ravel(), np.concatenate(parts, axis=1) @ self.freedom
 
     def around(self, parameters: Real) -> tuple[float, Real, Real]:
         """The function at a point, half its gradient, and half its Hessian by Gauss and Newton."""
-        errors, jacobian = self.jacobian(parameters)
+        misses, jacobian = self.jacobian(parameters)
         pull = self.stiffness @ parameters
-        value = float(errors @ errors + parameters @ pull)
-        return value, jacobian.T @ errors + pull, jacobian.T @ jacobian + self.stiffness
+        gradient = jacobian.T @ misses + pull
+        return self.value(parameters), gradient, jacobian.T @ jacobian + self.stiffness
 
-    def _scaled(self, network: SplineNetwork, values: Real) -> Real:
-        outputs = np.einsum("rhk,ohk->ro", values, network.second) + network.biases
-        return np.asarray((outputs - self.rows.targets) / self.rows.scale)
+
+def _outputs(network: SplineNetwork, values: Real) -> Real:
+    return np.asarray(np.einsum("rhk,ohk->ro", values, network.second) + network.biases)

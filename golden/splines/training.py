@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,13 +11,15 @@ from golden.real import Real
 from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
 from golden.splines.edges import FLAT, STRAIGHT, Edges, bends
+from golden.splines.loss import SQUARES, Loss
 from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Penalty, SplineObjective
 from golden.training.objective import Rows
 
 STEPS, PATIENCE, SIZE = 300, 40, 1e-6
-# The splines of an input reach beyond its range by this part of it.
-MARGIN = 0.01
+# The splines of an input reach beyond its range by this part of it, and by the second number where
+# the input is the same in all rows of training. Nothing can be learned of such an input.
+MARGIN, ALONE = 0.01, 1.0
 # For pruning: how much larger the error on validation rows may be, and the parts of the error of a
 # network that an edge may change, of which the largest that does not cost more is taken.
 COST = 1.02
@@ -40,6 +42,8 @@ class SplineSettings:
         See ``Penalty``.
     steps, patience : int
         The most evaluations of a descent, and how many points without a better one end it.
+    loss : Loss
+        What the outputs cost on rows.
     """
 
     nodes: int
@@ -49,6 +53,7 @@ class SplineSettings:
     size: float = SIZE
     steps: int = STEPS
     patience: int = PATIENCE
+    loss: Loss = SQUARES
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,17 @@ class Learned:
         """Outputs, shape (frames, outputs)."""
         return self.network.process(frames)
 
+    def divided(self, factor: float) -> Learned:
+        """The same network, all outputs of which are divided by a factor."""
+        network = self.network
+        second, biases = network.second / factor, network.biases / factor
+        return replace(self, network=replace(network, second=second, biases=biases))
+
+    def error(self, rows: Rows) -> float:
+        """The root of its mean loss for each row."""
+        errors = self.settings.loss.errors(self.process(rows.inputs), rows)
+        return float(np.sqrt((errors**2).sum() / len(errors)))
+
     @property
     def steps(self) -> int:
         """The steps on an engine."""
@@ -88,14 +104,14 @@ class Learned:
         freedom = edges.freedom(self.network)
         settings = self.settings
         penalty = Penalty(settings.bend * len(rows.inputs) / self.rows, settings.size)
-        aim = SplineObjective(self.network, rows, penalty, freedom)
+        aim = SplineObjective(self.network, rows, penalty, freedom, settings.loss)
         start: Real = np.asarray(
             np.linalg.lstsq(freedom, self.network.packed())[0], dtype=np.float64
         )
         if validation is None:
             point = descend(aim, start, settings.steps)
         else:
-            held_back = SplineObjective(self.network, validation, penalty, freedom)
+            held_back = replace(aim, rows=validation)
             point = stopped_early(aim, start, settings.steps, held_back, settings.patience)
         return Learned(aim.network(point), edges, self.settings, self.rows)
 
@@ -105,7 +121,7 @@ def trained(
 ) -> Learned:
     """The network of one candidate."""
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)
-    margin = MARGIN * (high - low)
+    margin = np.where(high > low, MARGIN * (high - low), ALONE)
     bases = [
         Basis(float(a), float(b), settings.intervals)
         for a, b in zip(low - margin, high + margin, strict=True)
@@ -113,6 +129,7 @@ def trained(
     outputs = training.targets.shape[1]
     network = starting(bases, settings.hidden_intervals, settings.nodes, outputs, rng)
     edges = Edges.curved(network.shape)
+    edges = replace(edges, first=np.where(high > low, edges.first, FLAT))
     first = Learned(network, edges, settings, len(training.inputs))
     return first.descended(edges, training, validation)
 
@@ -128,7 +145,7 @@ def pruned(
     """A network with edges that are straight or flat where this costs next to nothing.
 
     An edge becomes straight, or flat, if that changes the outputs by less than a part of the error
-    of the network. All others compensate for it.
+    of the network, each in the measure of the loss. All others compensate for it.
 
     Parameters
     ----------
@@ -137,22 +154,20 @@ def pruned(
     error : callable
         The error of a network on rows.
     """
-    rms = float(np.sqrt((_scaled(learned, training) ** 2).mean()))
     allowed = COST * error(learned, validation)
-    changes = bends(learned.network, training.inputs)
+    present = learned.error(training)
+    _, roots = learned.settings.loss.around(learned.process(training.inputs), training)
+    # The matrices of each row turn what the outputs change into what the loss does.
     straight, flat = (
-        np.sqrt(((change / training.scale) ** 2).mean(axis=(1, 2))) for change in changes
+        np.sqrt((np.einsum("rqo,ero->erq", roots, change) ** 2).sum(axis=(1, 2)) / len(roots))
+        for change in bends(learned.network, training.inputs)
     )
     for part in PARTS:
         edges = learned.edges
         for n in range(len(straight)):
-            if straight[n] < part * rms:
-                edges = edges.with_kind(n, FLAT if flat[n] < part * rms else STRAIGHT)
+            if straight[n] < part * present:
+                edges = edges.with_kind(n, FLAT if flat[n] < part * present else STRAIGHT)
         found = learned.descended(edges, training, validation)
         if error(found, validation) <= allowed:
             return found
     return learned
-
-
-def _scaled(learned: Learned, rows: Rows) -> Real:
-    return np.asarray((learned.process(rows.inputs) - rows.targets) / rows.scale)

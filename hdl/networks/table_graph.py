@@ -4,9 +4,11 @@ from myhdl import always, always_comb, block, concat
 
 from golden.networks.small_tables import SmallTable
 from golden.networks.table_graph import TableGraph
-from hdl.common.delay import delay
+from golden.precision import SIGNAL
+from hdl.common.delay import connect, delay
 from hdl.common.rom import rom
-from hdl.common.signals import Stream, Words, fixed, unsigned
+from hdl.common.signals import Stream, Words, fixed, flag, unsigned
+from hdl.layers.argmax_tree import argmax_tree
 from hdl.layers.constant_matrix import constant_matrix
 from hdl.networks.adder_graph import never
 
@@ -57,7 +59,9 @@ def small_table(clk, word, found, *, table: SmallTable, start: int):
 
 
 @block
-def table_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: TableGraph):
+def table_graph(
+    clk, rst, in_: Stream, out: Stream, *, frame_error, winner: Stream, spec: TableGraph
+):
     """A frame of samples in one clock, all outputs in another, from tables and adders.
 
     Parameters
@@ -70,6 +74,9 @@ def table_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: TableG
         The outputs, ports ``out_data_0``, ``out_data_1``, ...
     frame_error : bool
         It is always low, because every frame is good.
+    winner : Stream
+        ``winner_valid``, ``winner_index``, ``winner_margin`` (bool, unsigned twice): those of
+        argmax_tree, some clocks after the outputs. The stream is empty without ``spec.decides``.
     spec : TableGraph
 
     Notes
@@ -81,6 +88,9 @@ def table_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: TableG
         for matrix in (spec.hidden, spec.output)
     )
     sums = Words(len(spec.hidden.weights), lambda: fixed(spec.hidden.out_fmt))
+    # An output port cannot be read.
+    y = Words(spec.outputs if spec.argmax else 0, lambda: fixed(SIGNAL))
+    y_valid = flag()
     unread = len(in_.data[0]) - spec.sample_bits
     for k in range(spec.inputs):
         # MyHDL refuses a port that nothing reads.
@@ -95,7 +105,15 @@ def table_graph(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: TableG
             small_table(clk, sums[table.source], later[n], table=table, start=0)
             for n, table in enumerate(spec.second)
         ],
-        constant_matrix(clk, later, out.data, spec=spec.output),
-        delay(clk, rst, in_.valid, out.valid, clocks=spec.latency),
+        constant_matrix(clk, later, y if spec.argmax else out.data, spec=spec.output),
+        delay(clk, rst, in_.valid, y_valid if spec.argmax else out.valid, clocks=spec.latency),
         never(clk, frame_error),
+        [
+            [connect(y[i], out.data[i]) for i in range(len(y))],
+            connect(y_valid, out.valid),
+            argmax_tree(clk, y, winner, spec=spec.argmax),
+            delay(clk, rst, y_valid, winner.valid, clocks=spec.argmax.latency),
+        ]
+        if spec.argmax
+        else [],
     )

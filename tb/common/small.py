@@ -95,7 +95,8 @@ TREES = {name: DEEP_GRAPHS[name] for name in ("flat-graph", "relu-graph", "deep-
 ADDER_GRAPHS |= DEEP_GRAPHS
 
 # Networks of learned functions: sums that leave their words, as few bits as there may be, one
-# sensor, all bits of a sample, an adder between two registers, three operands, and two networks.
+# sensor, all bits of a sample, an adder between two registers, three operands, two networks, and a
+# network that decides among classes.
 TABLE_GRAPH = Case(
     [(2, 2, 2)],
     "exact",
@@ -123,6 +124,9 @@ TABLE_GRAPHS = {
         seed=9,
     ),
     "two-tables": replace(TABLE_GRAPH, shapes=[(2, 3, 1), (2, 2, 1)], arrangement="multiple"),
+    "argmax-tables": replace(
+        TABLE_GRAPH, shapes=[(2, 3, 3)], hardware=f"{TABLE_GRAPH.hardware}\n{DECIDED}", seed=15
+    ),
 }
 
 # Engines that learn: a cascade, and the smallest one.

@@ -1,7 +1,11 @@
 """Proved properties of table_graph, whatever comes on its ports."""
 
+from tb.networks.prove_adder_graph import winner
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipeline
+
+# A network that finds its largest output.
+ALSO = ("argmax-tables",)
 
 
 def properties(twin):
@@ -11,6 +15,7 @@ def properties(twin):
     )
     return [
         pipeline(twin, broken),
+        *([winner(twin)] if twin.argmax else []),
         Property(
             name="frame_error",
             sentence="frame_error is never high.",

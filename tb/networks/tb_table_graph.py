@@ -5,8 +5,9 @@ Sweeps: all recorded frames of the scene; every code of every sample that tables
 of its ends; random frames.
 Drives: frames in every clock, with random gaps, with resets among them, and with one reset at each
 clock of a frame's way through the design.
-Checks: every output bit for bit in its clock, that no output comes in any other clock, and that
-``frame_error`` stays low. The bench also measures the clocks of a frame.
+Checks: every output bit for bit in its clock, that no output comes in any other clock, the same of
+index and margin of the largest output where the design has them, and that ``frame_error`` stays
+low. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that), and that each
 word of the tables behind a hidden sum has been read.
 """

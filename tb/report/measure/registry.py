@@ -25,6 +25,7 @@ ON_REQUEST = (
     "function_tables",
     "learned_curves",
     "table_graph",
+    "learned_classes",
     "on_line_learning",
     "beyond_drift",
 )

@@ -20,7 +20,11 @@ from pathlib import Path
 from typing import Any
 
 from golden import (
+    class_descent,
+    cross_entropy,
     function_network,
+    layer_objective,
+    layer_training,
     recalibration,
     spline_basis,
     spline_layers,
@@ -49,12 +53,14 @@ from golden.machine import facts
 from golden.networks import adder_graph, function_sums, small_tables, table_graph, table_sums
 from golden.physics import strain_sensor, swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
+from golden.scene import load_scene
 from golden.scene.reference import NUMBERS
 from tb.report.measure import (
     beyond_drift,
     convergence,
     function_tables,
     honest,
+    learned_classes,
     learned_edges,
     learned_functions,
     on_line_learning,
@@ -83,6 +89,7 @@ TABLE_GRAPH = (
     *(splines, spline_basis, spline_layers, spline_training, function_network),
     *(adder_graph, function_sums, small_tables, table_graph, table_sums),
 )
+CLASSES = (class_descent, cross_entropy, layer_objective, layer_training)
 # By name of the table: the modules that its figures depend on, besides those of training. The first
 # one measures the table, and has its note.
 RECORDED = {
@@ -96,6 +103,7 @@ RECORDED = {
     "function_tables": (*LEARNED, function_table, sums_of_functions),
     "learned_curves": (*LEARNED, learned_edges),
     "table_graph": (table_graphs, *TABLE_GRAPH),
+    "learned_classes": (learned_classes, *TABLE_GRAPH, *CLASSES),
     "on_line_learning": (on_line_learning, *LEARNING, recalibration),
     "beyond_drift": (beyond_drift, on_line_learning, *LEARNING, recalibration, strain_sensor),
     "outside": (outside, honest, smooth_map, trained_on),
@@ -103,6 +111,8 @@ RECORDED = {
 }
 # These are measured for every report, since they hold run times.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
+# By name of the table: the scenes whose files it reads. All other data are in golden/data.
+OF_SCENES = {"learned_classes": learned_classes.SCENES}
 FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
@@ -118,6 +128,8 @@ def state(name: str) -> str:
     """
     own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
+    for scene in map(load_scene, OF_SCENES.get(name, ())):
+        data += [scene.path, *scene.data_paths]
     code = (code_of(file, NOT_MEASURED) for file in [*sources("golden/training"), *own])
     return fingerprint(data, *code)
 

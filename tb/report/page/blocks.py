@@ -24,7 +24,7 @@ from golden.fixed import Fix
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.scanned import Scanned
-from golden.networks.adder_graph import AdderGraph
+from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
@@ -66,9 +66,9 @@ Twins = dict[str, list[Block]]
 def shipped() -> Iterator[tuple[str, Network]]:
     """The precision and the design of every scene, and of variants of it.
 
-    The networks of an engine are also folded. A scene of adders also gets the largest output, and
-    so does a scene with a front end, which also gets every converter. At the end comes one network
-    in every existing form.
+    The networks of an engine are also folded. A design that gives all outputs at once also finds
+    the largest, and so does a scene with a front end, which also gets every converter. At the end
+    comes one network in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
@@ -78,7 +78,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 scene.precision.name,
                 replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
             )
-        if isinstance(top, AdderGraph):
+        if isinstance(top, AtOnce):
             yield scene.precision.name, replace(top, decides=True)
         if isinstance(top, Scanned):
             yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
@@ -111,7 +111,10 @@ def shipped() -> Iterator[tuple[str, Network]]:
             yield precision.name, design.of([mlp], settings)
     # No shipped scene has learned functions.
     learned = load_scene(LEARNED)
-    yield learned.precision.name, learned.twin()
+    for decides in (False, True):
+        graph = learned.twin()
+        assert isinstance(graph, AtOnce)
+        yield learned.precision.name, replace(graph, decides=decides)
     # Nor does an engine learn by a stream, without a line.
     learning = replace(load_scene(LEARNING), learning="lms")
     yield learning.precision.name, learning.twin()

@@ -71,6 +71,22 @@ def segments(table: Table) -> str:
     return "\n".join(lines)
 
 
+def classes(table: Table) -> str:
+    """Parameters, edges and wrong decisions of networks for classes."""
+    heads = ["scene", "network", "candidates", "parameters", "curved", "straight", "held-out rows"]
+    heads += ["wrong in each split", "wrong %", "in tables %"]
+    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
+    for cells in table.rows:
+        row = dict(zip(table.columns, cells, strict=True))
+        counts = [str(row[name]) for name in table.columns if name.startswith("wrong ")][:-1]
+        # Not every scene has as many splits.
+        in_splits = ", ".join(count for count in counts if count != "None")
+        in_tables = "" if row["in tables %"] is None else _figure(row["in tables %"])
+        first = [f"`{row['scene']}`", *(str(row[name]) for name in heads[1:7])]
+        lines.append(f"| {' | '.join([*first, in_splits, _figure(row['wrong %']), in_tables])} |")
+    return "\n".join(lines)
+
+
 def small_tables(table: Table) -> str:
     """Sizes and held-out errors of a graph of tanh and one of small tables, and what is missed."""
     first, second = map(_sizes, SCENES)
