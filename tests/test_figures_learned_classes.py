@@ -10,7 +10,7 @@ import pytest
 from golden.scene.labels import one_hot
 from golden.training.objective import Rows
 from tb.report.measure import learned_classes, table_records
-from tb.report.measure.learned_classes import STUDIES, best, functions, mlp, wrong
+from tb.report.measure.learned_classes import STUDIES, best, functions, mlp, task_of, wrong
 from tb.report.page import learned
 
 (WINE,) = STUDIES
@@ -83,10 +83,12 @@ def test_a_split_is_measured_as_it_was_recorded(rows) -> None:
     """With fewer candidates, which is quicker; the last bits of others may choose another one."""
     few = replace(WINE, candidates=3)
     found = [mlp(few, 1), *functions(few, 2, 1)]
+    held_out = sum(len(task_of(WINE, 1 + n).test.inputs) for n in range(WINE.seeds))
     names = ("MLP", "functions, 2 sums", "functions, 2 sums, pruned")
     for one, name in zip(found, names, strict=True):
         row = rows[WINE.scene, name]
-        assert one.rows * WINE.seeds == row["held-out rows"]
+        assert row["held-out rows"] == held_out
+        assert one.rows == len(task_of(WINE, 1).test.inputs)
         assert abs(one.wrong - row["wrong 1"]) <= 3
     assert found[0].parameters == rows[WINE.scene, "MLP"]["parameters"]
     assert found[1].parameters == rows[WINE.scene, "functions, 2 sums"]["parameters"]
