@@ -1,7 +1,8 @@
 """``make train`` for networks of learned functions: the search, the choice and pruning.
 
 A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
-functions, and a random start (``golden.splines``). The one with the least bit-true error on the
+functions, and a random start (``golden.splines``). It learns how exact the hidden words of the
+design are, so that no output magnifies their errors too much. The one with the least bit-true error on the
 validation rows is chosen. Then edges become straight, or are left out, where that costs next to
 nothing, and with ``training.refit`` the network is trained on with more rows.
 """
@@ -18,6 +19,8 @@ import numpy as np
 from golden.candidate_runs import in_order
 from golden.dense import DenseNetwork, Trained
 from golden.input_error import InputError
+from golden.networks.design import Design
+from golden.networks.designs import DESIGNS
 from golden.scene import Scene
 from golden.scene.scale import on_readings, on_signals
 from golden.spline_layers import function_network
@@ -52,7 +55,9 @@ def train(task: Task, hidden: int, number: int) -> Learned:
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent)
+    design = DESIGNS.get(task.scene.design, Design)
+    word_error = design.word_error(task.training.inputs.shape[1], task.scene.design_options)
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, word_error)
     return splines.trained(settings, rng, task.training, task.validation)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from golden.real import Real
 from golden.splines.network import SplineNetwork
+from golden.splines.word_errors import WordErrors
 from golden.training.objective import Rows
 
 
@@ -33,6 +34,8 @@ class Penalty:
 class SplineObjective:
     """sum(((y - t) / scale)**2) + penalties, over the training rows.
 
+    Where the words of hidden sums are not exact, the errors that come from them are added.
+
     Parameters
     ----------
     like : SplineNetwork
@@ -41,16 +44,23 @@ class SplineObjective:
     penalty : Penalty
     freedom : float array, shape (coefficients, parameters)
         The coefficients are ``freedom @ parameters``; see ``Edges.freedom``.
+    word_error : float
+        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     like: SplineNetwork
     rows: Rows
     penalty: Penalty
     freedom: Real
+    word_error: float = 0.0
 
     @cached_property
     def _spread(self) -> Real:
         return self.like.spread(self.rows.inputs)
+
+    @cached_property
+    def _words(self) -> WordErrors:
+        return WordErrors(self.word_error, self._spread, self.rows.scale)
 
     @cached_property
     def stiffness(self) -> Real:
@@ -78,9 +88,12 @@ class SplineObjective:
 
     def value(self, parameters: Real) -> float:
         """The function at a point."""
-        return float(
+        found = float(
             (self.errors(parameters) ** 2).sum() + parameters @ self.stiffness @ parameters
         )
+        if self.word_error:
+            found += self._words.value(self.network(parameters))
+        return found
 
     def jacobian(self, parameters: Real) -> tuple[Real, Real]:
         """The scaled errors as a vector, and their derivatives by the parameters."""
@@ -103,7 +116,13 @@ class SplineObjective:
         errors, jacobian = self.jacobian(parameters)
         pull = self.stiffness @ parameters
         value = float(errors @ errors + parameters @ pull)
-        return value, jacobian.T @ errors + pull, jacobian.T @ jacobian + self.stiffness
+        gradient, hessian = jacobian.T @ errors + pull, jacobian.T @ jacobian + self.stiffness
+        if self.word_error:
+            added, pushed, curved = self._words.around(self.network(parameters))
+            value += added
+            gradient += self.freedom.T @ pushed
+            hessian += self.freedom.T @ curved @ self.freedom
+        return value, gradient, hessian
 
     def _scaled(self, network: SplineNetwork, values: Real) -> Real:
         outputs = np.einsum("rhk,ohk->ro", values, network.second) + network.biases

@@ -40,6 +40,8 @@ class SplineSettings:
         See ``Penalty``.
     steps, patience : int
         The most evaluations of a descent, and how many points without a better one end it.
+    word_error : float
+        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     nodes: int
@@ -49,6 +51,7 @@ class SplineSettings:
     size: float = SIZE
     steps: int = STEPS
     patience: int = PATIENCE
+    word_error: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ class Learned:
         freedom = edges.freedom(self.network)
         settings = self.settings
         penalty = Penalty(settings.bend * len(rows.inputs) / self.rows, settings.size)
-        aim = SplineObjective(self.network, rows, penalty, freedom)
+        aim = SplineObjective(self.network, rows, penalty, freedom, settings.word_error)
         start: Real = np.asarray(
             np.linalg.lstsq(freedom, self.network.packed())[0], dtype=np.float64
         )
