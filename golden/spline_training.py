@@ -1,10 +1,10 @@
 """``make train`` for networks of learned functions: the search, the choice and pruning.
 
 A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
-functions, and a random start (``golden.splines``). It learns how exact the hidden words of the
-design are, so that no output magnifies their errors too much. The one with the least bit-true error on the
-validation rows is chosen. Then edges become straight, or are left out, where that costs next to
-nothing, and with ``training.refit`` the network is trained on with more rows.
+functions, and a random start (``golden.splines``). It is trained with what the design says of how
+exact its hidden words are. The one with the least bit-true error on the validation rows is chosen.
+Then edges become straight, or are left out, where that costs next to nothing, and with
+``training.refit`` the network is trained on with more rows.
 """
 
 from __future__ import annotations

@@ -276,7 +276,7 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     scene = load_scene("comparison/digit-tables")
     design = scene.twin()
     assert isinstance(design, TableGraph)
-    assert (design.latency, design.interval, design.outputs) == (5, 1, 4)
+    assert (design.latency, design.interval, design.outputs) == (6, 1, 4)
     assert all(table.part.width <= MOST_ADDRESS for table in design.first + design.second)
     codes = scene.vectors().codes
     assert not design.saturations(codes)["layer of hidden sums"].any()

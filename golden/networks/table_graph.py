@@ -140,7 +140,8 @@ class TableGraph(Design):
         # A word is rounded, and each function that is added up may be off by the tolerance of its
         # tables.
         steps = sqrt(1 / 12 + inputs * (TOLERANCE / (1 << GUARD)) ** 2)
-        return steps * (1 + 2 * MARGIN) / (1 << {**OPTIONS, **options}["hidden_bits"])
+        bits: int = {**OPTIONS, **options}["hidden_bits"]
+        return steps * (1 + 2 * MARGIN) * 2.0**-bits
 
     @property
     def inputs(self) -> int:
