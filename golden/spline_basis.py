@@ -73,6 +73,19 @@ class Basis:
         segment, four, _ = self._four(x)
         return np.asarray(sum(part * coefficients[segment + n] for n, part in enumerate(four)))
 
+    def bends(self, x: Real) -> Real:
+        """The second derivative of every spline at each x, shape (..., count)."""
+        place = (x - self.low) / self.width
+        segment = np.clip(place, 0, self.intervals - 1).astype(np.int64)
+        t = place - segment
+        # Beyond both ends a function is straight.
+        inside = (place >= 0) & (place <= self.intervals)
+        four = np.stack([1 - t, 3 * t - 2, 1 - 3 * t, t], axis=-1) / self.width**2
+        found = np.zeros((*x.shape, self.count))
+        places = segment[..., np.newaxis] + np.arange(DEGREE + 1)
+        np.put_along_axis(found, places, four * inside[..., np.newaxis], axis=-1)
+        return found
+
     def _four(self, x: Real) -> tuple[NDArray[np.int64], list[Real], list[Real]]:
         """The interval of each x, and the values and slopes of the four splines that are not 0."""
         place = (x - self.low) / self.width

@@ -1,9 +1,10 @@
 """``make train`` for networks of learned functions: the search, the choice and pruning.
 
 A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
-functions, and a random start (``golden.splines``). The one with the least bit-true error on the
-validation rows is chosen; where the scene has classes, that is the one with the fewest wrong
-decisions. Then edges become straight, or are left out, where that costs next to nothing, and with
+functions, and a random start (``golden.splines``). It is trained with what the design says of how
+exact its hidden words are. The one with the least bit-true error on the validation rows is chosen;
+where the scene has classes, that is the one with the fewest wrong decisions, and hidden words count
+as exact. Then edges become straight, or are left out, where that costs next to nothing, and with
 ``training.refit`` the network is trained on with more rows.
 """
 
@@ -19,11 +20,13 @@ import numpy as np
 from golden.candidate_runs import in_order
 from golden.dense import DenseNetwork, Trained
 from golden.input_error import InputError
+from golden.networks.design import Design
+from golden.networks.designs import DESIGNS
 from golden.scene import Scene
 from golden.scene.scale import Scale, on_readings
 from golden.spline_layers import function_network
 from golden.splines import training as splines
-from golden.splines.loss import SQUARES, CrossEntropy
+from golden.splines.loss import SQUARES, CrossEntropy, Loss
 from golden.splines.training import Learned, SplineSettings
 from golden.task_errors import as_read, bit_true_error
 from golden.training.search import Result, shift_biases
@@ -58,9 +61,17 @@ def train(task: Task, hidden: int, number: int) -> Learned:
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
     descent = own.weight_decay, own.steps, own.patience
-    loss = CrossEntropy() if task.scene.labels else SQUARES
-    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss)
+    loss, word_error = _aim(task.scene, task.training.inputs.shape[1])
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss, word_error)
     return splines.trained(settings, rng, task.training, task.validation)
+
+
+def _aim(scene: Scene, inputs: int) -> tuple[Loss, float]:
+    """What a training minimises, and how far hidden words are from their sums."""
+    if scene.labels:
+        return CrossEntropy(), 0.0
+    design = DESIGNS.get(scene.design, Design)
+    return SQUARES, design.word_error(inputs, scene.design_options)
 
 
 def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:

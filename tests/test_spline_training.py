@@ -13,6 +13,7 @@ from golden.commands import train as command
 from golden.decisions import decisions_of
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
+from golden.networks.designs import DESIGNS
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from golden.spline_layers import function_network
@@ -101,6 +102,20 @@ def test_a_descent_is_that_of_the_scene(scene: Scene, key: str, value: float) ->
     other = replace(scene, training=replace(scene.training, **{key: value}))
     found = [train(one, 2, 0).network.packed() for one in (task, replace(task, scene=other))]
     assert not np.array_equal(*found)
+
+
+def test_functions_behind_inexact_words_are_flatter(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = SplineStages(scene).task([], 0)
+    steepness = []
+    for word_error in (0.0, 0.3):
+        monkeypatch.setattr(DESIGNS["engine"], "word_error", lambda *_, error=word_error: error)
+        network = train(task, 2, 0).network
+        sums = network.sums(network.spread(task.training.inputs))
+        slopes = np.einsum("rhk,ohk->roh", network.hidden.at(sums)[1], network.second)
+        steepness.append(float(((slopes * np.ptp(sums, axis=0)) ** 2).sum()))
+    assert steepness[1] < 0.8 * steepness[0]
 
 
 def test_candidates_are_every_choice_of_every_size(scene: Scene) -> None:

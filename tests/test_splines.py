@@ -51,6 +51,7 @@ def test_the_splines_are_those_of_scipy() -> None:
     expected = BSpline(knots, np.eye(BASIS.count), 3)
     np.testing.assert_allclose(values, expected(x), atol=1e-12)
     np.testing.assert_allclose(slopes, expected.derivative()(x), atol=1e-12)
+    np.testing.assert_allclose(BASIS.bends(x), expected.derivative(2)(x), atol=1e-11)
 
 
 def test_a_function_goes_on_straight_beyond_its_range() -> None:
@@ -59,6 +60,7 @@ def test_a_function_goes_on_straight_beyond_its_range() -> None:
         values, slopes = (part @ coefficients for part in BASIS.at(end + way * np.arange(3.0)))
         np.testing.assert_allclose(np.diff(values), way * slopes[0], atol=1e-12)
         np.testing.assert_allclose(slopes, slopes[0])
+        assert not BASIS.bends(end + way * np.arange(1.0, 3.0)).any()
 
 
 def test_straight_coefficients_give_a_straight_function() -> None:
@@ -83,12 +85,13 @@ def test_packed_and_unpacked_are_inverse() -> None:
     np.testing.assert_array_equal(one.process(given), again.process(given))
 
 
+@pytest.mark.parametrize("word_error", [0.0, 0.3])
 @pytest.mark.parametrize("kind", [FLAT, STRAIGHT, CURVED])
-def test_derivatives_are_differences(kind: int) -> None:
+def test_derivatives_are_differences(kind: int, word_error: float) -> None:
     like = network()
     edges = Edges.curved(like.shape).with_kind(1, kind).with_kind(7, min(kind + 1, CURVED))
     freedom = edges.freedom(like)
-    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom, Squares())
+    aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom, Squares(), word_error)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
     errors, jacobian = aim.jacobian(point)
     np.testing.assert_allclose(errors, aim.errors(point).ravel())
@@ -168,6 +171,24 @@ def test_an_input_that_is_constant_in_training_does_no_harm() -> None:
     other[:, 2] = -0.5
     np.testing.assert_allclose(found.process(other), found.process(given.inputs), atol=1e-12)
     assert (found.edges.first == [CURVED, CURVED, FLAT]).all()
+
+
+def test_errors_of_words_are_expected_in_the_objective() -> None:
+    """The objective is what it is on average when the hidden sums of its rows are disturbed."""
+    like, given, part = network(), rows(), 1e-3
+    freedom = np.eye(len(like.packed()))
+    plain, aim = (
+        SplineObjective(like, given, Penalty(0), freedom, Squares(), own) for own in (0.0, part)
+    )
+    point = like.packed()
+    sums = like.sums(like.spread(given.inputs))
+    outputs = like.process(given.inputs)
+    rng = np.random.default_rng(3)
+    drawn = sums + part * np.ptp(sums, axis=0) * rng.normal(size=(4000, *sums.shape))
+    disturbed = np.einsum("...hk,ohk->...o", like.hidden.at(drawn)[0], like.second) + like.biases
+    added = ((disturbed - outputs) / given.scale) ** 2
+    mean = added.sum(axis=(1, 2)).mean()
+    assert aim.value(point) - plain.value(point) == pytest.approx(mean, rel=0.05)
 
 
 def test_the_penalty_is_of_bends_and_size() -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from golden.dense import Trained
 from golden.function import table_names
@@ -123,6 +123,15 @@ class Design(Network):
             For weights that the design's formats cannot hold; see also ``plain``.
         """
         raise NotImplementedError
+
+    @classmethod
+    def word_error(cls, _inputs: int, _options: Mapping[str, Any]) -> float:
+        """How far the word of a hidden sum of learned functions is from the sum.
+
+        It is a root mean square, as a part of the range of the sum. Training keeps the outputs
+        from magnifying it. With 0, words are as good as exact.
+        """
+        return 0.0
 
     @classmethod
     def plain(cls, networks: Sequence[Trained]) -> list[Mlp]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Any, Self
 
 import numpy as np
@@ -16,13 +17,13 @@ from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.networks.at_once import AtOnce
-from golden.networks.function_sums import FunctionSum, FunctionSums, beside, function_sums
+from golden.networks.function_sums import MARGIN, FunctionSum, FunctionSums, beside, function_sums
 from golden.networks.left_out import left_out, of_useless_nodes
 from golden.networks.oracle import error_bounds, exact, hidden_weights
 from golden.networks.pictures import flow_of
 from golden.networks.settings import Settings
 from golden.networks.small_tables import SmallTable, TablePart
-from golden.networks.table_sums import Grid, TableSum, table_sum
+from golden.networks.table_sums import TOLERANCE, Grid, TableSum, table_sum
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
 
@@ -134,6 +135,14 @@ class TableGraph(AtOnce):
             constant_nodes=constant,
             variant=variant,
         )
+
+    @classmethod
+    def word_error(cls, inputs: int, options: Mapping[str, Any]) -> float:
+        # A word is rounded, and each function that is added up may be off by the tolerance of its
+        # tables.
+        steps = sqrt(1 / 12 + inputs * (TOLERANCE / (1 << GUARD)) ** 2)
+        bits: int = {**OPTIONS, **options}["hidden_bits"]
+        return steps * (1 + 2 * MARGIN) * 2.0**-bits
 
     @property
     def inputs(self) -> int:

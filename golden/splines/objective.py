@@ -10,6 +10,7 @@ import numpy as np
 from golden.real import Real
 from golden.splines.loss import Loss
 from golden.splines.network import SplineNetwork
+from golden.splines.word_errors import WordErrors
 from golden.training.objective import Rows
 
 
@@ -34,6 +35,8 @@ class Penalty:
 class SplineObjective:
     """The loss of the outputs on the training rows, and penalties.
 
+    Where the words of hidden sums are not exact, the errors that come from them are added.
+
     Parameters
     ----------
     like : SplineNetwork
@@ -43,6 +46,8 @@ class SplineObjective:
     freedom : float array, shape (coefficients, parameters)
         The coefficients are ``freedom @ parameters``; see ``Edges.freedom``.
     loss : Loss
+    word_error : float
+        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     like: SplineNetwork
@@ -50,10 +55,15 @@ class SplineObjective:
     penalty: Penalty
     freedom: Real
     loss: Loss
+    word_error: float = 0.0
 
     @cached_property
     def _spread(self) -> Real:
         return self.like.spread(self.rows.inputs)
+
+    @cached_property
+    def _words(self) -> WordErrors:
+        return WordErrors(self.word_error, self._spread, self.rows.scale)
 
     @cached_property
     def stiffness(self) -> Real:
@@ -81,9 +91,12 @@ class SplineObjective:
 
     def value(self, parameters: Real) -> float:
         """The function at a point."""
-        return float(
+        found = float(
             (self.errors(parameters) ** 2).sum() + parameters @ self.stiffness @ parameters
         )
+        if self.word_error:
+            found += self._words.value(self.network(parameters))
+        return found
 
     def jacobian(self, parameters: Real) -> tuple[Real, Real]:
         """The misses m as a vector, and J: the loss has half the gradient J' m, and J' J.
@@ -104,8 +117,12 @@ class SplineObjective:
         """The function at a point, half its gradient, and half its Hessian by Gauss and Newton."""
         misses, jacobian = self.jacobian(parameters)
         pull = self.stiffness @ parameters
-        gradient = jacobian.T @ misses + pull
-        return self.value(parameters), gradient, jacobian.T @ jacobian + self.stiffness
+        gradient, hessian = jacobian.T @ misses + pull, jacobian.T @ jacobian + self.stiffness
+        if self.word_error:
+            pushed, curved = self._words.around(self.network(parameters))
+            gradient += self.freedom.T @ pushed
+            hessian += self.freedom.T @ curved @ self.freedom
+        return self.value(parameters), gradient, hessian
 
 
 def _outputs(network: SplineNetwork, values: Real) -> Real:

@@ -44,6 +44,8 @@ class SplineSettings:
         The most evaluations of a descent, and how many points without a better one end it.
     loss : Loss
         What the outputs cost on rows.
+    word_error : float
+        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     nodes: int
@@ -54,6 +56,7 @@ class SplineSettings:
     steps: int = STEPS
     patience: int = PATIENCE
     loss: Loss = SQUARES
+    word_error: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -104,7 +107,9 @@ class Learned:
         freedom = edges.freedom(self.network)
         settings = self.settings
         penalty = Penalty(settings.bend * len(rows.inputs) / self.rows, settings.size)
-        aim = SplineObjective(self.network, rows, penalty, freedom, settings.loss)
+        aim = SplineObjective(
+            self.network, rows, penalty, freedom, settings.loss, settings.word_error
+        )
         start: Real = np.asarray(
             np.linalg.lstsq(freedom, self.network.packed())[0], dtype=np.float64
         )
