@@ -238,20 +238,6 @@ def held_out() -> tuple[Held, ...]:
     return tuple(found)
 
 
-@cache
-def held_out_alone(design: str) -> tuple[Held, ...]:
-    """Every recorded network of a design, estimated by a model that knows all others.
-
-    Others may have the same weights with other bits, so this says less than ``held_out``.
-    """
-    found = []
-    for network in sorted({row.network for row in recorded() if row.design == design}):
-        rows = [row for row in recorded() if row.network == network]
-        others = [row for row in recorded() if row.network != network]
-        found.append(_held(rows, fitted(others)))
-    return tuple(found)
-
-
 def _met(rows: Iterable[Recorded]) -> set[tuple[str, int]]:
     """The numbers that are not always 0, by group and index."""
     return {

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cache
 
-from golden.networks.table_graph import TableGraph
 from golden.scene import Scene, load_scene
 from golden.scene.comparison import compared
 from golden.sizing.candidates import Refused, Sized
-from golden.sizing.model import Held, held_out, held_out_alone
+from golden.sizing.model import held_out
 from tb.report.draw.designs import picture_of
 from tb.report.measure.designs import designs, refused_lines
 from tb.report.measure.table import Cell, cell_text
@@ -37,17 +35,8 @@ def rows(name: str, family: str = "xc2v") -> str:
 
 def spreads() -> str:
     """Every recorded network, estimated by a model that does not know its weights."""
-    return _estimates(held_out())
-
-
-def alone() -> str:
-    """Every recorded network of small tables, estimated by a model that knows the others."""
-    return _estimates(held_out_alone(TableGraph.block))
-
-
-def _estimates(found: Iterable[Held]) -> str:
     lines = ["| network | design | LUTs | estimated | error % |", "|---|---|---|---|---|"]
-    for one in found:
+    for one in held_out():
         cells = [f"`{one.network}`", one.design, str(one.luts)]
         lines.append(f"| {' | '.join(cells)} | {one.estimated:.0f} | {one.percent:+.1f} |")
     return "\n".join(lines)

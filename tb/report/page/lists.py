@@ -303,7 +303,6 @@ def pages() -> dict[Path, str]:
         (docs / "designs.md", "ecp5", partial(compared.rows, compared.SINGLE, "ecp5")),
         (docs / "designs.md", "learned", partial(compared.rows, compared.LEARNED)),
         (docs / "designs.md", "held-out", compared.spreads),
-        (docs / "designs.md", "alone", compared.alone),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "figures.md", "learned", partial(learned.first_split, functions)),
