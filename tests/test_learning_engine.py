@@ -260,7 +260,7 @@ def test_no_placement_drives_a_word_out_of_its_range(twin: LearningEngine, kind:
     for _ in range(3):
         samples = rng.integers(SIGNAL.low, SIGNAL.high + 1, 4)
         if kind == "dead":
-            samples[1] = SIGNAL.high
+            samples[1] = SIGNAL.high - 1
         known = rng.integers(SIGNAL.low, SIGNAL.high + 1, 4)
         if kind == "ends":
             known = np.where(known > 0, SIGNAL.high, SIGNAL.low)
@@ -268,6 +268,24 @@ def test_no_placement_drives_a_word_out_of_its_range(twin: LearningEngine, kind:
     desk.learn(40)
     assert max(map(abs, desk.timeline.theta)) <= 1 << (WIDTH - 1)
     assert any(desk.timeline.theta)
+
+
+@pytest.mark.parametrize("sensor", range(4))
+@pytest.mark.parametrize("end", [SIGNAL.low, SIGNAL.high])
+def test_a_reading_at_an_end_is_not_learned_from(
+    twin: LearningEngine, sensor: int, end: int
+) -> None:
+    desk, samples = Desk(twin), np.array([100, -2000, 3000, -400])
+    samples[sensor] = end
+    desk.show(samples, np.array([4000, 1000, 2000, 3000]))
+    desk.play([], learn=1, clocks=3 * twin.longest_equation)
+    met = desk.timeline.met
+    assert (met["clipped frames"], met["targets refused"]) == (1, 1)
+    assert (met["placements"], met["steps taken"]) == (0, 0)
+    # The next frame is as good as ever.
+    samples[sensor] = end + (1 if end < 0 else -1)
+    desk.show(samples, np.array([4000, 1000, 2000, 3000]))
+    assert met["placements"] == 1
 
 
 def test_a_million_steps_leave_no_word_and_no_sum_out_of_its_range(twin: LearningEngine) -> None:

@@ -185,6 +185,22 @@ def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.Monke
     assert lessons.flags() == ["learning"]
 
 
+@pytest.mark.parametrize("end", [SIGNAL.low, SIGNAL.high])
+@pytest.mark.parametrize("packet", [GOOD, lesson_packet(4, True, [1, 2, 3, 4], "theta")])
+def test_a_frame_with_a_reading_at_an_end_takes_no_lesson(
+    small: Scene, packet: bytes, end: int
+) -> None:
+    lessons = lessons_of(small)
+    lessons.read(np.array([end, 3]))
+    assert lessons.flags() == []
+    lessons.take(packet)
+    lessons.read(np.array([3, end]))
+    assert lessons.flags() == ["lesson_error", "learning"]
+    assert (lessons.pupil.placements, lessons.pupil.changes) == (0, 0)
+    lessons.read(np.array([3, 4]))
+    assert (lessons.pupil.placements, lessons.pupil.changes) == (0, 0)
+
+
 def test_a_step_that_is_refused_is_told(small: Scene) -> None:
     lessons, codes = lessons_of(small), small.vectors().codes[0]
     known = np.where(small.twin().process(codes[np.newaxis])[0] > 0, SIGNAL.low, SIGNAL.high)
@@ -623,19 +639,23 @@ window.fetch = async (path, options) => {
 };
 URL.createObjectURL = blob => { blob.text().then(text => files.push(text)); return "#kept"; };
 const later = n => new Promise(done => setTimeout(done, n));
+const until = async done => { while (!done()) await later(10); };
+const refused = () => document.getElementById("refused").textContent;
 async function give(text) {
+  const before = refused(), count = asked.length;
   const given = new DataTransfer();
   given.items.add(new File([text], "a.json", {type: "application/json"}));
   const field = document.getElementById("kept");
   field.files = given.files;
   field.dispatchEvent(new Event("change"));
-  await later(80);
-  return document.getElementById("refused").textContent;
+  await until(() => refused() !== before || asked.length > count);
+  return refused();
 }
 setTimeout(async () => {
   document.getElementById("keep").click();
-  await later(50);
+  await until(() => files.length);
   const told = [await give("{"), await give('{"theta": [1]}'), await give(files[0])];
+  await until(() => asked.length);
   document.title = JSON.stringify([asked, files, told]);
 }, 500);
 </script>"""

@@ -16,6 +16,7 @@ from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes
 from golden.learning.program import EQUATIONS, FRAME, KEEP, LessonProgram
+from golden.precision import SIGNAL
 
 INPUTS = (
     "in_valid",
@@ -115,7 +116,9 @@ class Timeline:
     stepped : bool
         Whether any step has been taken.
     fresh : bool
-        Whether the samples of the last frame are there.
+        Whether the samples of the last frame are there, none of which was at an end of its range.
+    clipped : bool
+        Whether a sample of the frame so far was.
     putting, partly : bool
         Whether the last word that came in was one of theta, and whether more of them are to come.
     """
@@ -132,7 +135,7 @@ class Timeline:
         """Forget everything but the words of the memory."""
         self.bank = self.equation = self.shown = self.written = 0
         self.full = self.stepped = self.fresh = self.lost = self.refused = False
-        self.putting = self.partly = False
+        self.putting = self.partly = self.clipped = False
         self.samples, self.targets = Stream(), Stream()
         self.frame, self.keep, self.study = Part(), Part(), Part()
         self.leaving: dict[int, int] = {}
@@ -212,7 +215,8 @@ class Timeline:
             self.partly = False
         self._take_targets(t, taken, known, bool(last_known), arrives, keeping)
         self._take_samples(t, bool(valid), data, bool(last), busy)
-        self.fresh = (self.fresh or (busy and t == self.frame.ends)) and not arrives
+        ended = busy and t == self.frame.ends and not self.clipped
+        self.fresh = (self.fresh or ended) and not arrives
         if reset:
             self.reset()
         return seen
@@ -244,9 +248,11 @@ class Timeline:
         self.met["frames refused"] += self.samples.raised
         if number >= 0:
             self.memory[self.program.places.samples + number] = code << SAMPLE_SHIFT
+            self.clipped = (self.clipped and number > 0) or code in (SIGNAL.low, SIGNAL.high)
         if not done:
             return
         self.met["frames"] += 1
+        self.met["clipped frames"] += self.clipped
         self.met["corrected frames"] += any(self.theta) and self.stepped
         self.frame = self._part(t, FRAME)
         leaves = iter(self.program.output_steps)

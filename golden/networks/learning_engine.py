@@ -142,7 +142,8 @@ class LearningEngine(Network):
             output_port(
                 "target_error",
                 "high for one clock for each such stream of the wrong length, without a frame "
-                "before, or that a frame interrupts; nothing of it is kept",
+                "before, behind a frame with a sample at an end of its range, or that a frame "
+                "interrupts; nothing of it is kept",
             ),
             input_port("learn", "it learns from the placements that it keeps"),
             output_port(

@@ -65,7 +65,8 @@ def learning_engine(
         1024.
     target_error : bool
         It is high for one clock for each such stream of the wrong length, without a frame before,
-        or that a frame interrupts. Nothing of it is kept.
+        behind a frame with a sample at an end of its range, as of a sensor that is dead, or that a
+        frame interrupts. Nothing of it is kept.
     learn : bool
         While it is high, equations of the placements that are kept are computed one after the
         other, in the clocks that frames leave free.
@@ -95,6 +96,7 @@ def learning_engine(
     busy, arrives, ready, taken, stops, halt, fresh, lost = (flag() for _ in range(8))
     broken_targets, nothing, goes, bad = (flag() for _ in range(4))
     telling, theta_leaves, partly, putting, waits = (flag() for _ in range(5))
+    at_low, at_high, continues, clipped = (flag() for _ in range(4))
     # Marks of steps.
     store, leaves, places_next, ends, wrote, jump = (flag() for _ in range(6))
     # Where words are.
@@ -129,6 +131,7 @@ def learning_engine(
     less_two = (spec.outputs - 2) % (1 << target_width)
     theta_less_two = (places.unknowns - 2) % (1 << target_width)
     target_bits = places.target_width
+    lowest_sample, highest_sample = SIGNAL.low << SAMPLE_SHIFT, SIGNAL.high << SAMPLE_SHIFT
 
     @always_comb
     def see():
@@ -164,7 +167,19 @@ def learning_engine(
         if arrives:
             fresh.next = False
         elif frame_finish:
-            fresh.next = True
+            fresh.next = not clipped
+
+    # A sample stands in data while it is written.
+    @always_comb
+    def meet_ends():
+        at_low.next = data == lowest_sample
+        at_high.next = data == highest_sample
+        continues.next = sample_addr != 0
+
+    @always_seq(clk.posedge, reset=rst)
+    def remember_ends():
+        if sample_write:
+            clipped.next = at_low or at_high or (clipped and continues)
 
     @always(clk.posedge)
     def hold():
@@ -436,7 +451,7 @@ def learning_engine(
         operand_memory(clk, **written_words, read_addr=second_addr, word=second, spec=memory),
     )
     return (
-        *(see, meet, take, stop, work, guard, remember, hold, report),
+        *(see, meet, take, stop, work, guard, remember, meet_ends, remember_ends, hold, report),
         *(
             split,
             recognise,

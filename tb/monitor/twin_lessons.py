@@ -10,6 +10,7 @@ from golden.fixed import Codes
 from golden.learning.pupil import Pupil
 from golden.link.lesson_receiver import LessonReceiver
 from golden.networks.learning_engine import LearningEngine
+from golden.precision import SIGNAL
 from golden.scene import Scene
 from golden.scene.learning import taught_of
 
@@ -69,8 +70,11 @@ class TwinLessons:
     def read(self, samples: Codes) -> None:
         """A frame is computed from these samples; known outputs that wait are kept with them.
 
-        Theta that waits is in use behind it.
+        Theta that waits is in use behind it. With a sample at an end of its range both are refused.
         """
+        if np.isin(samples, (SIGNAL.low, SIGNAL.high)).any():
+            self._lesson_error |= self._known is not None or self._theta is not None
+            self._known = self._theta = None
         if self._known is not None:
             self.pupil.keep(samples, self._known)
         if self._theta is not None:

@@ -5,6 +5,7 @@ frames have none, so the clocks of every frame are the same.
 """
 
 from golden.learning.program import FRAME
+from golden.precision import SIGNAL
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import frames_computed
 
@@ -16,7 +17,7 @@ ONE_AT_A_TIME = "!(frame_start || frame_run) || !(studying || opening || goes)"
 
 
 def properties(twin):
-    return [outputs(twin), whole_updates(), refused_steps()]
+    return [outputs(twin), sound_readings(twin), whole_updates(), refused_steps()]
 
 
 def outputs(twin):
@@ -60,6 +61,56 @@ def outputs(twin):
         ),
         clocks=inputs + 9,
         induction=6,
+    )
+
+
+def sound_readings(twin):
+    """Behind which frames known outputs and theta are taken."""
+    none, final = (1 << twin.frame_check.addr_width) - 1, twin.inputs - 1
+    low, high = f"-{SIGNAL.width}'sd{-SIGNAL.low}", f"{SIGNAL.width}'sd{SIGNAL.high}"
+    computed = "(frame_start || frame_run)"
+    arrives = f"(in_valid && !{computed})"
+    watch = f"""
+        // The number of the next sample of a frame; whether one of them was at an end.
+        reg [15:0] place = 0;
+        reg met_end = 0, sound = 0;
+        wire met_end_now = sample_write ? at_low || at_high || (clipped && continues) : clipped;
+        always @(posedge clk) begin
+            if (u_frame_check_0.accept) begin
+                place <= in_last || place == {final} ? 0 : place + 1;
+                met_end <= in_data == {low} || in_data == {high} || (met_end && place != 0);
+            end
+            sound <= !{arrives} && (frame_finish ? !met_end : sound);
+            if (rst) begin
+                place <= 0;
+                sound <= 0;
+            end
+        end
+    """
+    return Property(
+        name="sound readings",
+        sentence="Known outputs and theta are taken from the last output of a frame up to the next "
+        "sample, unless a sample of the frame was at an end of its range.",
+        states=("fresh == sound", f"halt == (({arrives} || !sound) && !keep_busy)"),
+        watch=watch,
+        helps=(
+            "u_frame_check_0.waiting == frame_start && !(frame_start && frame_run)",
+            f"place <= {final} && (place == 0 || !{computed})",
+            f"{computed} || u_frame_check_0.addr == (place == 0 ? {none} : place - 1)",
+            f"!frame_start || !sample_write || u_frame_check_0.addr == {final}",
+            f"(place == 0 && !{computed}) || met_end_now == met_end",
+            "!frame_run || !sample_write",
+        ),
+        # A frame may end in any clock.
+        free=(*FREE, "finish"),
+        reached=("fresh", "frame_run && clipped"),
+        refuted_by=(
+            (r"fresh <= \(!clipped\)", "fresh <= 1'b1"),
+            (r"clipped && continues", "clipped"),
+            (r"at_low \|\| at_high", "at_low"),
+        ),
+        clocks=2 * twin.inputs + 9,
+        induction=3,
     )
 
 

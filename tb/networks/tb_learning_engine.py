@@ -4,7 +4,7 @@ Sweeps: all recorded frames of the scene; frames of random samples; known output
 would nearly give, random ones, and those at the ends of their range; more placements than are kept;
 theta that is put in, random, at its ends, and with gaps as long as the program; frames, known
 outputs and theta that are too short or too long, and known outputs and theta without a frame
-before.
+before, or behind one with a sample at an end of its range.
 Drives: frames as close as the design takes them, closer, and so far apart that equations fit
 between them; samples with gaps, which stop equations; known outputs behind a frame, late, with
 gaps, and interrupted by the next frame; a mode that is switched on and off; resets at random
@@ -17,6 +17,7 @@ Does not prove: how much of a drift the rule takes away (docs/learning.md).
 
 import cocotb
 
+from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.lessons import Player, near, refusals, traffic
 from tb.common.network import random_elements, recorded_frames
@@ -35,6 +36,7 @@ FAULTS = [
     (r"spoiled <= 1'b1", "spoiled <= 1'b0"),
     (r"jump <= \(", "jump <= !("),
     (r"frame_run \|\| keep_run \|\| studying", "1'b1"),
+    (r"clipped && continues", "clipped"),
 ]
 
 
@@ -108,6 +110,27 @@ async def theta_put_in(dut):
     player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=2 * twin.interval)
     timeline = await player.check("steps taken", "corrected frames", at_least=12)
     assert timeline.met["theta put in"] == 13
+
+
+@cocotb.test()
+async def samples_at_their_ends(dut):
+    """Offer known outputs and theta behind frames with each sample at an end, or next to it."""
+    bench = Bench(dut)
+    player, twin, rng = Player(bench), bench.twin, bench.rng
+    unknowns = twin.program.places.unknowns
+    for k in range(twin.inputs):
+        for code in (SIGNAL.low, SIGNAL.low + 1, SIGNAL.high - 1, SIGNAL.high):
+            for length, theta in ((twin.outputs, False), (unknowns, True)):
+                frame = random_elements(bench, twin.inputs)
+                frame[k] = code
+                player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
+                words = player.frame(rng.integers(-4000, 4001, length))
+                player.play([], words, learn=0, theta=theta)
+                player.play([], [], learn=0, clocks=60)
+    player.play(player.frame(random_elements(bench, twin.inputs)), [], clocks=twin.interval)
+    timeline = await player.check("placements", "theta put in", at_least=4)
+    assert timeline.met["clipped frames"] == 4 * twin.inputs
+    assert timeline.met["targets refused"] == 4 * twin.inputs
 
 
 @cocotb.test()
