@@ -138,10 +138,13 @@ async def more_placements_than_are_kept(dut):
     """Keep more placements than there is room for, and learn from those that are left."""
     bench = Bench(dut)
     player, twin, rng = Player(bench), bench.twin, bench.rng
-    for _ in range(twin.placements + 4):
+    for n in range(twin.placements + 4):
         frame = random_elements(player.bench, twin.inputs)
         player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
         player.play([], player.frame(near(twin, rng, frame, 500)), learn=0, clocks=50)
+        if n == twin.placements - 2:
+            # One place is left: the first placement comes again behind the last one.
+            player.play([], [], clocks=twin.placements * sum(twin.equation_clocks))
     player.play([], [], clocks=(twin.placements + 2) * sum(twin.equation_clocks))
     # With every place taken, placements come while equations run.
     for _ in range(3):
