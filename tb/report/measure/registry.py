@@ -26,6 +26,7 @@ ON_REQUEST = (
     "learned_curves",
     "table_graph",
     "learned_classes",
+    "learned_elsewhere",
     "on_line_learning",
     "beyond_drift",
 )

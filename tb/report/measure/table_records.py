@@ -62,6 +62,7 @@ from tb.report.measure import (
     honest,
     learned_classes,
     learned_edges,
+    learned_elsewhere,
     learned_functions,
     on_line_learning,
     outside,
@@ -104,6 +105,7 @@ RECORDED = {
     "learned_curves": (*LEARNED, learned_edges),
     "table_graph": (table_graphs, *TABLE_GRAPH),
     "learned_classes": (learned_classes, *TABLE_GRAPH, *CLASSES),
+    "learned_elsewhere": (learned_elsewhere, learned_functions, splines, spline_basis, window),
     "on_line_learning": (on_line_learning, *LEARNING, recalibration),
     "beyond_drift": (beyond_drift, on_line_learning, *LEARNING, recalibration, strain_sensor),
     "outside": (outside, honest, smooth_map, trained_on),
@@ -112,7 +114,10 @@ RECORDED = {
 # These are measured for every report, since they hold run times.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
 # By name of the table: the scenes whose files it reads. All other data are in golden/data.
-OF_SCENES = {"learned_classes": learned_classes.SCENES}
+OF_SCENES = {
+    "learned_classes": learned_classes.SCENES,
+    "learned_elsewhere": learned_elsewhere.SCENES,
+}
 FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1

@@ -29,12 +29,7 @@ def first_split(table: Table) -> str:
 
 def all_splits(table: Table) -> str:
     """The ranges of the errors over all splits."""
-
-    def text(row: Row) -> str:
-        found = [cell for cell in map(row.get, SPLITS) if isinstance(cell, float)]
-        return f"{min(found):.2f} to {max(found):.2f}"
-
-    return _lines(table, text, shipped=False)
+    return _lines(table, _range, shipped=False)
 
 
 def disturbed(table: Table) -> str:
@@ -84,6 +79,24 @@ def classes(table: Table) -> str:
         in_tables = "" if row["in tables %"] is None else _figure(row["in tables %"])
         first = [f"`{row['scene']}`", *(str(row[name]) for name in heads[1:7])]
         lines.append(f"| {' | '.join([*first, in_splits, _figure(row['wrong %']), in_tables])} |")
+    return "\n".join(lines)
+
+
+def elsewhere(scene: str, table: Table) -> str:
+    """The sizes of a scene's networks, and ranges and means of their errors over all splits."""
+    found: dict[Cell, dict[str, Row]] = {}
+    for cells in table.rows:
+        row = dict(zip(table.columns, cells, strict=True))
+        if row["scene"] == scene:
+            found.setdefault(row["network"], {})[str(row["output"])] = row
+    sizes = ("network", "candidates", "parameters", "steps")
+    heads = [*sizes, *next(iter(found.values()))]
+    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
+    for outputs in found.values():
+        first = next(iter(outputs.values()))
+        errors = (f"{_range(row)} ({_figure(row['mean %'])})" for row in outputs.values())
+        line = [*(str(first[name]) for name in sizes), *errors]
+        lines.append(f"| {' | '.join(line)} |")
     return "\n".join(lines)
 
 
@@ -150,3 +163,8 @@ def _networks(table: Table) -> Iterator[tuple[Row, dict[str, Row]]]:
 def _figure(cell: Cell) -> str:
     assert isinstance(cell, float)
     return f"{cell:.2f}"
+
+
+def _range(row: Row) -> str:
+    found = [cell for cell in map(row.get, SPLITS) if isinstance(cell, float)]
+    return f"{min(found):.2f} to {max(found):.2f}"

@@ -292,7 +292,7 @@ def pages() -> dict[Path, str]:
     scenes_left_out = left_out(SEED)
     functions, in_integers = read("learned_functions"), read("function_tables")
     in_tables, for_classes = read("table_graph"), read("learned_classes")
-    on_line_learning = read("on_line_learning")
+    elsewhere, on_line_learning = read("learned_elsewhere"), read("on_line_learning")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
         (ROOT / "README.md", "unseen", unseen),
@@ -310,6 +310,12 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "learned-disturbed", partial(learned.disturbed, functions)),
         (docs / "figures.md", "learned-noisy", partial(learned.noisy, functions)),
         (docs / "figures.md", "learned-classes", partial(learned.classes, for_classes)),
+        (
+            docs / "figures.md",
+            "learned-swing",
+            partial(learned.elsewhere, "swing-window", elsewhere),
+        ),
+        (docs / "figures.md", "learned-rig", partial(learned.elsewhere, "tutorial", elsewhere)),
         (docs / "learned-functions.md", "segments", partial(learned.segments, in_integers)),
         (docs / "learned-functions.md", "small", partial(learned.small_tables, in_tables)),
         (docs / "scenes.md", "scenes", scenes),
