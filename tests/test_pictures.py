@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from golden.block import Block, walk
+from golden.fingerprint import ROOT
 from golden.flow import Carried
 from golden.input_error import InputError
 from golden.instruments.pictures import flow_of
@@ -24,6 +25,7 @@ from tb.report.draw.animation import animation
 from tb.report.draw.area import area, designs
 from tb.report.draw.axes import Axes
 from tb.report.draw.datapath import datapath
+from tb.report.draw.discs import COLOURS
 from tb.report.draw.load import beam, has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
@@ -444,6 +446,18 @@ def test_every_disc_of_area_has_a_letter_of_its_own_and_a_row() -> None:
             assert abs(place - middle) > float(disc.get("r", 0)) + 4
     places = [(e.get("x"), e.get("y")) for e in bold]
     assert len(set(places)) == len(places)
+
+
+def test_the_line_of_kinds_fits_in_the_shipped_picture_of_area() -> None:
+    root = parse((ROOT / "docs" / "area.svg").read_text(encoding="utf-8"))
+    # A bold letter of 11 pixels is no wider than this.
+    ends = [
+        float(e.get("x", 0)) + 7 * len(e.text or "")
+        for e in root.iter(f"{SVG}text")
+        if e.text in COLOURS
+    ]
+    assert len(ends) > 4
+    assert max(ends) <= float((root.get("viewBox") or "").split()[2])
 
 
 @pytest.mark.parametrize(

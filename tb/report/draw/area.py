@@ -13,7 +13,7 @@ from tb.report.measure.table import Table
 WIDTH = 400.0
 COLUMNS = {"LUTs": 206.0, "multipliers": 276.0, "clocks": 328.0, "error %": 388.0}
 # In the line of kinds: the width of a letter, and what is between two kinds.
-LETTER, GAP = 7.2, 20.0
+LETTER, GAP = 7.0, 9.0
 
 
 def designs(table: Table) -> list[Disc]:

@@ -89,7 +89,7 @@ def drawn(
     for disc, place, size in zip(found, places, sizes, strict=True):
         colour = COLOURS[disc.kind]
         body.append(dot(place, size, fill=colour, fill_opacity=0.35, stroke=colour))
-    for letter, (x, y) in zip(letters, _beside(places, sizes), strict=True):
+    for letter, (x, y) in zip(letters, _beside(places, sizes, axes.left), strict=True):
         body.append(text((x, y + 4), letter, text_anchor="middle", font_weight="bold"))
     ends, y = list(columns.values()), axes.top + axes.height + 58
     body += _row(y, ends, list(columns))
@@ -106,8 +106,8 @@ def _row(y: float, ends: Sequence[float], cells: Sequence[str]) -> list[str]:
     return [text((x, y), cell, text_anchor="end") for x, cell in zip(ends, cells, strict=True)]
 
 
-def _beside(places: Sequence[Point], sizes: Sequence[float]) -> list[Point]:
-    """A place for the letter of each disc, away from other discs and letters."""
+def _beside(places: Sequence[Point], sizes: Sequence[float], left: float) -> list[Point]:
+    """A place for the letter of each disc, away from other discs, letters and the left axis."""
     found: list[Point] = []
     for (x, y), size in zip(places, sizes, strict=True):
         ways = [(x + (size + 8) * dx, y + (size + 8) * dy) for dx, dy in _BESIDE]
@@ -117,7 +117,8 @@ def _beside(places: Sequence[Point], sizes: Sequence[float]) -> list[Point]:
                 hypot(way[0] - a, way[1] - b) - other
                 for (a, b), other in zip(places, sizes, strict=True)
             ]
-            return min([7.0, *discs, *(hypot(way[0] - a, way[1] - b) - 6 for a, b in found)])
+            letters = (hypot(way[0] - a, way[1] - b) - 6 for a, b in found)
+            return min([7.0, way[0] - left, *discs, *letters])
 
         found.append(max(ways, key=room))
     return found
