@@ -153,7 +153,8 @@ class UartInstrument(ConverterInstrument):
     def image_receiver(self) -> ImageReceiver:
         """It has room for all bytes that come while the longest program in the memory runs."""
         engine = self.core
-        assert isinstance(engine, Engine), "only an engine takes images"
+        if not isinstance(engine, Engine):
+            raise NotImplementedError(f"{self.entity}: {engine.entity} takes no images")
         waits = 1 << engine.image_loader.program_addr_width
         return ImageReceiver(self.idle_clocks, waits // self.uart_receiver.interval + 2)
 

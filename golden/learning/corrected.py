@@ -45,9 +45,9 @@ from golden.engine.formats import (
     SAMPLE_SHIFT,
     coeff_frac,
 )
-from golden.engine.function_table import table_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
 from golden.engine.quantise import integer_networks
+from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Fix
 from golden.function import TANH
 from golden.input_error import InputError
@@ -212,7 +212,7 @@ class Corrected:
 
     @cached_property
     def _table(self) -> tuple[Codes, Codes]:
-        found = table_of(TANH, self.networks[0].segment_width)
+        found = tanh_table(self.networks[0].segment_width)
         return np.array(found.intercepts), np.array(found.slopes)
 
 
