@@ -219,8 +219,8 @@ TABLE: dict[str, dict[str, str]] = {
     "steps = 20": {
         'functions = "line"': "training.functions: got 'line', expected",
         'functions = "spline"\ndigits = 30': "got 'spline' with training.digits, expected one of",
-        "intervals = []": "training.intervals: got [], expected whole numbers from 1 to 32",
-        "intervals = [0]": "training.intervals: got [0], expected whole numbers from 1 to",
+        "intervals = []": "training.intervals: got [], expected whole numbers from 0 to 32",
+        "intervals = [33]": "training.intervals: got [33], expected whole numbers from 0 to",
         "steps = 0": "training.steps: got 0, expected above 0",
         "steps = 1000000000": "training.steps: got 1000000000, expected above 0 and 1000000 at",
         "steps = nan": "training.steps: got nan, expected a whole number",

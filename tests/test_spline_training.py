@@ -126,13 +126,14 @@ def test_candidates_are_every_choice_of_every_size(scene: Scene) -> None:
     assert found == [(hidden, number) for hidden in (2, 3) for number in range(12)]
 
 
-def test_what_hardware_gets_is_what_was_trained() -> None:
+@pytest.mark.parametrize("intervals", [0, 2])
+def test_what_hardware_gets_is_what_was_trained(intervals: int) -> None:
     """Within the range of training, the layers are the trained functions; beyond, they are held."""
     rng = np.random.default_rng(2)
     inputs = rng.uniform(-0.4, 0.6, (200, 3))
     target = (inputs[:, :1] ** 2 + 0.5 * inputs[:, 1:2]) * (0.4 + inputs[:, 2:])
     rows = Rows(inputs, target, np.ones_like(target))
-    learned = splines.trained(SplineSettings(2, 2, 4, 0.01), rng, rows, rows)
+    learned = splines.trained(SplineSettings(2, intervals, 4, 0.01), rng, rows, rows)
     learned = splines.pruned(learned, rows, rows, _rms)
     network = function_network(learned, inputs, 0).layers()
     assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9

@@ -160,6 +160,23 @@ def test_classes_are_learned_and_pruned() -> None:
     assert less.error(parts[1]) <= 1.02 * found.error(parts[1])
 
 
+def test_without_intervals_the_functions_of_inputs_are_straight() -> None:
+    """A function of a weighted sum is learned exactly, and a constant input stays flat."""
+    rng = np.random.default_rng(1)
+    inputs = rng.uniform(-1, 1, (80, 3))
+    inputs[:, 2] = 0.5
+    target = (inputs[:, :1] - 0.5 * inputs[:, 1:2]) ** 2
+    given = Rows(inputs, target, np.ones_like(target))
+    found = trained(SplineSettings(1, 0, 4, 1e-4), rng, given, given)
+    assert (found.edges.first == [STRAIGHT, STRAIGHT, FLAT]).all()
+    assert rms(found, given) < 0.01
+    line = np.outer(np.linspace(-1, 1, 9), [1.0, 0.0, 0.0])
+    sums = found.network.sums(found.network.spread(line))
+    np.testing.assert_allclose(np.diff(sums[:, 0], 2), 0, atol=1e-12)
+    # Two weights and the constant of the sum, and a function.
+    assert found.steps == 3 + 2
+
+
 def test_an_input_that_is_constant_in_training_does_no_harm() -> None:
     """Another row may have another value of it, which then changes nothing."""
     given = curve(60, 1)

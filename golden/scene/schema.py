@@ -165,11 +165,11 @@ TRAINING = KeyTable(
         ),
         "intervals": Key(
             List(
-                Whole(Span(1, 32)), "whole numbers from 1 to 32", "a list of whole numbers", least=1
+                Whole(Span(0, 32)), "whole numbers from 0 to 32", "a list of whole numbers", least=1
             ),
             [2, 4],
             "Only with `functions`: the numbers of intervals that the splines of an input may "
-            "have. Each is tried.",
+            "have. Each is tried. With 0, the functions of inputs are straight lines.",
         ),
         "seed": Key(
             Whole(Span(0)),

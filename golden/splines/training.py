@@ -10,7 +10,7 @@ import numpy as np
 from golden.real import Real
 from golden.spline_basis import Basis
 from golden.splines.descent import descend, stopped_early
-from golden.splines.edges import FLAT, STRAIGHT, Edges, bends
+from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
 from golden.splines.loss import SQUARES, Loss
 from golden.splines.network import SplineNetwork, starting
 from golden.splines.objective import Penalty, SplineObjective
@@ -35,7 +35,8 @@ class SplineSettings:
     nodes : int
         Hidden sums.
     intervals, hidden_intervals : int
-        Of the splines of an input, and of a hidden sum.
+        Of the splines of an input, and of a hidden sum. Where the first is 0, functions of inputs
+        are straight.
     bend : float
         See ``Penalty``; for as many rows as train.
     size : float
@@ -128,13 +129,14 @@ def trained(
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)
     margin = np.where(high > low, MARGIN * (high - low), ALONE)
     bases = [
-        Basis(float(a), float(b), settings.intervals)
+        Basis(float(a), float(b), max(1, settings.intervals))
         for a, b in zip(low - margin, high + margin, strict=True)
     ]
     outputs = training.targets.shape[1]
     network = starting(bases, settings.hidden_intervals, settings.nodes, outputs, rng)
     edges = Edges.curved(network.shape)
-    edges = replace(edges, first=np.where(high > low, edges.first, FLAT))
+    kind = CURVED if settings.intervals else STRAIGHT
+    edges = replace(edges, first=np.tile(np.where(high > low, kind, FLAT), (settings.nodes, 1)))
     first = Learned(network, edges, settings, len(training.inputs))
     return first.descended(edges, training, validation)
 

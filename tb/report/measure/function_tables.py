@@ -20,6 +20,7 @@ from tb.report.measure.learned_edges import BINS, POINTS, edges_table
 from tb.report.measure.learned_functions import (
     CANDIDATES,
     SCENE,
+    Kind,
     Model,
     Networks,
     learned,
@@ -29,48 +30,53 @@ from tb.report.measure.learned_functions import (
 from tb.report.measure.table import Cell, Table
 
 ARRANGEMENT, NODES = "cascade", 3
+# The networks that are put into tables; the curves are those of the first one.
+KINDS = learned(NODES, pruned=True), learned(NODES, straight=True)
 # Bits of a word within a segment of a table.
 WIDTHS = (12, 11, 10, 9)
 
 NOTES = {
-    "function_tables": f"The figures are mean errors in percent of the {ARRANGEMENT} of learned "
-    f"functions with {NODES} nodes, pruned, on the split of scene {SCENE}: on the held-out rows, "
-    "and on all rows of the networks that were trained on with all. Each curved function is a "
-    "table of straight lines in an engine, whose results these are, bit-true. The segment width is "
-    "the number of bits of a word within a segment, and words are those of all tables. 'Float' is "
-    "the same network with its splines.",
-    "learned_curves": "The functions of the same cascade, trained on with all rows, each at "
-    f"{POINTS} equal steps over the range that it has on these rows, from which its mean is "
-    f"subtracted; and the part of the rows in each of {BINS} equal steps. A straight function is a "
-    "product on an engine, and a flat one is nothing.",
+    "function_tables": f"The figures are mean errors in percent of two networks in {ARRANGEMENT} "
+    f"with {NODES} nodes on the split of scene {SCENE}: on the held-out rows, and on all rows of "
+    "the networks that were trained on with all. Each curved function is a table of straight lines "
+    "in an engine, whose results these are, bit-true. The segment width is the number of bits of a "
+    "word within a segment, words are those of all tables, and clocks are those from the last "
+    "sample to the last output. 'Float' is the same network with its splines.",
+    "learned_curves": "The functions of the first cascade of function_tables, trained on with all "
+    f"rows, each at {POINTS} equal steps over the range that it has on these rows, from which its "
+    f"mean is subtracted; and the part of the rows in each of {BINS} equal steps. A straight "
+    "function is a product on an engine, and a flat one is nothing.",
 }
 
 
 def function_tables(seed: int) -> Table:
-    """The errors of one network with narrower and narrower segments."""
+    """The errors of networks with narrower and narrower segments."""
     given = lesson(seed)
-    networks = _trained(seed)
     held_out, outputs, every = given.measured["held out"], load_scene(SCENE).outputs, _every()
-    found = [networks.means(networks.tested, held_out), networks.means(networks.written, every)]
-    rows = _rows("float", 0, outputs, found)
-    tested = _layers(networks, networks.tested, given.parts["known"])
-    written = _layers(networks, networks.written, given.parts["every"])
-    for width in WIDTHS:
-        found = [_means(_engine(tested, width), held_out)]
-        engine = _engine(written, width)
-        found.append(_means(engine, every))
-        rows += _rows(str(width), len(engine.program.slopes), outputs, found)
+    rows: list[list[Cell]] = []
+    for kind in KINDS:
+        networks = _trained(kind, seed)
+        found = [networks.means(networks.tested, held_out), networks.means(networks.written, every)]
+        rows += _rows([kind.name, "float", None, None], outputs, found)
+        tested = _layers(networks, networks.tested, given.parts["known"])
+        written = _layers(networks, networks.written, given.parts["every"])
+        for width in WIDTHS:
+            found = [_means(_engine(tested, width), held_out)]
+            engine = _engine(written, width)
+            found.append(_means(engine, every))
+            size = len(engine.program.slopes), engine.output_clocks[-1]
+            rows += _rows([kind.name, str(width), *size], outputs, found)
     return Table(
         "function_tables",
-        ["segment width", "words", "output", "held out %", "all rows %"],
+        ["network", "segment width", "words", "clocks", "output", "held out %", "all rows %"],
         rows,
         NOTES["function_tables"],
     )
 
 
 def learned_curves(seed: int) -> Table:
-    """Every function of the cascade, and where the rows lie."""
-    networks, scene = _trained(seed), load_scene(SCENE)
+    """Every function of the pruned cascade, and where the rows lie."""
+    networks, scene = _trained(KINDS[0], seed), load_scene(SCENE)
     layers = _layers(networks, networks.written, lesson(seed).parts["every"])
     found: list[tuple[Sequence[str], Sequence[str], DenseNetwork, Real]] = []
     for number, (output, network) in enumerate(zip(scene.outputs, layers, strict=True)):
@@ -80,8 +86,7 @@ def learned_curves(seed: int) -> Table:
     return edges_table("learned_curves", found, NOTES["learned_curves"])
 
 
-def _trained(seed: int) -> Networks:
-    kind = learned(NODES, pruned=True)
+def _trained(kind: Kind, seed: int) -> Networks:
     return trained(ARRANGEMENT, kind, seed, CANDIDATES[ARRANGEMENT], lesson(seed))
 
 
@@ -113,8 +118,7 @@ def _means(engine: Engine, rows: Rows) -> Real:
     return np.asarray(np.abs(100 * (results - rows.targets) / rows.scale).mean(axis=0))
 
 
-def _rows(name: str, words: int, outputs: Sequence[str], found: Sequence[Real]) -> list[list[Cell]]:
+def _rows(first: Sequence[Cell], outputs: Sequence[str], found: Sequence[Real]) -> list[list[Cell]]:
     return [
-        [name, words, output, *(float(means[c]) for means in found)]
-        for c, output in enumerate(outputs)
+        [*first, output, *(float(means[c]) for means in found)] for c, output in enumerate(outputs)
     ]

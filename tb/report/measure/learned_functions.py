@@ -46,6 +46,8 @@ NOISE = 0.002
 DRIFT = Disturbance(gain=0.01, offset=0.005)
 # The candidates that are splines: intervals of an input and of a hidden sum, and the penalties.
 INTERVALS = ((2, 4), (4, 4))
+# The same where the functions of inputs are straight.
+STRAIGHT = ((0, 4),)
 BENDS = (0.01, 0.03, 0.1)
 # The settings of an MLP as in the shipped scenes.
 STEPS_MLP, PATIENCE, DECAY = 300, 40, 1e-6
@@ -154,10 +156,13 @@ def mlps(hidden: Sequence[int]) -> Kind:
     return Kind(name, hidden, train_mlp, refit_mlp)
 
 
-def learned(nodes: int, pruned: bool = False) -> Kind:
-    """Networks of learned functions with so many hidden sums."""
-    settings = [SplineSettings(nodes, *pair, bend) for pair in INTERVALS for bend in BENDS]
-    kind = Kind(f"functions, {nodes} nodes", settings, splines.trained, splines.refitted)
+def learned(nodes: int, pruned: bool = False, straight: bool = False) -> Kind:
+    """Networks of learned functions with so many hidden sums, or of functions of weighted sums."""
+    what, intervals = (
+        ("functions of weighted sums", STRAIGHT) if straight else ("functions", INTERVALS)
+    )
+    settings = [SplineSettings(nodes, *pair, bend) for pair in intervals for bend in BENDS]
+    kind = Kind(f"{what}, {nodes} nodes", settings, splines.trained, splines.refitted)
     return replace(kind, name=f"{kind.name}, pruned", prune=prune) if pruned else kind
 
 
@@ -166,9 +171,10 @@ KINDS = {
         mlps(range(4, 9)),
         learned(2),
         *(learned(nodes, pruned) for nodes in (3, 4) for pruned in (False, True)),
+        *(learned(nodes, straight=True) for nodes in (3, 4, 5)),
     ),
-    "multiple": (mlps(range(4, 9)), learned(3, True)),
-    "single": (mlps((16,)), learned(4, True)),
+    "multiple": (mlps(range(4, 9)), learned(3, True), learned(3, straight=True)),
+    "single": (mlps((16,)), learned(4, True), learned(6, straight=True)),
 }
 
 

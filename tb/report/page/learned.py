@@ -55,14 +55,15 @@ def noisy(table: Table) -> str:
 
 
 def segments(table: Table) -> str:
-    """The errors of one cascade with narrower and narrower segments."""
-    heads = ["segment width", "words", *OUTPUTS]
+    """The errors of cascades with narrower and narrower segments."""
+    heads = [*table.columns[:4], *OUTPUTS]
     lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
-    kinds: dict[tuple[Cell, Cell], list[str]] = {}
-    for name, words, _, held_out, every in table.rows:
-        kinds.setdefault((name, words), []).append(f"{held_out:.2f}, {every:.2f}")
-    for (name, words), cells in kinds.items():
-        lines.append(f"| {name} | {words or ''} | {' | '.join(cells)} |")
+    kinds: dict[tuple[Cell, ...], list[str]] = {}
+    for *first, _, held_out, every in table.rows:
+        kinds.setdefault(tuple(first), []).append(f"{held_out:.2f}, {every:.2f}")
+    for sizes, cells in kinds.items():
+        texts = ("" if size is None else str(size) for size in sizes)
+        lines.append(f"| {' | '.join([*texts, *cells])} |")
     return "\n".join(lines)
 
 
