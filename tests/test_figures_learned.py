@@ -172,16 +172,16 @@ def test_what_the_page_concludes_about_weighted_sums_is_in_the_record(rows) -> N
 def test_more_segments_come_to_the_error_of_the_splines() -> None:
     table = table_records.read("function_tables")
     figures = {(row[0], row[1], row[4]): row[6] for row in table.rows}
-    for kind in function_tables.KINDS:
+    # Of weighted sums, rounding happens to help the load, and wide segments cost the position less.
+    for kind, (least, most) in zip(function_tables.KINDS, ((1, 0.5), (0.95, 0.6)), strict=True):
         for output in SCENE_OUTPUTS:
             every = [figures[kind.name, str(width), output] for width in function_tables.WIDTHS]
             assert every == sorted(every, reverse=True)
-            # Rounding may also happen to help.
-            assert 0.95 * figures[kind.name, "float", output] < every[-1] < 0.6 * every[0]
-        sizes = {(row[2], row[3]) for row in table.rows if row[0] == kind.name and row[2]}
-        words, clocks = zip(*sorted(sizes), strict=True)
-        assert len(set(words)) == len(function_tables.WIDTHS)
-        assert len(set(clocks)) == 1
+            assert least * figures[kind.name, "float", output] < every[-1] < most * every[0]
+        in_tables = [row for row in table.rows if row[0] == kind.name and row[1] != "float"]
+        words = [row[2] for row in in_tables[:: len(SCENE_OUTPUTS)]]
+        assert words == sorted(set(words))
+        assert len({row[3] for row in in_tables}) == 1
 
 
 def test_curves_are_of_every_edge() -> None:

@@ -128,6 +128,7 @@ def trained(
     """The network of one candidate."""
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)
     margin = np.where(high > low, MARGIN * (high - low), ALONE)
+    # A straight function has splines too; one interval is enough.
     bases = [
         Basis(float(a), float(b), max(1, settings.intervals))
         for a, b in zip(low - margin, high + margin, strict=True)

@@ -42,7 +42,7 @@ NOTES = {
     "in an engine, whose results these are, bit-true. The segment width is the number of bits of a "
     "word within a segment, words are those of all tables, and clocks are those from the last "
     "sample to the last output. 'Float' is the same network with its splines.",
-    "learned_curves": "The functions of the first cascade of function_tables, trained on with all "
+    "learned_curves": "The functions of the pruned cascade of function_tables, trained on with all "
     f"rows, each at {POINTS} equal steps over the range that it has on these rows, from which its "
     f"mean is subtracted; and the part of the rows in each of {BINS} equal steps. A straight "
     "function is a product on an engine, and a flat one is nothing.",
