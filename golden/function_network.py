@@ -18,10 +18,10 @@ from math import ceil
 import numpy as np
 
 from golden.dense import Dense, DenseNetwork
-from golden.function import ITSELF, TABLE, Function
+from golden.function import HIGH, ITSELF, TABLE, Function
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.spline_basis import DEGREE
+from golden.spline_basis import DEGREE, Basis
 
 # Values and slopes of hidden sums and of outputs have room in hardware up to these.
 LARGEST, LARGEST_OUTPUT = 7.99, 0.999
@@ -29,6 +29,9 @@ LARGEST, LARGEST_OUTPUT = 7.99, 0.999
 SAMPLE_SCALE, EARLIER_SCALE = 4.0, 8.0
 # An earlier output comes with half a unit of its last place added.
 HALF_UNIT = 2.0 ** -(SIGNAL.frac + 1)
+
+# Places of a sum at which a function is compared with a straight line.
+PLACES = 257
 
 # A spline of the input as in ``Function``, the slope of a straight edge, or None for none.
 Edge = tuple[float, ...] | float | None
@@ -52,6 +55,9 @@ class FunctionNetwork:
         How many of the inputs, at the end, are outputs of earlier networks.
     offsets : sequence of float
         The constants of the hidden sums; empty where there are none.
+    products : bool
+        Whether hardware multiplies, so that a straight line takes less than a table. Then a
+        function that is larger than a word may become a line and what is left of it.
     """
 
     first: Sequence[Sequence[Edge]]
@@ -60,6 +66,7 @@ class FunctionNetwork:
     scales: Sequence[float]
     earlier: int = 0
     offsets: Sequence[float] = ()
+    products: bool = True
 
     def layers(self) -> DenseNetwork:
         """The network as three layers."""
@@ -82,6 +89,7 @@ class FunctionNetwork:
                 places[h].append((place, weight))
         sums = _Layer(copies.nodes)
         last = np.zeros((len(self.second), 0))
+        biases = np.array(self.biases, dtype=np.float64)
         for o, edges in enumerate(self.second):
             for h, edge in enumerate(edges):
                 if edge is None:
@@ -90,12 +98,16 @@ class FunctionNetwork:
                 for place, weight in places[h]:
                     row[place] = weight
                 scale = self.scales[h]
-                sums.start(row, scale * self.offsets[h] if self.offsets else 0.0)
-                _, weight = sums.end(f"g{o + 1}_{h + 1}", edge, scale, 0.0, 1.0, LARGEST_OUTPUT)
-                column = np.zeros((len(self.second), 1))
-                column[o] = weight
-                last = np.concatenate([last, column], axis=1)
-        output = Dense(last, np.array(self.biases, dtype=np.float64))
+                parts, constant = _parts(edge, scale) if self.products else ([edge], 0.0)
+                biases[o] += constant
+                for part in parts:
+                    sums.start(row, scale * self.offsets[h] if self.offsets else 0.0)
+                    name = f"g{o + 1}_{h + 1}"
+                    _, weight = sums.end(name, part, scale, 0.0, 1.0, LARGEST_OUTPUT)
+                    column = np.zeros((len(self.second), 1))
+                    column[o] = weight
+                    last = np.concatenate([last, column], axis=1)
+        output = Dense(last, biases)
         return DenseNetwork((copies.dense(), sums.dense(), output))
 
 
@@ -105,6 +117,40 @@ def of_parabolas(shape: Sequence[int], earlier: int) -> FunctionNetwork:
     parabola = -1.0, 1.0, 0.9, 0.2, 0.0, 0.0, 0.2
     first, second = [[parabola] * inputs] * hidden, [[parabola] * hidden] * outputs
     return FunctionNetwork(first, second, [0.0] * outputs, [2.0] * hidden, earlier)
+
+
+def _times(spline: Sequence[float], into: float, scale: float, largest: float) -> int:
+    """By what ``scale`` times a function is divided, so that it stays within ``largest``.
+
+    Its slopes are those by ``into`` times its input.
+    """
+    low, high, most, *coefficients = spline
+    width = into * (high - low) / (len(coefficients) - DEGREE)
+    steepest = max(abs(b - a) for a, b in pairwise(coefficients)) / width
+    return max(1, ceil(scale * max(most, steepest) / largest))
+
+
+def _parts(edge: Edge, scale: float) -> tuple[list[Edge], float]:
+    """What is added up for an edge of a hidden sum, and a constant.
+
+    A function that is larger than a word is a straight line and what is left of it, where these
+    take fewer steps. Both go on as far as the word of the sum does.
+    """
+    if not isinstance(edge, tuple):
+        return [edge], 0.0
+    low, high, _, *coefficients = edge
+    basis = Basis(low, high, len(coefficients) - DEGREE)
+    x = np.linspace(-1, 1, PLACES) * HIGH / scale
+    values = basis.function(x, np.array(coefficients))
+    slope = float(np.polyfit(x, values, 1)[0])
+    left = values - slope * x
+    constant = float(left.max() + left.min()) / 2
+    rest = (np.array(coefficients) - slope * basis.centres - constant).tolist()
+    spline = low, high, float(np.ptp(left)) / 2, *rest
+    before, after = (_times(one, scale, 1.0, LARGEST_OUTPUT) for one in (edge, spline))
+    if 2 * before <= 1 + 2 * after:
+        return [edge], 0.0
+    return [spline, slope], constant
 
 
 class _Layer:
@@ -136,9 +182,7 @@ class _Layer:
         """
         if isinstance(edge, tuple):
             low, high, most, *coefficients = edge
-            width = into * (high - low) / (len(coefficients) - DEGREE)
-            steepest = max(abs(b - a) for a, b in pairwise(coefficients)) / width
-            parts = max(1, ceil(scale * max(most, steepest) / largest))
+            parts = _times(edge, into, scale, largest)
             ends = into * low + shift, into * high + shift
             spline = *ends, *(scale / parts * value for value in (most, *coefficients))
             self.functions.append(Function(name, spline=spline))

@@ -14,17 +14,29 @@ from golden.spline_basis import Basis
 from golden.splines.edges import CURVED, STRAIGHT
 from golden.splines.training import Learned
 
-# With the inputs of training, sums and functions fill this part of their range at most. Beyond it,
-# a function is level.
+# With the inputs of training, functions fill this part of their range at most, and so do sums where
+# hardware has no products. Beyond it, a function is level.
 FILLED = 0.8
+# The part that hidden sums fill where hardware has products.
+FILLED_WORD = 0.9
 # The range of a function that is added to a hidden sum.
 MOST_HIDDEN = 0.99 * HIGH
+# A product may be so much larger than a word, because it is added up before anything is rounded. A
+# larger one would take many steps: each holds a part of its weight.
+LARGER = 16.0
 # A sum that hardly changes is not made larger without end.
 LEAST = 2.0**-10
 
 
-def function_network(learned: Learned, inputs: Real, earlier: int) -> FunctionNetwork:
+def function_network(
+    learned: Learned, inputs: Real, earlier: int, products: bool = True
+) -> FunctionNetwork:
     """A trained network with what hardware must know.
+
+    Where hardware has products, the middle of what a hidden sum reaches becomes 0, and a scale
+    makes it fill the word, so that the segments of a table of it are narrow. Where every edge is a
+    table of a few bits, a word that is filled more takes more LUTs: those of digit-tables would
+    take 1222 and not 1183, with the same errors.
 
     A function goes straight on beyond the range in which it was trained, until it would leave the
     format of its sum; from there it is level.
@@ -36,38 +48,51 @@ def function_network(learned: Learned, inputs: Real, earlier: int) -> FunctionNe
         The inputs of training.
     earlier : int
         How many of the inputs, at the end, are outputs of earlier networks.
+    products : bool
+        Whether hardware multiplies, so that a straight line is no table.
     """
     network, edges = learned.network, learned.edges
     sums = network.sums(network.spread(inputs))
-    first, offsets, scales = [], [], []
+    first, offsets, scales, hidden, around = [], [], [], [], []
     for kinds, rows, sum_ in zip(edges.first, network.first, sums.T, strict=True):
         centred, constant = _centred(kinds, network.bases, rows)
         reached = [
-            _reached(basis, row, x)
-            for basis, row, x in zip(network.bases, centred, inputs.T, strict=True)
+            _reached(basis, row, x) / (LARGER if products and kind == STRAIGHT else 1)
+            for kind, basis, row, x in zip(kinds, network.bases, centred, inputs.T, strict=True)
         ]
-        largest = max(*reached, float(np.abs(sum_).max()), LEAST)
+        middle = float(sum_.max() + sum_.min()) / 2 if products else 0.0
+        around.append(sum_ - middle)
+        largest = max(*reached, float(np.abs(around[-1]).max()), LEAST)
         # A scale that is a power of two changes no bit of a slope.
-        scales.append(2.0 ** floor(log2(FILLED * HIGH / largest)))
+        power = 2.0 ** floor(log2(FILLED * HIGH / largest))
+        scales.append(FILLED_WORD * HIGH / largest if products else power)
         first.append(
             [
                 _edge(kind, basis, row, MOST_HIDDEN / scales[-1])
                 for kind, basis, row in zip(kinds, network.bases, centred, strict=True)
             ]
         )
-        offsets.append(constant)
+        offsets.append(constant - middle)
+        hidden.append(_moved(network.hidden, -middle))
     biases = network.biases.copy()
     second = []
     for o, (kinds, rows) in enumerate(zip(edges.second, network.second, strict=True)):
-        centred, constant = _centred(kinds, [network.hidden] * len(scales), rows)
+        centred, constant = _centred(kinds, hidden, rows)
         biases[o] += constant
         second.append(
             [
-                _edge(kind, network.hidden, row, _reached(network.hidden, row, x) / FILLED)
-                for kind, row, x in zip(kinds, centred, sums.T, strict=True)
+                _edge(kind, basis, row, _reached(basis, row, x) / FILLED)
+                for kind, basis, row, x in zip(kinds, hidden, centred, around, strict=True)
             ]
         )
-    return FunctionNetwork(first, second, biases.tolist(), scales, earlier, offsets)
+    return FunctionNetwork(
+        first, second, biases.tolist(), scales, earlier, offsets, products=products
+    )
+
+
+def _moved(basis: Basis, way: float) -> Basis:
+    """The splines of an input to which a number is added."""
+    return Basis(basis.low + way, basis.high + way, basis.intervals)
 
 
 def _reached(basis: Basis, coefficients: Real, x: Real) -> float:

@@ -85,13 +85,16 @@ def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
         When the hardware cannot compute it.
     """
     earlier = frames.inputs.shape[1] - task.scene.members[0].inputs
-    network = function_network(learned, frames.inputs, earlier).layers()
+    # A design for learned functions alone has no multiplier.
+    products = not DESIGNS.get(task.scene.design, Design).learned_functions
+    network = function_network(learned, frames.inputs, earlier, products).layers()
     if not task.scene.labels:
         return shift_biases(task, network, frames)
     # The functions have to fill the words of logits as the network is read. They are made again in
     # this measure, and the last layer has the weights for it.
     scale = class_scale(task, network)
-    network = function_network(learned.divided(scale.factor), frames.inputs, earlier).layers()
+    divided = learned.divided(scale.factor)
+    network = function_network(divided, frames.inputs, earlier, products).layers()
     outputs = [scale] * network.shape[-1]
     return on_readings(network, [Scale()] * network.shape[0], outputs)
 

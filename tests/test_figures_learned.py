@@ -36,6 +36,7 @@ from tb.report.measure.learned_functions import (
     steps_of,
     trained,
 )
+from tb.report.page import learned
 
 SCENE_OUTPUTS = load_scene(SCENE).outputs
 QUICK = {kind.name: kind for kind in (learned_functions.mlps((2,)), learned_functions.learned(2))}
@@ -172,23 +173,36 @@ def test_what_the_page_concludes_about_weighted_sums_is_in_the_record(rows) -> N
 def test_more_segments_come_to_the_error_of_the_splines() -> None:
     table = table_records.read("function_tables")
     figures = {(row[0], row[1], row[4]): row[6] for row in table.rows}
-    # Of weighted sums, rounding happens to help the load, and wide segments cost the position less.
-    for kind, (least, most) in zip(function_tables.KINDS, ((1, 0.5), (0.95, 0.6)), strict=True):
+    # In percent: what the rounding of words may do to an error.
+    rounding = 0.02
+    for kind in function_tables.KINDS:
         for output in SCENE_OUTPUTS:
             every = [figures[kind.name, str(width), output] for width in function_tables.WIDTHS]
-            assert every == sorted(every, reverse=True)
-            assert least * figures[kind.name, "float", output] < every[-1] < most * every[0]
+            assert np.diff(every).max() < rounding / 5
+            assert every[-1] < every[0]
+            assert abs(every[-1] - figures[kind.name, "float", output]) < rounding
         in_tables = [row for row in table.rows if row[0] == kind.name and row[1] != "float"]
         words = [row[2] for row in in_tables[:: len(SCENE_OUTPUTS)]]
         assert words == sorted(set(words))
         assert len({row[3] for row in in_tables}) == 1
 
 
+def test_what_the_page_says_of_the_engine_of_weighted_sums_is_so() -> None:
+    """Its program and its tables are one block RAM, and no target of its size is missed."""
+    core = load_scene("comparison/digit-sums").twin().core
+    assert len(core.program.table) + len(core.program.words) <= 512
+    sizes = [line for line in learned.engines().splitlines() if "%" not in line][2:]
+    assert len(sizes) == 4
+    assert not [line for line in sizes if "**" in line]
+
+
 def test_curves_are_of_every_edge() -> None:
     table = table_records.read("learned_curves")
     counts = {output: sum(row[0] == output for row in table.rows) for output in SCENE_OUTPUTS}
     nodes, bins = function_tables.NODES, learned_edges.BINS
-    assert list(counts.values()) == [nodes * (4 + n + 1) for n in range(4)]
+    # Each sum has an edge for each input and one behind it; pruning may make one sum of several.
+    sums = [count / (4 + n + 1) for n, count in enumerate(counts.values())]
+    assert all(one in range(1, nodes + 1) for one in sums)
     for row in table.rows:
         assert sum(row[-bins:]) == pytest.approx(1)
         values = np.array(row[learned_edges.VALUES : -bins], dtype=float)

@@ -102,16 +102,28 @@ def test_many_functions_are_told_of_together(shape: tuple[int, ...], text: str) 
     assert engine.function_facts[0].startswith(text)
 
 
-def test_a_function_that_is_larger_than_a_word_is_added_in_parts() -> None:
-    """An output of -0.5 to 0.5 is the difference of two functions that reach 2."""
-    large = (-1.0, 1.0, 2.1, *np.linspace(-2, 2, 6).tolist())
-    opposite = (-1.0, 1.0, 2.1, *np.linspace(1.5, -1.5, 6).tolist())
+@pytest.mark.parametrize(
+    ("large", "opposite", "looked_up", "products"),
+    [
+        # What is left of a rising function without a line is one small function.
+        ((2.1, -2, -1.4, -0.4, 0.3, 1.3, 2), (2.1, 1.5, 0.9, 0.3, -0.3, -0.9, -1.5), 1, 1),
+        # A function that falls and rises again is as large without any line.
+        ((2.1, 2, 0.2, -1.5, -1.5, 0.2, 2), (2.1, -2, -0.3, 1.4, 1.5, -0.1, -2), 3, 0),
+    ],
+    ids=("a line and what is left", "in parts"),
+)
+def test_a_function_that_is_larger_than_a_word(
+    large: tuple[float, ...], opposite: tuple[float, ...], looked_up: int, products: int
+) -> None:
+    """A small output is the difference of two functions that reach 2."""
     bent = (-1.0, 1.0, 1.0, 0.9, 0.2, -0.3, -0.3, 0.2, 0.9)
-    network = FunctionNetwork([[bent], [bent]], [[large, opposite]], [0.0], [4.0, 4.0])
+    both = [(-1.0, 1.0, *large), (-1.0, 1.0, *opposite)]
+    network = FunctionNetwork([[bent], [bent]], [both], [0.0], [4.0, 4.0])
     engine = Engine.of([network.layers()], Settings(options=WIDE))
     assert len(engine.integers[0].layers) == 2
     terms = [term for neuron in engine.graph.neurons for term in neuron.terms]
-    assert sum(term.kind is Kind.INTERCEPT for term in terms) == 2 + 3 + 3
+    assert sum(term.kind is Kind.INTERCEPT for term in terms) == 2 + 2 * looked_up
+    assert sum(term.kind is Kind.WORD for term in terms) == 2 * products
     frames = codes(1)
     found = engine.process(frames)
     assert np.array_equal(found, evaluate(engine.integers, frames))

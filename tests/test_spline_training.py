@@ -11,12 +11,15 @@ import pytest
 
 from golden.commands import train as command
 from golden.decisions import decisions_of
+from golden.dense import passed
+from golden.function import HIGH
+from golden.function_network import SAMPLE_SCALE
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.networks.designs import DESIGNS
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
-from golden.spline_layers import function_network
+from golden.spline_layers import FILLED_WORD, LARGER, function_network
 from golden.spline_training import (
     SplineStages,
     as_layers,
@@ -26,6 +29,7 @@ from golden.spline_training import (
     train,
 )
 from golden.splines import training as splines
+from golden.splines.edges import CURVED, FLAT, STRAIGHT
 from golden.splines.training import Learned, SplineSettings
 from golden.task_errors import as_read
 from golden.training.objective import Rows
@@ -139,6 +143,65 @@ def test_what_hardware_gets_is_what_was_trained(intervals: int) -> None:
     assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9
     far = network.process(rng.uniform(-1, 1, (500, 3)))
     assert np.abs(far).max() < 3
+
+
+def test_hidden_sums_fill_their_words() -> None:
+    """Weighted sums in both directions; nothing is left for functions that are curved."""
+    rng = np.random.default_rng(3)
+    inputs = rng.uniform(-0.4, 0.6, (200, 3))
+    target = np.tanh(4 * inputs[:, :1] - inputs[:, 1:2]) + 0.1 * inputs[:, 2:]
+    rows = Rows(inputs, target, np.ones_like(target))
+    learned = splines.trained(SplineSettings(2, 0, 4, 0.01), rng, rows, rows)
+    network = function_network(learned, inputs, 0).layers()
+    words = [*passed(network, inputs)][1].sums
+    assert np.abs(words.max(axis=0) - FILLED_WORD * HIGH).max() < 1e-9
+    assert np.abs(words.min(axis=0) + FILLED_WORD * HIGH).max() < 1e-9
+
+
+def test_a_sum_of_products_that_cancel_does_not_fill_its_word() -> None:
+    """Its weights would take very many steps."""
+    rng = np.random.default_rng(3)
+    inputs = np.repeat(rng.uniform(-0.5, 0.5, (200, 1)), 2, axis=1)
+    inputs[:, 1] += 1e-5 * rng.normal(size=200)
+    rows = Rows(inputs, inputs[:, :1], np.ones((200, 1)))
+    learned = splines.trained(SplineSettings(1, 0, 4, 0.01, steps=2), rng, rows, rows)
+    centres = np.array([basis.centres for basis in learned.network.bases])
+    first = (centres * [[100.0], [-100.0]])[np.newaxis]
+    learned = replace(learned, network=replace(learned.network, first=first))
+    network = function_network(learned, inputs, 0).layers()
+    sums = [*passed(network, inputs)][1]
+    products = np.abs(sums.layer.weights * np.abs(inputs).max())
+    assert HIGH < products.max() < LARGER * HIGH / SAMPLE_SCALE
+    assert 0 < np.ptp(sums.sums) < 0.01 * HIGH
+
+
+def test_sums_with_straight_functions_behind_them_become_one() -> None:
+    rng = np.random.default_rng(4)
+    inputs = rng.uniform(-0.4, 0.6, (200, 3))
+    target = np.sin(3 * inputs[:, :1]) + inputs[:, 1:2] ** 2
+    rows = Rows(inputs, target, np.ones_like(target))
+    learned = splines.trained(SplineSettings(4, 2, 4, 0.01), rng, rows, rows)
+    edges = learned.edges
+    edges = replace(edges, second=np.array([[STRAIGHT, CURVED, STRAIGHT, STRAIGHT]]))
+    edges = replace(edges, first=np.where(np.eye(4, 3) > 0, FLAT, edges.first))
+    learned = learned.descended(edges, rows)
+    found = splines.merged(learned)
+    assert found.network.shape == (3, 2, 1)
+    assert found.edges.second.tolist() == [[STRAIGHT, CURVED]]
+    assert found.edges.first.tolist() == [[CURVED] * 3, [CURVED, FLAT, CURVED]]
+    assert np.abs(found.process(inputs) - learned.process(inputs)).max() < 1e-9
+    assert splines.merged(found) is found
+    # Trained further, it stays what it is: the function of the sum is straight.
+    assert np.abs(splines.refitted(found, rows).process(inputs) - target).max() < 0.2
+
+
+def test_sums_that_two_outputs_read_stay_apart() -> None:
+    rng = np.random.default_rng(4)
+    inputs = rng.uniform(-0.4, 0.6, (100, 2))
+    rows = Rows(inputs, inputs**2, np.ones_like(inputs))
+    learned = splines.trained(SplineSettings(2, 0, 4, 0.01, steps=3), rng, rows, rows)
+    learned = replace(learned, edges=replace(learned.edges, second=np.full((2, 2), STRAIGHT)))
+    assert splines.merged(learned) is learned
 
 
 def _rms(learned: Learned, rows: Rows) -> float:

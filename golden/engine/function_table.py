@@ -41,7 +41,7 @@ from golden.real import Real
 # chosen with this width, so that it does not depend on what hardware chooses.
 SEGMENT_WIDTH = 9
 # Functions other than tanh may have wider segments, so that many of them have room.
-LEAST_WIDTH, MOST_WIDTH = min(ENDS), 12
+LEAST_WIDTH, MOST_WIDTH = min(ENDS), 13
 # Steps of the search for the best slope, each of which leaves two thirds of an interval.
 _STEPS = 30
 # The places in a segment at which the search looks at a line, besides the segment's end.

@@ -116,7 +116,7 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that "
-            "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour); 7 to 12 where "
+            "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour); 7 to 13 where "
             "every table is that of another function. With fewer bits the error is smaller and the "
             "table has more words.",
             "9",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from golden.real import Real
 from golden.splines.loss import Loss
@@ -98,31 +100,67 @@ class SplineObjective:
             found += self._words.value(self.network(parameters))
         return found
 
-    def jacobian(self, parameters: Real) -> tuple[Real, Real]:
-        """The misses m as a vector, and J: the loss has half the gradient J' m, and J' J.
+    @cached_property
+    def _places(self) -> list[NDArray[np.int64]]:
+        """Of each hidden sum the parameters that it depends on; of each output its own.
 
-        J has the derivatives of the outputs by the parameters, times the roots of ``Loss.around``.
+        Those of an output are the parameters of the functions that it adds up, and its constant.
+        """
+        first, second = self.like.first, self.like.second
+        sums, outputs = len(first), len(second)
+        shapes = [first[0].size] * sums + [second[0].size] * outputs
+        ends = np.cumsum(shapes)
+        found = []
+        for n, (end, size) in enumerate(zip(ends, shapes, strict=True)):
+            own = np.flatnonzero(np.any(self.freedom[end - size : end], axis=0))
+            constant = len(self.freedom.T) - outputs + n - sums
+            found.append(own if n < sums else np.append(own, constant))
+        return found
+
+    @cached_property
+    def _inputs(self) -> list[Real]:
+        """The derivatives of each hidden sum by its parameters, on every row."""
+        parts = np.split(self.freedom[: self.like.first.size], len(self.like.first))
+        return [self._spread @ part[:, own] for part, own in zip(parts, self._places, strict=False)]
+
+    def around(self, parameters: Real) -> tuple[float, Real, Real]:
+        """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
+
+        The gradient of the loss is J' m, and its Hessian J' J, where m are the misses, and J has
+        the derivatives of the outputs by the parameters, times the roots of ``Loss.around``. In a
+        row, each column of J is the derivative of a hidden sum, or of an output, by a parameter of
+        its own, times a factor for each miss. So J' J is made of blocks.
         """
         network = self.network(parameters)
         values, slopes = network.hidden.at(network.sums(self._spread))
         misses, roots = self.loss.around(_outputs(network, values), self.rows)
         through = np.einsum("rhk,ohk->roh", slopes, network.second, optimize=True)
-        back = np.einsum("rqo,roh->rqh", roots, through)
-        first = back[..., np.newaxis] * self._spread[:, np.newaxis, np.newaxis, :]
-        second = roots[..., np.newaxis] * values.reshape(len(values), 1, 1, -1)
-        parts = [part.reshape(misses.size, -1) for part in (first, second, roots)]
-        return misses.ravel(), np.concatenate(parts, axis=1) @ self.freedom
-
-    def around(self, parameters: Real) -> tuple[float, Real, Real]:
-        """The function at a point, half its gradient, and half its Hessian by Gauss and Newton."""
-        misses, jacobian = self.jacobian(parameters)
-        pull = self.stiffness @ parameters
-        gradient, hessian = jacobian.T @ misses + pull, jacobian.T @ jacobian + self.stiffness
+        factors = np.concatenate([roots @ through, roots], axis=2)
+        pulls = np.einsum("rqn,rq->rn", factors, misses)
+        matrices = [*self._inputs, *self._values(values)]
+        gradient, hessian = self.stiffness @ parameters, self.stiffness.copy()
+        for n, (own, matrix) in enumerate(zip(self._places, matrices, strict=True)):
+            gradient[own] += matrix.T @ pulls[:, n]
+            weights = np.einsum("rq,rqn->rn", factors[:, :, n], factors[:, :, : n + 1])
+            for k, (other, also) in enumerate(zip(self._places[: n + 1], matrices, strict=False)):
+                block = matrix.T @ (weights[:, k, np.newaxis] * also)
+                hessian[np.ix_(own, other)] += block
+                if k < n:
+                    hessian[np.ix_(other, own)] += block.T
         if self.word_error:
             pushed, curved = self._words.around(self.network(parameters))
             gradient += self.freedom.T @ pushed
             hessian += self.freedom.T @ curved @ self.freedom
         return self.value(parameters), gradient, hessian
+
+    def _values(self, values: Real) -> Iterator[Real]:
+        """The derivatives of each output by its parameters, on every row."""
+        start, flat = self.like.first.size, values.reshape(len(values), -1)
+        for own in self._places[len(self.like.first) :]:
+            end = start + flat.shape[1]
+            mine = flat @ self.freedom[start:end, own[:-1]]
+            yield np.append(mine, np.ones((len(flat), 1)), axis=1)
+            start = end
 
 
 def _outputs(network: SplineNetwork, values: Real) -> Real:

@@ -177,5 +177,32 @@ def pruned(
                 edges = edges.with_kind(n, FLAT if flat[n] < part * present else STRAIGHT)
         found = learned.descended(edges, training, validation)
         if error(found, validation) <= allowed:
-            return found
-    return learned
+            return merged(found)
+    return merged(learned)
+
+
+def merged(learned: Learned) -> Learned:
+    """The same network, in which all hidden sums with straight functions behind them are one.
+
+    This can be said of networks with one output alone; any other is returned as it is.
+    """
+    network, edges = learned.network, learned.edges
+    (straight,) = np.nonzero(edges.second[0] == STRAIGHT)
+    if len(edges.second) > 1 or len(straight) < 2:
+        return learned
+    centres = network.hidden.centres
+    lines = [np.polyfit(centres, network.second[0, h], 1) for h in straight]
+    kept = np.delete(np.arange(len(network.first)), straight[1:])
+    first, second, kinds = network.first.copy(), network.second.copy(), edges.first.copy()
+    one = straight[0]
+    first[one] = sum(
+        slope * network.first[h] for h, (slope, _) in zip(straight, lines, strict=True)
+    )
+    second[0, one] = centres
+    kinds[one] = edges.first[straight].max(axis=0)
+    biases = network.biases + sum(constant for _, constant in lines)
+    return replace(
+        learned,
+        network=replace(network, first=first[kept], second=second[:, kept], biases=biases),
+        edges=Edges(kinds[kept], edges.second[:, kept]),
+    )

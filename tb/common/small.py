@@ -408,7 +408,7 @@ LEARNED = {
         shapes=[(2, 2, 1), (3, 2, 1)],
         arrangement="cascade",
         learned=True,
-        hardware='segment_width = 12\npipeline = "deep"',
+        hardware='segment_width = 13\npipeline = "deep"',
         spread=1.0,
     ),
 }

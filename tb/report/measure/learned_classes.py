@@ -41,7 +41,7 @@ class Study:
     sums : tuple of int
         The hidden sums of the networks of learned functions.
     intervals : int
-        Of the splines of an input.
+        Of the splines of an input; with 0 its functions are straight.
     steps : int
         The most evaluations of a descent of functions.
     seeds : int
@@ -57,8 +57,16 @@ class Study:
     seeds: int
     candidates: int
 
+    @property
+    def kind(self) -> str:
+        """What the table calls the networks of learned functions."""
+        return "functions" if self.intervals else "functions of weighted sums"
 
-STUDIES = (Study("classes/wine", (2,), 2, 200, seeds=3, candidates=6),)
+
+STUDIES = (
+    Study("classes/wine", (2,), 2, 200, seeds=3, candidates=6),
+    Study("classes/digits", (4, 8), 0, 100, seeds=3, candidates=6),
+)
 SCENES = tuple(study.scene for study in STUDIES)
 # What a row tells of networks as a mean over the splits.
 MEANS = ("parameters", "curved", "straight")
@@ -203,7 +211,7 @@ def learned_classes(seed: int) -> Table:
         for sums in study.sums:
             for n, text in enumerate(("", ", pruned")):
                 several = [of_functions[study, at, sums][n] for at in seeds]
-                rows.append(_row(study, f"functions, {sums} sums{text}", several))
+                rows.append(_row(study, f"{study.kind}, {sums} sums{text}", several))
     return Table(
         "learned_classes",
         [

@@ -66,14 +66,14 @@ Twins = dict[str, list[Block]]
 def shipped() -> Iterator[tuple[str, Network]]:
     """The precision and the design of every scene, and of variants of it.
 
-    The networks of an engine are also folded. A design that gives all outputs at once also finds
-    the largest, and so does a scene with a front end, which also gets every converter. At the end
-    comes one network in every existing form.
+    The networks of an engine are also folded, unless they are learned functions. A design that
+    gives all outputs at once also finds the largest, and so does a scene with a front end, which
+    also gets every converter. At the end comes one network in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
         yield scene.precision.name, top
-        if DESIGNS[scene.design] is Engine:
+        if DESIGNS[scene.design] is Engine and not scene.training.functions:
             yield (
                 scene.precision.name,
                 replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
@@ -109,7 +109,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
             precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
             settings = Settings(precision, name, options={"reload": True})
             yield precision.name, design.of([mlp], settings)
-    # No shipped scene has learned functions.
+    # No shipped scene has learned functions in small tables.
     learned = load_scene(LEARNED)
     for decides in (False, True):
         graph = learned.twin()

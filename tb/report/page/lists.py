@@ -317,6 +317,7 @@ def pages() -> dict[Path, str]:
         ),
         (docs / "figures.md", "learned-rig", partial(learned.elsewhere, "tutorial", elsewhere)),
         (docs / "learned-functions.md", "segments", partial(learned.segments, in_integers)),
+        (docs / "learned-functions.md", "engines", learned.engines),
         (docs / "learned-functions.md", "small", partial(learned.small_tables, in_tables)),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "scenes.md", "classes", classes),
