@@ -263,7 +263,7 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "cascade": lambda block: _both(1, len(block.networks)),
     "comparator_bank": lambda block: _both(1, len(block.thresholds)),
     "constant_matrix": _constant_matrix,
-    "engine": lambda block: _both(1, block.serial, block.rectifies),
+    "engine": lambda block: _both(1, block.serial, block.rectifies, block.program.names_blocks),
     "frame_check": lambda block: _both(1, block.pipeline.memory_registers, block.addr_width),
     "g_memory": lambda block: _both(1, len(block.words)),
     "grad_eqn": _one,
