@@ -138,10 +138,12 @@ def test_the_default_network_errs_least_and_is_the_smallest(measured: dict[str, 
     rows = [row for row in rows if row["outputs"] == 4]
     (default,) = (row for row in rows if row["scene"] == SCENE)
     assert number(default, "largest %") <= min(number(row, "largest %") for row in rows) + 1e-9
-    # One lane takes fewer LUTs, for one block RAM more.
-    (lane,) = (row for row in rows if row["scene"] == "digit-lanes1")
-    others = [row for row in rows if row is not lane]
-    assert default["LUT"] == min(number(row, "LUT") for row in others) > number(lane, "LUT")
+    # One lane takes fewer LUTs, for one block RAM more. An engine of learned functions takes fewer
+    # too, and errs more.
+    (learned,) = (row for row in rows if row["scene"] == "digit-sums")
+    smaller = [row for row in rows if number(row, "LUT") < number(default, "LUT")]
+    assert sorted(map(str, (row["scene"] for row in smaller))) == ["digit-lanes1", "digit-sums"]
+    assert number(learned, "largest %") > number(default, "largest %")
     (folded,) = (row for row in rows if row["scene"] == run_time.FOLDED)
     assert number(folded, "clocks a frame") < number(default, "clocks a frame")
 
