@@ -77,12 +77,17 @@ def held_out_means(scene: Scene) -> list[float] | None:
     found = scene_errors(scene).get(HELD_OUT)
     if found is not None:
         return [error.mean for error in found]
-    stories = provenances(scene)
-    if stories is None:
-        return None
+    return trained_means(scene, "test_mean_percent")
+
+
+def trained_means(scene: Scene, key: str) -> list[float] | None:
+    """Mean error of each output, in percent, as training measured it under a key of the provenance.
+
+    None if it is unknown, see ``provenances``.
+    """
     means: dict[str, float] = {}
-    for story in stories:
-        means |= story.get("test_mean_percent", {})
+    for story in provenances(scene) or []:
+        means |= story.get(key, {})
     return [means[name] for name in scene.outputs] if means.keys() >= set(scene.outputs) else None
 
 

@@ -178,9 +178,12 @@ def test_more_segments_come_to_the_error_of_the_splines() -> None:
     for kind in function_tables.KINDS:
         for output in SCENE_OUTPUTS:
             every = [figures[kind.name, str(width), output] for width in function_tables.WIDTHS]
+            real = figures[kind.name, "float", output]
             assert np.diff(every).max() < rounding / 5
-            assert every[-1] < every[0]
-            assert abs(every[-1] - figures[kind.name, "float", output]) < rounding
+            # The errors of load and position are close to those of the splines with any segments.
+            assert every[-1] < (0.6 if output in ("width", "shape") else 1) * every[0]
+            # Rounding may also happen to help.
+            assert 0.95 * real < every[-1] < real + rounding
         in_tables = [row for row in table.rows if row[0] == kind.name and row[1] != "float"]
         words = [row[2] for row in in_tables[:: len(SCENE_OUTPUTS)]]
         assert words == sorted(set(words))
@@ -200,9 +203,7 @@ def test_curves_are_of_every_edge() -> None:
     table = table_records.read("learned_curves")
     counts = {output: sum(row[0] == output for row in table.rows) for output in SCENE_OUTPUTS}
     nodes, bins = function_tables.NODES, learned_edges.BINS
-    # Each sum has an edge for each input and one behind it; pruning may make one sum of several.
-    sums = [count / (4 + n + 1) for n, count in enumerate(counts.values())]
-    assert all(one in range(1, nodes + 1) for one in sums)
+    assert list(counts.values()) == [nodes * (4 + n + 1) for n in range(4)]
     for row in table.rows:
         assert sum(row[-bins:]) == pytest.approx(1)
         values = np.array(row[learned_edges.VALUES : -bins], dtype=float)

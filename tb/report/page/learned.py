@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from golden.disturbance import Disturbance
 from golden.scene import load_scene
-from golden.scene_errors import disturbed_errors, provenances
+from golden.scene_errors import disturbed_errors, trained_means
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.bounds import bounds_of
 from tb.report.measure.table import Cell, Table
@@ -32,7 +32,8 @@ MOST_OF_ENGINE = {
     "clocks": 170,
 }
 MOST_HELD_OUT = dict(zip(OUTPUTS, (0.4, 0.45, 0.4, 0.15), strict=True))
-MOST_TIMES, NOISE, AT_NOISE = 1.5, 0.002, "all rows, 2 mV"
+MOST_TIMES, NOISE = 1.5, 0.002
+HELD_OUT, AT_NOISE = "held out", "all rows, 2 mV"
 SPLITS = ("held out 1 %", "held out 2 %", "held out 3 %")
 
 
@@ -140,7 +141,7 @@ def engines() -> str:
     first, second = map(_errors, ENGINES)
     bounds = bounds_of(load_scene(ENGINES[0]), [NOISE])
     for (what, output), own in second.items():
-        most = MOST_HELD_OUT[output] if what == "held out" else 0.0
+        most = MOST_HELD_OUT[output] if what == HELD_OUT else 0.0
         if what == AT_NOISE and output in bounds:
             most = MOST_TIMES * bounds[output][0]
         text = f"**{own:.2f}**" if most and own > most else f"{own:.2f}"
@@ -152,15 +153,16 @@ def engines() -> str:
 def _errors(name: str) -> dict[tuple[str, str], float]:
     """The mean errors of a scene in percent, by the rows and the output."""
     scene = load_scene(name)
-    stories = provenances(scene)
-    assert stories is not None
-    found: dict[tuple[str, str], float] = {}
-    kinds = ("held out", "test_mean_percent"), ("held out, 1 mV", "test_disturbed_mean_percent")
-    for what, key in kinds:
-        errors = {output: error for story in stories for output, error in story[key].items()}
-        found |= {(what, output): errors[output] for output in OUTPUTS}
-    noisy = disturbed_errors(scene, Disturbance(noise=NOISE))
-    return found | {(AT_NOISE, o): error for o, error in zip(OUTPUTS, noisy, strict=True)}
+    kinds = {
+        HELD_OUT: trained_means(scene, "test_mean_percent"),
+        "held out, 1 mV": trained_means(scene, "test_disturbed_mean_percent"),
+        AT_NOISE: disturbed_errors(scene, Disturbance(noise=NOISE)),
+    }
+    return {
+        (what, output): error
+        for what, errors in kinds.items()
+        for output, error in zip(OUTPUTS, errors or [], strict=True)
+    }
 
 
 def _beside(names: Sequence[str], most: Mapping[str, int]) -> list[str]:
