@@ -273,9 +273,9 @@ def test_no_stray_files_beside_the_scenes() -> None:
         recordings = (budget_path(scene.path), timing_path(scene.path), lean_path(scene.path))
         expected |= {*scene.files, *map(provenance_path, scene.weights_paths), *recordings}
     for scene in scenes():
-        expected.add(scene.path)
-        for path in scene.weights_paths:
-            expected |= {path, provenance_path(path)}
+        expected |= {path for path in scene.files if path.is_relative_to(FOLDER)}
+        expected |= {scene.path, *scene.weights_paths}
+        expected |= set(map(provenance_path, scene.weights_paths))
     for scene, _ in recorded():
         expected |= {budget_path(scene.path), timing_path(scene.path)}
     expected |= {path for scene in scenes() if (path := lean_path(scene.path)).exists()}

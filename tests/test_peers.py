@@ -16,6 +16,7 @@ from golden.network_files.network_file import write_network
 from golden.networks.adder_graph import AdderGraph
 from golden.precision import SIGNAL
 from golden.scene import load_scene
+from golden.scene_errors import provenances
 from hdl.synth.netlist import KINDS
 from tb.peers import (
     alkaid_rows,
@@ -35,6 +36,8 @@ from tb.peers.comparison import FEW, MAIN, Row, Task, compared, task_of
 from tb.peers.kanele_rows import Layer
 from tb.peers.simulated import check, packed, simulated, unpacked
 from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
+
+PAGE = Path(__file__).parent.parent / "docs" / "peers.md"
 
 
 @pytest.fixture(scope="module")
@@ -104,6 +107,33 @@ def test_the_network_of_few_digits_is_built_with_sums_of_three_too() -> None:
     assert isinstance(three, AdderGraph)
     assert [layer.weights for layer in two.layers] == [layer.weights for layer in three.layers]
     assert [layer.adder_operands for layer in three.layers] == [3, 3]
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [
+        ("classes/wine-fast", "12:16:8:3"),
+        ("comparison/wine-tables", "12:2:3"),
+        ("comparison/beans-tables", "6:3:7"),
+    ],
+)
+def test_our_networks_for_classes(name: str, shape: str) -> None:
+    """Learned functions are named by their sums, as those of others are, and none finds argmax."""
+    assert name in ours.CLASSES
+    design, described = ours.for_classes(load_scene(name))
+    assert described == shape
+    assert not design.decides
+
+
+@pytest.mark.parametrize("name", ours.CLASSES)
+def test_the_page_has_the_shares_of_our_networks(name: str) -> None:
+    """A row of the page says how many held-out rows the provenance file calls right."""
+    scene = load_scene(name)
+    (story,) = provenances(scene)
+    _, shape = ours.for_classes(scene)
+    start = f"| {ours.CLASSES[name]} | our `{scene.design}`, {shape} |"
+    (row,) = (line for line in PAGE.read_text().splitlines() if line.startswith(start))
+    assert row.endswith(f"| {100 - float(story['test_wrong_percent']):.4g} |")
 
 
 @given(st.lists(st.integers(SIGNAL.low, SIGNAL.high), min_size=1, max_size=6))

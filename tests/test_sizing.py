@@ -128,17 +128,17 @@ def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
 @pytest.mark.parametrize(
     ("luts", "inputs", "function"),
     [
-        (1, 4, lambda a, b, c, d: a ^ b ^ c ^ d),
-        (0, 4, lambda a, b, c, d: c),
-        (3, 5, lambda a, b, c, d, e: a ^ b ^ c ^ d ^ e),
-        (1, 5, lambda a, b, c, d, e: a & b | d & e),
+        ((1, 0), 4, lambda a, b, c, d: a ^ b ^ c ^ d),
+        ((0, 0), 4, lambda a, b, c, d: c),
+        ((2, 0), 5, lambda a, b, c, d, e: a ^ b ^ c ^ d ^ e),
+        ((1, 0), 5, lambda a, b, c, d, e: a & b | d & e),
         # Bits a and b choose between the others; behind other bits there would be more LUTs.
-        (1, 6, lambda a, b, c, d, e, f: (c, d, e, f)[2 * a + b]),
-        (3, 6, lambda a, b, c, d, e, f: (c & d, d, e | f, f)[2 * a + b]),
+        ((0, 1), 6, lambda a, b, c, d, e, f: (c, d, e, f)[2 * a + b]),
+        ((2, 1), 6, lambda a, b, c, d, e, f: (c & d, d, e | f, f)[2 * a + b]),
     ],
 )
 def test_luts_of_a_table_are_counted_from_its_bits(
-    luts: int, inputs: int, function: Callable[..., int]
+    luts: tuple[int, int], inputs: int, function: Callable[..., int]
 ) -> None:
     assert luts_of(column_of(function, inputs)) == luts
 

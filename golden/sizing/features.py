@@ -246,7 +246,8 @@ def _table_graph(block: Any) -> Features:
         for table in (*block.first, *block.second)
         for column in bit_columns(table.words, table.width)
     ]
-    return Features((sum(map(luts_of, columns)),), (len(columns) + block.latency,))
+    luts, choices = map(sum, zip(*map(luts_of, columns), strict=True))
+    return Features((luts, choices), (len(columns) + block.latency,))
 
 
 def _program_memory(block: Any) -> Features:

@@ -1,8 +1,9 @@
 """How many LUTs of four inputs a table in logic takes, counted from the bits of its words.
 
 Each bit of the words is a function of the address. A function of four address bits is a LUT. One of
-more is split by the address bits that choose between its LUTs, and takes one LUT more, because not
-all of the choice fits the wide multiplexers of a slice; those bits are taken that leave the fewest.
+more is split by the address bits that choose between its LUTs; those bits are taken that leave the
+fewest. The choice between two LUTs is a wide multiplexer of their slice and takes no LUT. One of
+more does not always fit there; how many LUTs it takes is fitted.
 """
 
 from __future__ import annotations
@@ -30,13 +31,16 @@ def bit_columns(words: Iterable[int], width: int) -> list[Column]:
 
 # The same tables stand in graphs with other registers.
 @lru_cache(maxsize=4096)
-def luts_of(column: Column) -> int:
-    """The LUTs of a function of an address; none if it is a bit of the address."""
+def luts_of(column: Column) -> tuple[int, int]:
+    """The LUTs of a function of an address, and 1 if more than two LUTs are chosen between, else 0.
+
+    A function that is a bit of the address takes none.
+    """
     bits = len(column).bit_length() - 1
     reduced = _needed(np.array(column, dtype=bool).reshape((2,) * bits))
     chosen = max(0, reduced.ndim - INPUTS)
     splits = combinations(range(reduced.ndim), chosen)
-    return min(_parts(reduced, axes) for axes in splits) + (chosen > 0)
+    return min(_parts(reduced, axes) for axes in splits), int(chosen > 1)
 
 
 def _needed(cube: Bits) -> Bits:

@@ -22,7 +22,7 @@ from tb.report.measure.table import Cell, Table
 MAIN = "comparison/digit-fast-full"
 FEW = "digit-fast"
 # Networks that tell classes apart: of the jets at a collider, and of wines.
-JETS, WINE = "jets", "wine"
+JETS, WINE, BEANS = "jets", "wine", "beans"
 # The headings of the columns, and the family and the kind of cells that stand below them.
 COLUMNS = {
     "LUT4": ("xc2v", "LUT"),

@@ -19,7 +19,7 @@ import numpy as np
 from golden.fixed import Codes
 from tb.peers.cells import in_one_piece
 from tb.peers.cloned import cloned
-from tb.peers.comparison import JETS, WINE, Row, Task
+from tb.peers.comparison import BEANS, JETS, WINE, Row, Task
 from tb.peers.simulated import agree, check
 
 REPOSITORY = "https://github.com/Duchstf/KANELE"
@@ -28,7 +28,7 @@ VERSION = f"KANELÉ {COMMIT[:7]}"
 # For each network its folder, and the accuracy in percent that its authors publish.
 NETWORKS = {
     JETS: ("benchmarks/JSC_OpenML/models/official", 76.0),
-    "beans": ("benchmarks/Tran_study/DryBean/models/20250913_102228", 92.05),
+    BEANS: ("benchmarks/Tran_study/DryBean/models/20250913_102228", 92.05),
     WINE: ("benchmarks/Tran_study/Wine/models/20250914_110625", 98.15),
 }
 FILES = (

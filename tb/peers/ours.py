@@ -11,19 +11,24 @@ from golden.decisions import decisions_of, held_out_or_all
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.settings import Settings
-from golden.scene import load_scene
+from golden.networks.table_graph import TableGraph
+from golden.scene import Scene, load_scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from tb.peers.cells import in_one_piece
-from tb.peers.comparison import FEW, WINE, Row, Task
+from tb.peers.comparison import BEANS, FEW, WINE, Row, Task
 
 VERSION = "tactus"
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
 # The scene with the weights of ``FEW``, whose adders take three operands.
 THREE = "comparison/digit-fast-ternary"
-# The scene of a network for classes whose data others have trained networks for too.
-CLASSES = "classes/wine-fast"
+# Scenes of networks for classes whose data others have trained networks for too.
+CLASSES = {
+    "classes/wine-fast": WINE,
+    "comparison/wine-tables": WINE,
+    "comparison/beans-tables": BEANS,
+}
 
 
 def brought(folder: Path) -> Path:
@@ -44,7 +49,7 @@ def designs(task: Task) -> Iterator[tuple[Design, str]]:
 
 
 def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
-    """The rows of our designs of every task, and of the network for classes.
+    """The rows of our designs of every task, and of the networks for classes.
 
     Raises
     ------
@@ -55,12 +60,24 @@ def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
         for design, sums in designs(task):
             errors = task.errors(design.process(task.frames))
             yield row(task.name, design, sums, errors=errors)
-    scene = load_scene(CLASSES)
+    for name, network in CLASSES.items():
+        scene = load_scene(name)
+        held_out, _rows = held_out_or_all(scene, decisions_of(scene))
+        right = 100 * held_out.right / len(held_out.actual)
+        design, shape = for_classes(scene)
+        yield row(network, design, f", {shape}", right=right)
+
+
+def for_classes(scene: Scene) -> tuple[Design, str]:
+    """The design of a scene without argmax, which the peers' rows have not, and its shape.
+
+    The shape of learned functions is their inputs, hidden sums and outputs, as in the peers' rows.
+    """
     (network,) = scene.networks()
-    held_out, _rows = held_out_or_all(scene, decisions_of(scene))
-    right = 100 * held_out.right / len(held_out.actual)
-    # No argmax, because the peers' rows have none.
-    yield row(WINE, scene.build(network), f", {scene.describe()}", right=right)
+    design = scene.build(network)
+    if isinstance(design, TableGraph):
+        return design, f"{design.samples}:{len(design.hidden.weights)}:{design.outputs}"
+    return design, scene.describe()
 
 
 def row(network: str, design: Design, shape: str = "", **measured: Any) -> Row:
