@@ -274,7 +274,6 @@ def test_no_stray_files_beside_the_scenes() -> None:
         expected |= {*scene.files, *map(provenance_path, scene.weights_paths), *recordings}
     for scene in scenes():
         expected |= {path for path in scene.files if path.is_relative_to(FOLDER)}
-        expected |= {scene.path, *scene.weights_paths}
         expected |= set(map(provenance_path, scene.weights_paths))
     for scene, _ in recorded():
         expected |= {budget_path(scene.path), timing_path(scene.path)}

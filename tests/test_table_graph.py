@@ -314,8 +314,10 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
 
 
-@pytest.mark.parametrize("name", ["comparison/wine-tables", "comparison/beans-tables"])
-def test_the_scenes_that_decide(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "errors"), [("comparison/wine-tables", 1), ("comparison/beans-tables", 285)]
+)
+def test_the_scenes_that_decide(name: str, errors: int) -> None:
     """They err on held-out rows as often as their provenance says."""
     scene = load_scene(name)
     design = scene.twin()
@@ -327,6 +329,7 @@ def test_the_scenes_that_decide(name: str) -> None:
     (story,) = provenances(scene)
     wrong = 100 * (len(held_out.actual) - held_out.right) / len(held_out.actual)
     assert wrong == pytest.approx(story["test_wrong_percent"], abs=1e-4)
+    assert len(held_out.actual) - held_out.right == errors
 
 
 def test_wines_in_tables_are_smaller_than_wine_fast() -> None:
