@@ -7,7 +7,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BAUD BESIDE BITS BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
+GIVEN := ALL BAUD BESIDE BITS BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
 	RECORD RECORDED RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))

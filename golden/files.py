@@ -221,6 +221,61 @@ def check_writable(paths: Sequence[Path]) -> None:
                     folder.rmdir()
 
 
+def check_output(
+    path: Path,
+    read: Sequence[Path] = (),
+    *,
+    own: Callable[[Path], bool] = lambda there: False,
+    force: bool = False,
+    key: str = "TO",
+) -> None:
+    """Refuse a path at which a command must not write the file that a user names.
+
+    Parameters
+    ----------
+    path : Path
+    read : sequence of Path
+        Files that are never replaced, because the command or the scene reads them.
+    own : callable
+        Recognises a file that the same command wrote earlier, which may be replaced.
+    force : bool
+        Whether a file that ``own`` does not recognise may be replaced too.
+    key : str
+        The variable that names the path.
+
+    Raises
+    ------
+    InputError
+    """
+    if any(same_file(path, file) for file in read):
+        raise InputError(f"{key}={path}: is read by this command, expected another file")
+    check_folder(path, key)
+    check_writable([path])
+    if os.path.lexists(path) and not force and not own(path):
+        raise InputError(
+            f"{key}={path}: is there already, and make cannot tell that this command wrote it; "
+            "choose another name, or FORCE=1 to replace it"
+        )
+
+
+def check_folder(path: Path, key: str = "TO") -> None:
+    """Refuse a path whose folder is missing, because it may be misspelt.
+
+    Raises
+    ------
+    InputError
+    """
+    if not os.path.lexists(path.parent):
+        raise InputError(f"{key}={path}: got no folder {path.parent}, expected one that is there")
+
+
+def first_line(path: Path) -> str:
+    """The first line of a file; empty if it cannot be read."""
+    with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
+        return file.readline().rstrip()
+    return ""
+
+
 def _exists(path: Path) -> bool:
     """Whether a path exists; also True for a name that cannot exist, which writing will report."""
     try:

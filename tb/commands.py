@@ -146,6 +146,7 @@ HARDWARE = option("HARDWARE", "scene")
 RECORD = flag("RECORD")
 ALL = flag("ALL")
 FULL = flag("FULL")
+FORCE = flag("FORCE")
 TESTS = option("TESTS", "tests/test_x.py")
 TABLE = word("TABLE")
 
@@ -240,14 +241,14 @@ COMMANDS = (
         "Prints within seconds what each design that can compute the networks of a scene costs, "
         "and marks those that no other one beats. FAMILY= names the family of the device, and "
         "PICTURE= draws LUTs against clocks.",
-        (SCENE, option("FAMILY", "xc2v|ecp5"), option("PICTURE", "designs.svg")),
+        (SCENE, option("FAMILY", "xc2v|ecp5"), option("PICTURE", "designs.svg"), FORCE),
         "tb.report.measure.designs",
     ),
     Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
         "Dask scheduler to compute on.",
-        (SCENE, option("CLUSTER")),
+        (SCENE, option("CLUSTER"), FORCE),
         "golden.commands.train",
     ),
     Command(
@@ -262,6 +263,7 @@ COMMANDS = (
             word("TO", "folder", default=""),
             option("NOISE", "0.002"),
             option("DRIFT", "0.05,0.02"),
+            FORCE,
         ),
         "golden.commands.recalibrate",
     ),
@@ -273,6 +275,7 @@ COMMANDS = (
             SCENE,
             word("CSV", "new.csv", default="", needed=True),
             word("TO", "out.csv", default="", needed=True),
+            FORCE,
         ),
         "golden.commands.predict",
     ),
@@ -280,7 +283,7 @@ COMMANDS = (
         "network",
         "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= chooses the network "
         "if the scene has several.",
-        (SINGLE_SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
+        (SINGLE_SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT"), FORCE),
         "golden.commands.network",
     ),
     Command(
@@ -439,6 +442,7 @@ COMMANDS = (
             option("PARTS"),
             option("BITS"),
             option("PICTURE", "page.png"),
+            FORCE,
         ),
         "tb.certify",
     ),
@@ -460,7 +464,8 @@ COMMANDS = (
 )
 BY_NAME = {command.name: command for command in COMMANDS}
 CLOSING = (
-    "DRY=1 beside a command checks all that it is given, prints what it would do, and does nothing."
+    "DRY=1 beside a command checks all that it is given, prints what it would do, and does "
+    "nothing. FORCE=1 replaces a file that the command does not recognise as its own."
 )
 
 

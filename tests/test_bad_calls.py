@@ -133,6 +133,19 @@ CALLS = {
     "predict mine.toml mine.csv ./mine.csv": "TO=mine.csv: is read by this command, expected",
     "predict mine.toml mine.csv folder.toml": "folder.toml: cannot be written: got a folder",
     "predict mine.toml mine.npz a.csv": "mine.npz:1: got byte 0x",
+    "predict mine.toml mine.csv mine.provenance.toml": "is read by this command, expected another",
+    "predict mine.toml mine.csv mine.npz --force": "TO=mine.npz: is read by this command, expected",
+    "predict mine.toml mine.csv other.npz": "TO=other.npz: is there already",
+    "predict mine.toml mine.csv none/a.csv": "TO=none/a.csv: got no folder none, expected one that",
+    "network mine.toml mine.npz --force": "TO=mine.npz: is read by this command, expected another",
+    "network mine.toml other.npz": "TO=other.npz: is there already",
+    "network mine.toml none/a.npz": "TO=none/a.npz: got no folder none",
+    "designs mine.toml --picture other.svg": "PICTURE=other.svg: is there already",
+    "designs mine.toml --picture none/a.svg": "PICTURE=none/a.svg: got no folder none",
+    "scene mine.csv y0 --to none/a.toml": "TO=none/a.toml: got no folder none",
+    "recalibrate mine.toml mine.csv other": "TO=other/mine.npz: is there already",
+    "recalibrate mine.toml mine.csv none/a": "TO=none/a: got no folder none",
+    "record digit-board sim none/a.csv": "TO=none/a.csv: got no folder none",
     "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
     "scene mine.csv y0 --to pipe.toml": "pipe.toml: cannot be written: got no regular file",
     "predict finger mine.csv a.csv": "scene 'finger': no such scene, expected a path",
@@ -165,6 +178,9 @@ def crowded(desk: Desk) -> Desk:
     (desk.folder / "folder.npz").mkdir()
     (desk.folder / "loop.toml").symlink_to("loop.toml")
     (desk.folder / "device.toml").symlink_to("/dev/full")
+    (desk.folder / "other").mkdir()
+    for name in ("other.npz", "other.svg", "other/mine.npz"):
+        (desk.folder / name).write_text("of the user", encoding="utf-8")
     for name in ("pipe", "pipe.npz", "pipe.toml"):
         os.mkfifo(desk.folder / name)
     (desk.folder / "latin.toml").write_bytes(b"# \xe9\n")
@@ -222,6 +238,25 @@ def test_a_target_is_refused(crowded: Desk, name: str, message: str) -> None:
 @pytest.mark.parametrize(("words", "message"), CALLS.items(), ids=ascii)
 def test_a_call_is_refused(crowded: Desk, words: str, message: str) -> None:
     crowded.refuses(*shlex.split(words), says=message)
+
+
+@pytest.mark.parametrize("words", ["predict mine.toml mine.csv", "designs mine.toml --picture"])
+def test_a_command_replaces_its_own_file_and_others_by_force(crowded: Desk, words: str) -> None:
+    name = "other.svg" if "picture" in words else "other.csv"
+    (crowded.folder / name).write_text("of the user", encoding="utf-8")
+    crowded.refuses(*words.split(), name, says=f"{name}: is there already")
+    assert crowded.call(*words.split(), name, "--force") == (0, "")
+    assert crowded.call(*words.split(), name) == (0, "")
+
+
+def test_training_replaces_only_its_own_networks(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DRY", "1")
+    assert desk.call("train", "mine.toml") == (0, "")
+    (desk.folder / "mine.provenance.toml").unlink()
+    desk.refuses("train", "mine.toml", says="network.weights=mine.npz: is there already")
+    assert desk.call("train", "mine.toml", "--force") == (0, "")
 
 
 @pytest.mark.parametrize("output", ["y9", "", "x0"])

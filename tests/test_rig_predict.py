@@ -297,7 +297,7 @@ def test_the_command(scene: Scene) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n0.999,0.1,-5\n")
     out = scene.path.parent / "out.csv"
     out.write_text("an older one")
-    result = run(str(scene.path), str(source), str(out))
+    result = run(str(scene.path), str(source), str(out), "--force")
     assert result.returncode == 0, result.stderr
     assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout
     assert "of rows like the 30 that set the limit about 1 in 31 is too" in result.stdout

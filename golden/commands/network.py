@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run, would
+from golden.files import check_output
 from golden.input_error import InputError
 from golden.network_files.network_file import check_target, write_network
 from golden.scene import Member, Scene, load_scene
@@ -37,9 +38,12 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("file", type=Path)
     parser.add_argument("--output", help="an output of the network, if the scene has several")
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
     arguments = parser.parse_args()
-    network = member_of(load_scene(arguments.scene), arguments.output).load()
+    scene = load_scene(arguments.scene)
+    network = member_of(scene, arguments.output).load()
     check_target(arguments.file)
+    check_output(arguments.file, scene.own_files, force=arguments.force)
     would(f"write {arguments.file}")
     write_network(arguments.file, network)
     print(f"wrote {arguments.file}, {':'.join(str(n) for n in network.shape)}")

@@ -34,13 +34,14 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("csv")
     parser.add_argument("to")
+    parser.add_argument("--force", action="store_true", help="replace any file at TO")
     arguments = parser.parse_args()
     for key, text in (("CSV", arguments.csv), ("TO", arguments.to)):
         if not text:
             raise InputError(f"{key}=: missing, expected a .csv file")
     scene = load_scene(arguments.scene)
     source, path = Path(arguments.csv), Path(arguments.to)
-    check_place(scene, source, path)
+    check_place(scene, source, path, arguments.force)
     recording = read_csv_file(source)
     readings = readings_of(scene, recording)
     past = scene.window.past

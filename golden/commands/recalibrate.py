@@ -29,7 +29,7 @@ from golden.recalibration.choice import (
     proposed,
 )
 from golden.recalibration.fit import Fit, LeftOut, fit, left_out
-from golden.recalibration.folder import scene_file, write_copy
+from golden.recalibration.folder import check_copy, scene_file, write_copy
 from golden.recalibration.outlook import ENOUGH, Outlook, helps, outlook, planned
 from golden.recalibration.placements import (
     COLUMN,
@@ -58,6 +58,9 @@ def main() -> None:
     parser.add_argument("to", nargs="?", default="", help="folder or scene file of the copy")
     parser.add_argument("--noise", default="", help="noise of a reading, in its unit")
     parser.add_argument("--drift", default="", help="expected drift: GAIN,OFFSET")
+    parser.add_argument(
+        "--force", action="store_true", help="replace any files of the copy's names"
+    )
     arguments = parser.parse_args()
     noise = numbers("NOISE", arguments.noise, 1, MOST)
     drift = numbers("DRIFT", arguments.drift, 2, MOST)
@@ -81,6 +84,7 @@ def main() -> None:
     expected = _drift(scene, drift)
     if arguments.csv:
         target = scene_file(scene, arguments.to)
+        check_copy(scene, target, arguments.force)
         recalibrate(scene, Path(arguments.csv), target, noise, expected)
     else:
         propose(scene, noise, expected)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run, would
-from golden.files import check_file, check_writable
+from golden.files import check_file, check_folder, check_writable
 from golden.finding import refuse
 from golden.input_error import InputError
 from golden.rig import class_counts, sensors_tell
@@ -37,6 +37,7 @@ def main() -> None:
     path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
     if path.suffix != ".toml":
         raise InputError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
+    check_folder(path)
     check_writable([path])
     if path.exists():
         raise InputError(f"{path}: is there already; choose another name with TO=")

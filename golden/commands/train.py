@@ -18,6 +18,7 @@ from golden import layer_training, spline_training, store
 from golden.cli import run, would
 from golden.closure import code
 from golden.dense import Trained
+from golden.files import check_output
 from golden.finding import refuse
 from golden.folders import BUILD
 from golden.input_error import InputError
@@ -78,6 +79,7 @@ def main() -> None:
     parser.add_argument("--cluster", help="address of a Dask scheduler to compute on instead")
     parser.add_argument("--build", type=Path, default=BUILD)
     parser.add_argument("--into", type=Path, help="folder for the networks; beside the scene")
+    parser.add_argument("--force", action="store_true", help="replace networks from elsewhere")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     if arguments.into:
@@ -88,6 +90,14 @@ def main() -> None:
         scene = replace(scene, members=tuple(members))
     check_layers(scene)
     refuse(before_training(scene, arguments.build))
+    for path in filter(Path.exists, scene.weights_paths):
+        # Only training writes a provenance; without it the network was brought from elsewhere.
+        check_output(
+            path,
+            own=lambda there: provenance_path(there).exists(),
+            force=arguments.force,
+            key="network.weights",
+        )
     would(
         f"train {len(scene.members)} networks and write {', '.join(map(str, scene.weights_paths))}"
     )

@@ -187,15 +187,13 @@ def write_network(path: Path, network: Trained) -> None:
 
 
 def check_target(path: Path) -> None:
-    """Refuse a path that ``write_network`` cannot write.
+    """Refuse an ending that ``write_network`` does not know.
 
     Raises
     ------
     InputError
-        For a path that cannot be written, and for an unknown ending.
     """
     _form(path)
-    check_writable([path])
 
 
 def check_targets(paths: Sequence[Path]) -> None:

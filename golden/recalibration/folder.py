@@ -19,7 +19,15 @@ from typing import Any
 
 import numpy as np
 
-from golden.files import check_writable, reading, replace_file, same_file
+from golden.files import (
+    check_folder,
+    check_output,
+    check_writable,
+    first_line,
+    reading,
+    replace_file,
+    same_file,
+)
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.mlp import Mlp
@@ -75,6 +83,45 @@ def scene_file(scene: Scene, target: str) -> Path:
     return path
 
 
+def check_copy(scene: Scene, path: Path, force: bool = False) -> None:
+    """Refuse to replace files that are not of an earlier copy of the same scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        See ``scene_file``.
+    force : bool
+        Whether any files may be replaced.
+
+    Raises
+    ------
+    InputError
+    """
+    if not path.is_relative_to(BUILD):
+        check_folder(path.parent)
+    if first_line(path) == _title(scene):
+        return
+    weights = _weights(scene, path)
+    for file in [
+        path,
+        *weights,
+        *map(provenance_path, weights),
+        path.parent / scene.data_path.name,
+    ]:
+        if file.exists():
+            check_output(file, scene.own_files, force=force)
+
+
+def _weights(scene: Scene, path: Path) -> list[Path]:
+    return [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
+
+
+def _title(scene: Scene) -> str:
+    """The first line of the copy's scene file."""
+    return f"# {scene.name}, recalibrated: its sensors corrected in the weights. The recording is"
+
+
 def write_copy(
     scene: Scene, correction: Sequence[Scale], provenance: dict[str, Any], path: Path
 ) -> list[Path]:
@@ -95,7 +142,7 @@ def write_copy(
     InputError
         For files that cannot be read or written.
     """
-    weights = [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
+    weights = _weights(scene, path)
     data = path.parent / scene.data_path.name
     text = _scene_text(scene, data.name, [w.name for w in weights])
     check_targets(weights)
@@ -170,8 +217,4 @@ def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
             f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
             'expected lines file = "..." and weights = "..." or a list'
         )
-    title = (
-        f"# {scene.name}, recalibrated: its sensors corrected in the weights. The recording is\n"
-        "# that of the scene as the sensors would give it now.\n"
-    )
-    return title + text
+    return f"{_title(scene)}\n# that of the scene as the sensors would give it now.\n{text}"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.files import check_writable, replace_file, same_file
+from golden.files import check_output, first_line, replace_file
 from golden.finding import fault, refuse
 from golden.fixed import Codes
 from golden.input_error import InputError
@@ -23,6 +23,8 @@ from golden.table import CsvFile, suggest
 
 LARGEST, MARGIN = "largest", "margin"
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
+# The last columns of every prediction.
+CLOSING = (DISTANCE, OUTSIDE, REASON)
 NO_PAST = "no whole past"
 
 
@@ -134,7 +136,7 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
         When the recording already has a column with the name of a result.
     """
     columns = result_columns(scene)
-    added = [*columns, DISTANCE, OUTSIDE, REASON]
+    added = [*columns, *CLOSING]
     for name in added:
         if name in recording.names:
             raise InputError(f"{recording.path}: column {name!r} is there already; rename it")
@@ -156,13 +158,15 @@ def decimals(factor: float) -> int:
     return max(0, -math.floor(math.log10(math.ldexp(factor, -SIGNAL.frac))))
 
 
-def check_place(scene: Scene, source: Path, path: Path) -> None:
-    """Refuse to overwrite a file that is read.
+def check_place(scene: Scene, source: Path, path: Path, force: bool = False) -> None:
+    """Refuse to overwrite a file that is read, or one that holds no predictions; see ``FORCE=1``.
 
     Raises
     ------
     InputError
     """
-    if any(same_file(path, file) for file in [source, *scene.files]):
-        raise InputError(f"TO={path}: is read by this command, expected another file")
-    check_writable([path])
+
+    def predicted(there: Path) -> bool:
+        return first_line(there).endswith(",".join(["", *CLOSING]))
+
+    check_output(path, [source, *scene.own_files], own=predicted, force=force)

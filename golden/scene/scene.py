@@ -163,6 +163,11 @@ class Scene:
         return [self.path, *self.weights_paths, *provenance, *points, *self.data_paths]
 
     @property
+    def own_files(self) -> list[Path]:
+        """All files of the scene: those that it reads, and those that training writes."""
+        return [*self.files, *map(provenance_path, self.weights_paths)]
+
+    @property
     def data_path(self) -> Path:
         """The recording; the first one if there are several."""
         return self.data_paths[0]

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from golden.cli import run, whole, would
-from golden.files import replace_folder
+from golden.files import check_output, replace_folder
 from golden.folders import BUILD
 from golden.progress import stage
 from golden.scene import Scene
@@ -73,8 +73,11 @@ def main() -> int:
     parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
     parser.add_argument("--parts", type=whole("PARTS", 0, MOST))
     parser.add_argument("--picture", type=picture_file)
+    parser.add_argument("--force", action="store_true", help="replace any file at PICTURE")
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
+    if arguments.picture:
+        check_output(arguments.picture, scene.own_files, force=arguments.force, key="PICTURE")
     families = chosen(arguments.netlist) if arguments.netlist else []
     folder = BUILD / scene.name / "certificate"
     would(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")

@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from golden.files import check_writable, writing
+from golden.files import check_folder, check_writable, writing
 from golden.input_error import InputError
 
 
@@ -39,7 +39,6 @@ class GrowingCsv:
         refuse_there(path)
         check_writable([path])
         with writing(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
             flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
             self._file = os.open(path, flags, 0o666)
         self._end = 0
@@ -73,12 +72,12 @@ class GrowingCsv:
 
 
 def refuse_there(path: Path) -> None:
-    """Refuse to write over a file.
+    """Refuse to write over a file, or into a folder that is missing.
 
     Raises
     ------
     InputError
-        When the file is there already.
     """
+    check_folder(path)
     if path.exists() or path.is_symlink():
         raise InputError(f"{path}: is there already; choose another name with TO=")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from math import ceil, floor, log10
+from pathlib import Path
 
 from golden.scene import Scene
 from golden.sizing.candidates import Sized
@@ -11,6 +13,7 @@ from tb.report.draw.axes import Axes
 from tb.report.draw.discs import PRINTED, Disc, drawn, in_order, printed_discs
 from tb.report.draw.drawing import picture, text
 
+TITLE = "LUTs against clocks"
 WIDTH, RADIUS = 480.0, 5.0
 COLUMNS = {"LUTs": 340.0, "multipliers": 410.0, "clocks": 466.0}
 
@@ -33,10 +36,17 @@ def spots(scene: Scene, rows: Sequence[Sized], family: str) -> list[Disc]:
     return in_order(found)
 
 
+def is_drawn(path: Path) -> bool:
+    """Whether a file holds such a picture."""
+    with suppress(OSError):
+        return TITLE.encode() in path.read_bytes()
+    return False
+
+
 def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
     """A disc for each design, and a legend below."""
     found = spots(scene, rows, family)
-    title = f"{scene.name}: LUTs against clocks"
+    title = f"{scene.name}: {TITLE}"
     clocks = _decades([spot.clocks for spot in found])
     axes = Axes(52, 48, 410, 240, clocks, _decades([spot.luts for spot in found]))
     body = [text((6, 18), title, 13, font_weight="bold")]

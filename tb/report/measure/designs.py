@@ -10,13 +10,13 @@ from math import ceil
 from pathlib import Path
 
 from golden.cli import run, would
-from golden.files import check_writable, replace_file
+from golden.files import check_output, replace_file
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene
 from golden.scene.comparison import compared
 from golden.sizing.candidates import Refused, Sized, front
 from golden.table import suggest
-from tb.report.draw.designs import picture_of
+from tb.report.draw.designs import is_drawn, picture_of
 from tb.report.measure.table import Cell, Table
 
 FAMILIES = {
@@ -114,6 +114,7 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("--family", default="")
     parser.add_argument("--picture", default="")
+    parser.add_argument("--force", action="store_true", help="replace any file at PICTURE")
     arguments = parser.parse_args()
     family = family_of(arguments.family)
     scene = load_scene(arguments.scene)
@@ -121,7 +122,7 @@ def main() -> None:
     if path:
         if path.suffix != ".svg":
             raise InputError(f"PICTURE={path}: expected a name that ends in .svg")
-        check_writable([path])
+        check_output(path, scene.own_files, own=is_drawn, force=arguments.force, key="PICTURE")
     would(f"compare the designs of scene {scene.name}" + (f" and write {path}" if path else ""))
     rows, refused = compared(scene)
     print("\n".join(designs(scene, rows, family).lines()))
