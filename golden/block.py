@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
-
-from golden.input_error import InputError
-
-if TYPE_CHECKING:
-    pass
+from typing import ClassVar
 
 from golden.border import Border, State
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import Port
 
 

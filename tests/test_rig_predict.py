@@ -300,7 +300,7 @@ def test_the_command(scene: Scene) -> None:
     result = run(str(scene.path), str(source), str(out), "--force")
     assert result.returncode == 0, result.stderr
     assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout
-    assert "of rows like the 30 that set the limit about 1 in 31 is too" in result.stdout
+    assert "about 1 in 31 rows like the recorded ones is called outside, too" in result.stdout
     # These networks are random, so their outputs for the first row are unlike any target.
     rows = out.read_text().splitlines()
     assert "y1 below" in rows[1]

@@ -29,9 +29,9 @@ class ComparatorBank(Block):
 
     Raises
     ------
-    When the thresholds do not rise, or when no magnitude exceeds one of them, so that its
-    comparator could never fire.
-        fire.
+    InputError
+        When the thresholds do not rise, or when no magnitude exceeds one of them, so that its
+        comparator could never fire.
     """
 
     block = "comparator_bank"

@@ -59,7 +59,10 @@ def main() -> None:
     if past:
         print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")
     print(f"{outside} of {len(found.reasons)} rows are outside {which}")
-    print(f"of rows like the {known.held} that set the limit about 1 in {known.one_in} is too")
+    print(
+        f"about 1 in {known.one_in} rows like the recorded ones is called outside, too: the limit "
+        f"is that of {known.held} held-out rows"
+    )
     print(f"wrote {path}")
 
 

@@ -123,7 +123,9 @@ def _each_once(before: Exact, layer: Exact) -> tuple[Exact, Exact]:
 
 
 def _copies(layer: Exact, values: Sequence[Value]) -> bool:
-    """Whether the sum of every node of the first layer is the word of one operand, as it is."""
+    """Whether every node of the first layer looks up a function of the word of one operand."""
+    if not layer.functions:
+        return False
     for row, bias in zip(layer.weights, layer.biases, strict=True):
         if sum(weight != 0 for weight in row) != 1:
             return False

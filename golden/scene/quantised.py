@@ -21,28 +21,35 @@ if TYPE_CHECKING:
 def quantised_lines(scene: Scene) -> list[str]:
     """A line for each quantised network: how many codes differ on the recorded frames, and where.
 
-    The file is evaluated node by node in double precision. A network that reads outputs of an
-    earlier one is left out.
+    The file is evaluated node by node in double precision, on readings that are rounded to the
+    codes of samples as the hardware rounds them; the line also says how many codes this rounding
+    changes. A network that reads outputs of an earlier one is left out.
 
     Raises
     ------
     InputError
         See ``networks`` and ``vectors`` of ``Scene``.
     """
-    codes = scene.vectors().codes
+    vectors = scene.vectors()
+    codes = vectors.codes
     lines = []
     for member, network in zip(scene.members, scene.networks(), strict=True):
         quantised = isinstance(network, DenseNetwork) and network.quantised
         if not quantised or member.inputs != len(scene.inputs):
             continue
-        held, seen = member.load(), readings(SIGNAL.to_real(codes), scene.scales(scene.inputs))
+        held, scales = member.load(), scene.scales(scene.inputs)
+        of_file, unrounded = (
+            list(file_codes(held, readings(signals, scales)))
+            for signals in (SIGNAL.to_real(codes), vectors.inputs)
+        )
         (whole,) = integer_networks("single", [network])
         counts = [
             np.abs(ours - theirs)
-            for theirs, ours in zip(file_codes(held, seen), whole.hidden_codes(codes), strict=False)
+            for theirs, ours in zip(of_file, whole.hidden_codes(codes), strict=False)
         ]
         differ, every = sum((c > 0).sum() for c in counts), sum(c.size for c in counts)
         furthest = max(int(c.max(initial=0)) for c in counts)
+        moved = sum((a != b).sum() for a, b in zip(of_file, unrounded, strict=True))
         where = ", ".join(
             f"{(c > 0).sum()} in layer {n}" for n, c in enumerate(counts, start=1) if c.any()
         )
@@ -50,6 +57,7 @@ def quantised_lines(scene: Scene) -> list[str]:
             f"{member.weights_path.name}: {differ} of {every} codes of {len(codes)} recorded "
             f"frames differ from those of the file"
             + (f", by {furthest} at most: {where}" if differ else "")
+            + f"; readings are rounded to {SIGNAL.width} bits before, which changes {moved} of them"
         )
     return lines
 

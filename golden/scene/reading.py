@@ -67,6 +67,8 @@ def _names_in(group: str) -> list[str]:
 def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by a path that ends in ``.toml``.
 
+    The group in front of a name, as in ``comparison/digit-lanes1``, may be left out.
+
     Raises
     ------
     InputError
@@ -75,16 +77,18 @@ def load_scene(name: str) -> Scene:
         was got and what was expected.
     """
     known = [*scene_names(), *class_names()]
-    shipped = name in known or name in comparison_names()
-    path = scene_path(name) if shipped else _expanded(name)
+    every = [*known, *comparison_names()]
+    # Of equal names, the one without a group counts.
+    named = {name: one for one in reversed(every) for name in (one, one.rpartition("/")[2])}
+    path = scene_path(named[name]) if name in named else _expanded(name)
     try:
-        if not (shipped or name.endswith(".toml")):
+        if not (name in named or name.endswith(".toml")):
             raise FileNotFoundError
         check_file(path)
     except FileNotFoundError:
         raise MissingFileError(
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
-            f"{', '.join(known)}{suggest(name, known)}"
+            f"{', '.join(known)}{suggest(name, list(named))}"
         ) from None
     raw = read_toml(path)
     check_names(raw, SCENE, path)
