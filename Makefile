@@ -7,6 +7,11 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
+FLAGS := ALL DRY FORCE FULL LINKS PAGES RECORD WAVES
+# What the command line names, before make hides it behind the lines below. An outer make passes on
+# variables of its own.
+export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name))))
+export GOALS := $(MAKECMDGOALS)
 GIVEN := ALL BAUD BESIDE BITS BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
 	RECORD RECORDED RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
@@ -22,7 +27,13 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
+.PHONY: named help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
+
+help docs pages lint clean tools browser ready: named
+
+# A variable that no target here takes is most likely misspelt, and must not be ignored.
+named:
+	@$(if $(NAMED)$(filter-out 0 1,$(foreach name,$(FLAGS),$($(name)))),! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tb.commands named)
 
 # What is wanted, and of whom, is said once, in tb/commands.py, which needs no environment for this.
 help:

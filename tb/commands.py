@@ -8,13 +8,17 @@ imports nothing but the standard library.
 
 from __future__ import annotations
 
+import difflib
 import os
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
+
+from golden.cli import run
+from golden.input_error import InputError
 
 ROOT = Path(__file__).parents[1]
 WIDTH = 100
@@ -35,7 +39,7 @@ class Argument:
         What precedes the value when the module is called, such as ``--block=``. It is empty if the
         value is a word by itself.
     flag : bool
-        Whether the module is called with ``option`` alone, for any value but 0.
+        Whether the module is called with ``option`` alone, if the value is 1.
     default : str or None
         The word if the variable is not set; None for no word.
     needed : bool
@@ -463,6 +467,8 @@ COMMANDS = (
     Command("clean", "Removes build and .venv."),
 )
 BY_NAME = {command.name: command for command in COMMANDS}
+# What make takes beside any target.
+EVERYWHERE = ("DRY", "PYTHON", "SITE", "VENV")
 CLOSING = (
     "DRY=1 beside a command checks all that it is given, prints what it would do, and does "
     "nothing. FORCE=1 replaces a file that the command does not recognise as its own."
@@ -507,6 +513,39 @@ def start(command: Command, given: Mapping[str, str]) -> NoReturn:
     os.execv(sys.executable, [sys.executable, *command.words(given)])
 
 
+def refuse_unknown(goals: Sequence[str], names: Sequence[str], given: Mapping[str, str]) -> None:
+    """Refuse what make would ignore, or take for a 1.
+
+    Parameters
+    ----------
+    goals : sequence of str
+        The targets of the call.
+    names : sequence of str
+        The variables that its command line names.
+    given : mapping
+        The values of all variables.
+
+    Raises
+    ------
+    InputError
+        For a variable that none of the targets takes, and for a flag that is neither 0 nor 1.
+    """
+    arguments = [a for goal in goals if goal in BY_NAME for a in BY_NAME[goal].arguments]
+    taken = [*dict.fromkeys(argument.name for argument in arguments), *EVERYWHERE]
+    for name in names:
+        if name not in taken:
+            near = difflib.get_close_matches(name.upper(), taken, n=1)
+            hint = f"; did you mean {near[0]}=?" if near else ""
+            raise InputError(
+                f"{name}=: make {' '.join(goals) or 'help'} takes no such variable, expected one "
+                f"of {', '.join(taken)}{hint}"
+            )
+    for name in ["DRY", *(argument.name for argument in arguments if argument.flag)]:
+        value = given.get(name, "")
+        if value not in ("", "0", "1"):
+            raise InputError(f"{name}={value}: expected 1, or 0 or nothing")
+
+
 def main() -> None:
     """``python -m tb.commands TARGET``: print the help, or run a command.
 
@@ -516,8 +555,12 @@ def main() -> None:
     if name == "help":
         print(help_text())
         return
+    if name == "named":
+        words = (os.environ[name].split() for name in ("GOALS", "NAMED"))
+        refuse_unknown(*words, os.environ)
+        return
     start(BY_NAME[name], os.environ)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run(main))

@@ -22,6 +22,7 @@ from golden.layers import sharing
 from golden.machine import closing
 from golden.scene import Scene, load_scene
 from golden.store import VARIABLE
+from golden.table import suggest
 from hdl.synth.tools import run_tool
 from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
@@ -64,8 +65,18 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
     # The variables of this run, such as ALL=1, are not passed to the commands that tests call. A
     # test that keeps something names a folder of its own.
-    for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", VARIABLE, *GIVEN):
+    for name in ("MAKEFLAGS", "MAKEOVERRIDES", "MAKELEVEL", "PYTEST_ADDOPTS", VARIABLE, *GIVEN):
         os.environ.pop(name, None)
+    refuse_missing(config)
+
+
+def refuse_missing(config: pytest.Config) -> None:
+    """Refuse a file that is missing: where workers collect, nobody else says so."""
+    for word in config.args:
+        name = word.partition("::")[0]
+        if not (config.invocation_params.dir / name).exists():
+            files = [f"tests/{path.name}" for path in Path(__file__).parent.glob("test_*.py")]
+            raise pytest.UsageError(f"TESTS={name}: no such file or folder{suggest(name, files)}")
 
 
 def scene_of(item: pytest.Item) -> str:
@@ -171,6 +182,8 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if reporter and session.exitstatus == pytest.ExitCode.OK and "passed" not in reporter.stats:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED
+    if reporter and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
+        reporter.write_line("error: no test was chosen that could run")
     if reporter and session.config.getoption("--record"):
         sample.record({unit: TIMES[unit] for unit in UNITS.values()})
 

@@ -35,7 +35,9 @@ NASTY = [
 ]
 CALLED = [command for command in COMMANDS if command.module]
 # Variables that make or the shell test, and the paths of outputs.
-FLAGS = {argument.option for c in COMMANDS for argument in c.arguments if argument.flag}
+FLAGS = {argument.name for c in COMMANDS for argument in c.arguments if argument.flag} | {"DRY"}
+# All targets that take a flag and do no more here than log their calls.
+TARGETS = [c.name for c in COMMANDS if any(a.flag for a in c.arguments)]
 OTHERS = {"DRY", "PYTHON", "SITE", "VENV"}
 # This precedes the arguments of each call in the log.
 CALL = "a call"
@@ -95,9 +97,12 @@ def nothing_ran() -> Iterator[None]:
 @pytest.mark.parametrize("nasty", NASTY)
 def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None:
     log = environment(tmp_path)
-    given = {a.name: f"{a.name}{nasty}{a.name}" for c in COMMANDS for a in c.arguments}
+    chosen = [command for command in COMMANDS if command.arguments and command.name != "docs"]
+    names = [command.name for command in chosen]
+    given = {
+        a.name: "1" if a.flag else f"{a.name}{nasty}{a.name}" for c in chosen for a in c.arguments
+    }
     words = [f"{name}={text}" for name, text in given.items()]
-    names = [command.name for command in COMMANDS if command.arguments and command.name != "docs"]
     result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *names, *words)
     assert result.returncode == 0, result.stderr
     arrived = dict(zip(names, calls(log), strict=True))
@@ -145,24 +150,47 @@ def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
     assert words == [["digit"], [], ["vhdl"], ["digit-board", "twin"], [], []]
 
 
-@pytest.mark.parametrize("nasty", NASTY)
-def test_a_flag_is_given_by_any_text(tmp_path: Path, nasty: str) -> None:
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("train SCEN=mine.toml", r"SCEN=: make train takes .*; did you mean SCENE=\?"),
+        ("train scene=mine.toml", r"scene=: make train takes .*; did you mean SCENE=\?"),
+        ("check listing RECORD=1", "RECORD=: make check listing takes no such variable"),
+        ("clean ALL=1", "ALL=: make clean takes no such variable, expected one of DRY,"),
+        ("sim a`touch>ran`=1", "a`touch>ran`=: make sim takes no such variable"),
+        ("sim DRY=no", "DRY=no: expected 1, or 0 or nothing"),
+        ("report FULL=2", "FULL=2: expected 1"),
+        ("test RECORD=maybe", "RECORD=maybe: expected 1"),
+        ("sim WAVES=`touch${IFS}ran`", "WAVES=.*: expected 1"),
+    ],
+)
+def test_what_make_would_ignore_is_refused(tmp_path: Path, words: str, said: str) -> None:
     log = environment(tmp_path)
-    words = [f"{name}={nasty}" for name in ("ALL", "LINKS", "RECORD", "WAVES")]
-    targets = ("help", "test", "sim", "synth")
-    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *targets, *words, f"SCENE={nasty}")
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *words.split())
+    assert result.returncode == 2
+    assert re.match(f"error: {said}", result.stderr), result.stderr
+    assert not log.exists()
+
+
+def test_a_flag_of_the_environment_is_refused_and_a_variable_of_an_outer_make_is_not(
+    tmp_path: Path,
+) -> None:
+    log = environment(tmp_path)
+    venv = {"VENV": str(tmp_path / "venv")}
+    assert "DRY=no: expected 1" in make(tmp_path, "clean", **venv, DRY="no").stderr
+    result = make(tmp_path, "listing", **venv, MAKELEVEL="1", MAKEFLAGS=" -- OTHER=1")
     assert result.returncode == 0, result.stderr
-    arrived = {word for call in calls(log) for word in call}
-    assert {"--all", "--waves", "--record"} <= arrived
+    assert len(calls(log)) == 1
 
 
 @pytest.mark.parametrize("zero", ["", "0"])
 def test_but_0_and_nothing_is_none(tmp_path: Path, zero: str) -> None:
     log = environment(tmp_path)
-    words = [f"{name}={zero}" for name in ("ALL", "RECORD", "WAVES", "FULL", "DRY")]
-    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", "test", "sim", "demo", *words)
+    options = {argument.option for c in COMMANDS for argument in c.arguments if argument.flag}
+    words = [f"{name}={zero}" for name in sorted(FLAGS)]
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *TARGETS, *words)
     assert result.returncode == 0, result.stderr
-    assert not {word for call in calls(log) for word in call if word in FLAGS}
+    assert not {word for call in calls(log) for word in call if word in options}
 
 
 def test_make_s_own_commands_are_tried_too(tmp_path: Path) -> None:
@@ -202,6 +230,7 @@ def test_recipes_have_no_text_of_a_user() -> None:
     """Make inserts no value of a variable into a recipe. It only tests whether there is one."""
     named = {argument.name for command in COMMANDS for argument in command.arguments}
     assert named | OTHERS == set(GIVEN)
+    assert set(re.search(r"^FLAGS := (.*)$", MAKEFILE, re.M)[1].split()) == FLAGS
     for line in RECIPES:
         for name in re.findall(r"\$[({](\w+)", line):
             if name in GIVEN:

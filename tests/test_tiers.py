@@ -30,7 +30,15 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("cores", tiered([("-n", "1")], [()]), ids=["workers", "alone"])
 @pytest.mark.parametrize("chosen", [(LEFT,), ("tests/test_lut.py", "-k", "no_such_test")])
 def test_a_choice_that_runs_nothing_fails(chosen: tuple[str, ...], cores: tuple[str, ...]) -> None:
-    assert run(*chosen, *cores).returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+    result = run(*chosen, *cores)
+    assert result.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert "error: no test was chosen that could run" in result.stdout
+
+
+def test_a_file_that_is_missing_is_named() -> None:
+    result = run("test_lut.py", "-n", "1")
+    assert result.returncode == pytest.ExitCode.USAGE_ERROR
+    assert "TESTS=test_lut.py: no such file or folder; did you mean" in result.stderr
 
 
 def test_the_summary_counts_what_is_left() -> None:
