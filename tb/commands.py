@@ -556,8 +556,8 @@ def main() -> None:
         print(help_text())
         return
     if name == "named":
-        words = (os.environ[name].split() for name in ("GOALS", "NAMED"))
-        refuse_unknown(*words, os.environ)
+        goals, names = (os.environ[name].split() for name in ("GOALS", "NAMED"))
+        refuse_unknown(goals, names, os.environ)
         return
     start(BY_NAME[name], os.environ)
 
