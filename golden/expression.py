@@ -91,11 +91,11 @@ def _value(node: ast.AST, x: Real) -> Any:
             return _OPERATORS[type(op)](_value(left, x), _value(right, x))
         case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
             return _OPERATORS[type(op)](_value(operand, x))
-        case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
+        case ast.IfExp(
+            test=ast.Compare(left=left, ops=[op], comparators=[right]), body=body, orelse=orelse
+        ) if type(op) in _OPERATORS:
             holds = _OPERATORS[type(op)](_value(left, x), _value(right, x))
-            return np.asarray(holds, dtype=np.float64)
-        case ast.IfExp(test=test, body=body, orelse=orelse):
-            return np.where(_value(test, x) != 0, _value(body, x), _value(orelse, x))
+            return np.where(holds, _value(body, x), _value(orelse, x))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             function, count = FUNCTIONS[name]
             if len(args) == count and not any(isinstance(arg, ast.Starred) for arg in args):

@@ -102,6 +102,7 @@ CALLS = {
     "verilog finger": "scene 'finger': no such scene, expected a path to a .toml file or one of",
     "train finger": "scene 'finger': no such scene, expected a path to a .toml file or one of",
     "mutate --block engin": "BLOCK=engin: no such block; did you mean 'engine'?",
+    "certify mine.toml --parts 0": "PARTS=0: expected a whole number, 1 to 100000",
     "sim --netlist virtex": "NETLIST=virtex: no such netlist, expected one of 1, virtex-2",
     "sim --netlist 1 --sim ghdl": "netlists run in icarus alone",
     "sim --netlist ecp5 --record": "every family, expected NETLIST=1 or NETLIST=unknown",

@@ -79,8 +79,9 @@ CHAIN = [
 
 def onnx(nodes: dict[int, Any] | None = None, **changed: Any) -> bytes:
     """A network in which some nodes and constants are replaced. ``ends`` are inputs and outputs."""
+    width = changed.pop("width", 3)
     ends = [
-        [helper.make_tensor_value_info(name, TensorProto.DOUBLE, [None, 3]) for name in names]
+        [helper.make_tensor_value_info(name, TensorProto.DOUBLE, [None, width]) for name in names]
         for names in changed.pop("ends", ("x", "y"))
     ]
     constants = COLUMNS | {"b1": MLP.b1, "b2": MLP.b2} | changed
@@ -191,6 +192,8 @@ ONNX = {
         "operator Transpose ('my'): cannot be applied to its constants: ",
     ),
     "more values than any memory": (onnx(w1=tensor(dims=[1 << 40, 5])), "tensor 'w1' holds number"),
+    "a size below 0": (onnx(w1=tensor(dims=[3, -1])), "tensor 'w1': got the shape [3, -1], exp"),
+    "a width below 0": (onnx(width=-3), "input 'x': got the shape [0, -3], expected sizes above 0"),
     "text": (
         onnx(w1=helper.make_tensor("w1", TensorProto.STRING, [3, 5], [b"a"] * 15)),
         "w1: got object, expected real numbers",
@@ -198,16 +201,16 @@ ONNX = {
     "complex": (onnx(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
     "another operator": (onnx({2: node("Hardmax", "b", "c")}), "operator Hardmax ('my'): not supp"),
     "a convolution": (
-        onnx({0: node("Conv", "x w1", "a")}),
+        onnx({0: node("Unsqueeze", "x b1", "a"), 2: node("Conv", "x w1", "a")}),
         "operator Conv ('my'): not supported: tactus is for dense networks and has no convolution",
     ),
     "a loop of operators": (
         onnx({2: node("Loop", "b", "c")}),
-        "behind layer 1: operator Loop ('my'): not supported: .*none that keep a state",
+        "operator Loop ('my'): not supported: .*none that keep a state",
     ),
     "a recurrent layer": (
         onnx({2: node("LSTM", "b w1", "c")}),
-        "behind layer 1: operator LSTM ('my'): not supported: .*none that keep a state",
+        "operator LSTM ('my'): not supported: .*none that keep a state",
     ),
     "values that are no longer real": (
         onnx({2: node("Cast", "b", "c", to=TensorProto.INT8)}),

@@ -87,6 +87,7 @@ TABLE: dict[str, dict[str, str]] = {
         "hidden = 5.0": "network.hidden: got 5.0, expected a whole number",
         'hidden = "5"': "network.hidden: got '5', expected a whole number",
         "hidden = []": "network.hidden: got [], expected one: single has one for all outputs",
+        "hidden = [0]": "network.hidden: got [0], expected 1 or more nodes in each layer, or 0",
         "hidden = [5, 5]": "mine.npz: hidden layers: got 1, expected 2 of a 3:5:5:2 network",
         "hidden = [5, 0]": "network.hidden: got [5, 0], expected 1 or more nodes in each layer",
         "hidden = [[5]]": "network.hidden: got [[5]], expected a whole number",
@@ -95,13 +96,19 @@ TABLE: dict[str, dict[str, str]] = {
             "network.activations: got 2 for 1 hidden layers, expected one for each"
         ),
         'hidden = 5\nactivations = ["rellu"]': (
-            "network.activations: got ['rellu'], expected a list with an activation"
+            "network.activations: got 'rellu', expected one of .* did you mean 'relu'?"
         ),
+        "hidden = 5\nactivations = []": (
+            "network.activations: got [], expected a list with an activation for each hidden layer"
+        ),
+        'hidden = 5\nquantised = "nearest"': "mine.npz: got a network without quantisers, expected",
+        'hidden = 5\nfunctions = { step = "x < 1" }': "functions.step: got 'x < 1', expected",
     },
     'arrangement = "single"\nhidden = 5': {
         'arrangement = "cascade"\nhidden = 5\nactivations = ["relu"]': (
             "network.activations: got ['relu'] with arrangement 'cascade', expected none"
         ),
+        'arrangement = "cascade"\nhidden = [5]': "hidden: got [5], expected a list of 2: cascade",
     },
     'weights = "mine.npz"': {
         "weights = 5": f"network.weights: got 5, {TEXT}",
@@ -203,6 +210,7 @@ TABLE: dict[str, dict[str, str]] = {
         'split = "block"': "training.split: got 'block', .*did you mean 'blocks'",
         'split_by = ["y0"]': "training.split_by: got ['y0'] with split 'random', expected",
         'split = "groups"': "training.split_by: got none with split 'groups', expected",
+        "split_by = []": "training.split_by: got [], expected columns, each once",
         'split = "groups"\nsplit_by = ["y0", "y0"]': "split_by: got .*, expected columns, each",
         "block_rows = 0": "training.block_rows: got 0, expected above 0",
         "noise = -1": "training.noise: got -1.0, expected a number from 0 to 100",
@@ -219,6 +227,7 @@ TABLE: dict[str, dict[str, str]] = {
     "steps = 20": {
         'functions = "line"': "training.functions: got 'line', expected",
         'functions = "spline"\ndigits = 30': "got 'spline' with training.digits, expected one of",
+        "intervals = [2, 4]": "training.intervals: got [2, 4] without training.functions, expected",
         "intervals = []": "training.intervals: got [], expected whole numbers from 0 to 32",
         "intervals = [33]": "training.intervals: got [33], expected whole numbers from 0 to",
         "steps = 0": "training.steps: got 0, expected above 0",

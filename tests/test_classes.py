@@ -239,22 +239,25 @@ def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch
 @pytest.mark.parametrize(
     ("labels", "expected"),
     [
-        ({"b", "a", "C"}, ("C", "a", "b")),
-        ({"10", "9", "-1"}, ("-1", "9", "10")),
-        ({"10", "9", "x"}, ("10", "9", "x")),
+        (["b", "a", "C"], ("C", "a", "b")),
+        (["10", "9", "-1"], ("-1", "9", "10")),
+        (["10", "9", "x"], ("10", "9", "x")),
     ],
 )
 def test_texts_are_sorted_by_alphabet_and_numbers_by_value(labels, expected) -> None:
-    assert ordered(labels, "place") == expected
+    assert ordered([*labels, *labels], "place") == expected
+    with pytest.raises(InputError, match="place: got another label in each of 3 rows, expected"):
+        ordered(labels, "place")
 
 
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ({"a"}, "got 1 labels, 'a', expected 2 to 256"),
-        ({"1", "01", "2"}, "which are one number, expected one way to write it"),
-        ({"1", "0.5"}, "got the label '0.5', expected text or whole numbers"),
-        ({str(n) for n in range(300)}, "got 300 labels, '0', '1', '10', ..., expected 2 to 256"),
+        (["a", "a"], "got 1 labels, 'a', expected 2 to 256"),
+        (["1", "01", "2", "2"], "which are one number, expected one way to write it"),
+        (["1", "0.5"], "got the label '0.5', expected text or whole numbers"),
+        ([str(n % 300) for n in range(301)], "got 300 labels, '0', '1', '10', ..., expected 2 to"),
+        (["a", "b", "NaN", "NaN"], "got 'NaN' in 2 rows, which stands for no label, expected one"),
     ],
 )
 def test_labels_that_are_none(labels, message: str) -> None:

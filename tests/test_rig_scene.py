@@ -223,6 +223,12 @@ def test_columns_that_are_no_sensors_are_left_out(tmp_path: Path, column, why: s
     assert "more" not in found.sensors
 
 
+def test_a_column_without_a_name_is_left_out_and_holds_no_classes(tmp_path: Path) -> None:
+    found = look(tmp_path, **{"": np.arange(60.0)})
+    assert found.left_out == {"column 6": "has no name"}
+    assert "classes" not in "".join(found.lines())
+
+
 def with_cell(text: str) -> list[str]:
     cells = [f"{value:.4f}" for value in TABLE["s1"]]
     cells[4] = text

@@ -7,6 +7,7 @@ of a classifier may stand.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -234,8 +235,16 @@ def read(path: Path) -> Held:
     counted = f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
     if len(inputs) != 1 or not graph.output:
         raise InputError(f"{counted}with one of each")
+    (taken,) = [i for i in graph.input if i.name == inputs[0]]
+    # Some exporters write -1 for any number of frames.
+    shape = [dim.dim_value for dim in taken.type.tensor_type.shape.dim]
+    _check_sizes(path, f"input {taken.name!r}", shape, shape[1:])
     chain = _Chain(path, graph.output[0].name)
     current, node, ending = inputs[0], None, None
+    # Named before what is unusual because of them, such as an Unsqueeze of the samples.
+    for node in graph.node:
+        if node.op_type in REASONS:
+            raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
     versions = {opset.domain: opset.version for opset in model.opset_import}
     for place, node in enumerate(graph.node):
         if node.op_type == "Constant":
@@ -295,16 +304,21 @@ def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[
 
 def _array(path: Path, tensor: Any) -> Any:
     """The value of a constant in the graph."""
+    _check_sizes(path, f"tensor {tensor.name!r}", tensor.dims, tensor.dims)
     with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
         array = numpy_helper.to_array(tensor)
         # numpy sees short floats as records.
         return array.astype(np.float32) if array.dtype.kind == "V" else array
 
 
+def _check_sizes(path: Path, what: str, shape: Sequence[int], sizes: Sequence[int]) -> None:
+    """Refuse a shape with sizes below 0, which numpy would take for what is left."""
+    if min(sizes, default=0) < 0:
+        raise InputError(f"{path}: {what}: got the shape {list(shape)}, expected sizes above 0")
+
+
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Add one operator to the chain."""
-    if node.op_type in REASONS:
-        raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
     if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
         _quantise(chain, node, current, constants)
         return

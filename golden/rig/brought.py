@@ -77,7 +77,7 @@ def brought(path: Path, found: Survey) -> Brought:
     labels: tuple[str, ...] = ()
     if found.classes:
         place = f"{found.recording.path}: column {found.classes!r}"
-        labels = ordered(set(labels_in(found.recording, found.classes)), place)
+        labels = ordered(labels_in(found.recording, found.classes), place)
         held = for_labels(path, held, labels)
     network = Brought(path, held)
     inputs, *_, outputs = network.shape

@@ -59,7 +59,7 @@ class Survey:
                     f"  {name:{wide}}  {kind:8}  {values.min():g} to {values.max():g}, "
                     f"{different} different values"
                 )
-        if self.classes in self.recording.names:
+        if self.classes and self.classes in self.recording.names:
             labels = set(labels_in(self.recording, self.classes))
             shown.append(f"  {self.classes:{wide}}  classes   {len(labels)} different labels")
         shown += [f"  {name:{wide}}  left out  {why}" for name, why in self.left_out.items()]

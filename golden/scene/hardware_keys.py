@@ -27,7 +27,8 @@ HARDWARE = KeyTable(
             "[table_graph](blocks/table_graph.md) does the same for networks of learned functions, "
             "which it looks up in small tables. "
             "`auto` is the smallest of them that is fast enough, see "
-            "[designs](designs.md#the-smallest-that-is-fast-enough).",
+            "[designs](designs.md#the-smallest-that-is-fast-enough); in `thesis` precision that is "
+            "`hybrid` or `parallel`, with the activation that the scene names.",
         ),
         "activation": Key(
             Text(tuple(SCHEMES)),

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 # A network of a thousand outputs would not fit into any design.
 MOST_LABELS = 256
+# What pandas and numpy write where there is no label, in small letters.
+MISSING = ("nan", "<na>")
 # How far the outputs of other rows may exceed those of the recorded rows.
 BEYOND = 1.25
 
@@ -91,22 +93,35 @@ def read_labels(paths: Sequence[Path], where: Mapping[str, float], column: str) 
     ------
     InputError
         See ``read_texts`` and ``rows_where``. Also for numbers that are not whole, for two labels
-        that are the same number, and for fewer than two or too many labels.
+        that are the same number, for a label that stands for a missing one, for fewer than two or
+        too many labels, and for another label in each row.
     """
-    found: set[str] = set()
+    found: list[str] = []
     for path in paths:
         texts = read_texts(path, column)
-        found |= {texts[row] for row in rows_where(path, where)}
+        found += [texts[row] for row in rows_where(path, where)]
     return ordered(found, f"{', '.join(map(str, paths))}: column {column!r}")
 
 
-def ordered(labels: set[str], place: str) -> tuple[str, ...]:
-    """Labels in their order; see ``read_labels``.
+def ordered(rows: Sequence[str], place: str) -> tuple[str, ...]:
+    """The labels of some rows in their order; see ``read_labels``.
 
     Raises
     ------
     InputError
     """
+    labels = set(rows)
+    missing = sorted(label for label in labels if label.lower() in MISSING)
+    if missing:
+        raise InputError(
+            f"{place}: got {missing[0]!r} in {rows.count(missing[0])} rows, which stands for no "
+            "label, expected one in every row"
+        )
+    if len(labels) == len(rows) > 2:
+        raise InputError(
+            f"{place}: got another label in each of {len(rows)} rows, expected a column whose "
+            "labels repeat"
+        )
     if not 2 <= len(labels) <= MOST_LABELS:
         shown = ", ".join(map(repr, sorted(labels)[:3]))
         more = ", ..." if len(labels) > 3 else ""

@@ -34,6 +34,8 @@ EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
 # By which part of its error digits = "fewest" may increase the error of an output.
 DIGITS_TOLERANCE = 0.02
+# The numbers of intervals of splines that a search tries if the scene names none.
+INTERVALS = [2, 4]
 # More hidden layers than any network that the hardware was made for.
 MOST_LAYERS = 8
 # An engine's operand memory has so many words.
@@ -72,7 +74,6 @@ NETWORK = KeyTable(
                 Text(tuple(ACTIVATIONS), begins=TABLE),
                 "a list with an activation for each hidden layer",
                 "a list of texts",
-                least=0,
             ),
             [],
             'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
@@ -167,9 +168,10 @@ TRAINING = KeyTable(
             List(
                 Whole(Span(0, 32)), "whole numbers from 0 to 32", "a list of whole numbers", least=1
             ),
-            [2, 4],
+            None,
             "Only with `functions`: the numbers of intervals that the splines of an input may "
             "have. Each is tried. With 0, the functions of inputs are straight lines.",
+            str(INTERVALS),
         ),
         "seed": Key(
             Whole(Span(0)),
@@ -215,9 +217,10 @@ TRAINING = KeyTable(
             "See [which rows are held out](#which-rows-are-held-out).",
         ),
         "split_by": Key(
-            List(Text(), "columns, each once", "a list of texts", least=0, once=True),
+            List(Text(some=True), "columns, each once", "a list of texts", once=True),
             [],
-            "Columns of the CSV file. Rows with the same values in these columns are a group, and "
+            "Columns of the CSV file that hold numbers. Rows with the same values in these columns "
+            "are a group, and "
             "no block continues where one of the values changes. `groups` needs this key.",
         ),
         "block_rows": Key(Whole(Span(above=0)), 5, "About how many rows a block has."),

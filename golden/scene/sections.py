@@ -21,7 +21,7 @@ from golden.networks.designs import DESIGNS
 from golden.precision import EXACT, PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column, with_units
-from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
+from golden.scene.schema import DIGITS_TOLERANCE, FEWEST, INTERVALS
 from golden.schema import written
 from golden.sizing.choice import UNDECIDED
 from golden.table import read_table, suggest
@@ -126,9 +126,14 @@ class Member:
                 f"{self.weights_path}: got hidden layers of {', '.join(found)}, expected "
                 f"{', '.join(self.activations)}, as network.activations of the scene says"
             )
-        if self.nearest and isinstance(network, DenseNetwork):
-            return network_of([_rounded(layer) for layer in network.layers])
-        return network
+        if not self.nearest:
+            return network
+        if not (isinstance(network, DenseNetwork) and network.quantised):
+            raise InputError(
+                f"{self.weights_path}: got a network without quantisers, expected a quantised one, "
+                "because network.quantised of the scene is 'nearest'"
+            )
+        return network_of([_rounded(layer) for layer in network.layers])
 
 
 def _rounded(layer: Dense) -> Dense:
@@ -192,7 +197,7 @@ def training(values: dict[str, Any], path: Path) -> Training:
     read = {
         "hidden": tuple(values["hidden"]),
         "layers": tuple(values.get("layers", ())),
-        "intervals": tuple(values["intervals"]),
+        "intervals": tuple(values.get("intervals", INTERVALS)),
         "split_by": _split_by(values, path),
         "disturbance": Disturbance(values["noise"], **values["drift"]),
     }
@@ -219,7 +224,7 @@ def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
         raise InputError(
             f"{place}: got {layers} with arrangement {network['arrangement']!r}, expected 'single'"
         )
-    if network["hidden"] not in (0, [0]):
+    if network["hidden"] != 0:
         raise InputError(
             f"{place}: got {layers} with network.hidden {network['hidden']}, expected "
             "network.hidden 0, because training chooses the nodes of each layer"
@@ -241,6 +246,11 @@ def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
     training, network = values["training"], values["network"]
     place = f"{path}: training.functions: got {training['functions']!r}"
     if not training["functions"]:
+        if "intervals" in training:
+            raise InputError(
+                f"{path}: training.intervals: got {training['intervals']} without "
+                "training.functions, expected functions = 'spline', or no such key"
+            )
         return
     for key in ("layers", "digits"):
         if training.get(key):
@@ -509,13 +519,18 @@ def members(
         if isinstance(given, dict) and set(given) == {"points"}
     }
     functions = _functions(network, hidden, path, files)
+    if single and network["hidden"] == [0]:
+        raise InputError(
+            f"{path}: network.hidden: got [0], expected 1 or more nodes in each layer, or 0 for "
+            "those of the network file"
+        )
     layers = _layers(hidden, activations, network["arrangement"], path)
     if data["classes"] and not layers and hidden != [0]:
         # Training for classes is that of networks whose layers the scene names.
         layers = tuple(hidden)
     if layers:
         hidden = [0]
-    if len(hidden) == 1:
+    if layers or not isinstance(network["hidden"], list):
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
         if len(values) != count:

@@ -257,7 +257,9 @@ class List(Kind):
     def faults(self, value: Any, place: str) -> Iterator[str]:
         yield from super().faults(value, place)
         if self.accepts(value) and not self._sound(value):
-            yield got(place, value, self.said)
+            # Of the right type, but none of the choices: this fault names the nearest choice.
+            named = [f for v in value if self.of.accepts(v) for f in self.of.faults(v, place)]
+            yield named[0] if named else got(place, value, self.said)
 
     def _sound(self, value: list[Any]) -> bool:
         if any(True for one in value for _ in self.of.faults(one, "")):

@@ -71,7 +71,7 @@ def main() -> int:
     parser.add_argument("--netlist")
     parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
     parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
-    parser.add_argument("--parts", type=whole("PARTS", 0, MOST))
+    parser.add_argument("--parts", type=whole("PARTS", 1, MOST))
     parser.add_argument("--picture", type=picture_file)
     parser.add_argument("--force", action="store_true", help="replace any file at PICTURE")
     arguments = parser.parse_args()
