@@ -18,7 +18,7 @@ from golden.rig.write_scene import write_scene
 from golden.scene import Scene, load_scene
 from golden.table import read_csv_file, read_table, write_table
 from golden.training.scaling import scaled
-from golden.training.split import split_of
+from golden.training.split import split_of, split_rows
 from tb.report.measure.outcome import telling
 
 RAIL = ROOT / "docs" / "tutorial" / "readings.csv"
@@ -47,6 +47,26 @@ def test_a_channel_of_noise_is_named_and_no_other(tmp_path: Path, seed: int) -> 
     assert list(warned) == ["dead"]
     assert warned["dead"].startswith("tells nothing")
     assert f"take it out of data.sensors in {scene.path}" in warned["dead"]
+
+
+def test_what_can_be_taken_out_together_is_said(tmp_path: Path) -> None:
+    scene = rail(tmp_path, dead=noise(1), hum=noise(2))
+    warned = {f.subject: f.text for f in findings(scene) if f.verdict == WARNING}
+    assert sorted(warned) == ["'dead', 'hum'", "dead", "hum"]
+    assert warned["'dead', 'hum'"].startswith("can be taken out together: without them force ")
+
+
+@pytest.mark.parametrize("count", [6, 16])
+def test_sensors_that_each_tell_a_little_are_not_taken_out_together(count: int) -> None:
+    """The class is the sign of their sum. One of six is missed, and some of sixteen together."""
+    rows = np.random.default_rng(1).normal(0, 1, (600, count))
+    labels = np.where(rows.sum(axis=1, keepdims=True) > 0, 1.0, -1.0)
+    names = tuple(f"s{n}" for n in range(count))
+    found = measured(Recording(rows, labels, np.ones((600, 1)), names, ("y",)), split_rows(600, 1))
+    if count == 6:
+        assert not found.nothing
+    else:
+        assert 0 < len(found.together) < len(found.nothing) < count
 
 
 def test_the_page_shows_what_is_said_of_it(tmp_path: Path) -> None:

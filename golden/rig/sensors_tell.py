@@ -2,19 +2,21 @@
 
 A smooth map (``golden.rig.smooth_map``) from the sensors to the outputs is fitted to rows that
 train, once with all sensors and once without each of them. Its errors are those on rows that take
-no part. Similar maps to the sensor itself, from the outputs, and from these together with the other
-sensors, show how much of it follows from anything. Networks have smaller errors;
+no part. Sensors that are not missed one by one may be missed together, so these are left out at
+once, too. Similar maps to the sensor itself, from the outputs, and from these together with the
+other sensors, show how much of it follows from anything. Networks have smaller errors;
 ``golden.rig.sensors_needed`` trains them, which takes minutes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.finding import OK, WARNING, Finding
+from golden.finding import OK, WARNING, Finding, several
 from golden.real import Real
 from golden.rig.sensors_needed import Recording, recording_of
 from golden.rig.smooth_map import SmoothMap, spread, thinned
@@ -35,10 +37,10 @@ MOST_SENSORS = 32
 # The sensors explain an output if its error is below this part of the error of a constant.
 TOLD = 0.8
 # A sensor counts as useless if a smaller part of it follows from everything else, and if without it
-# the error of no explained output grows by this factor. Noise is like that. A sensor that corrects
-# others, such as one for temperature, follows from no output, but it does follow from outputs and
-# sensors together.
-FOLLOWS, WORSE = 0.25, 2.0
+# the error of no explained output grows by this factor, or by this part of what the sensors
+# explain. Noise is like that. A sensor that corrects others, such as one for temperature, follows
+# from no output, but it does follow from outputs and sensors together.
+FOLLOWS, WORSE, LOST = 0.1, 2.0, 0.05
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,10 @@ class Telling:
         Part of the variance of each sensor, on held-out rows, that follows from the outputs, or
         from the outputs and the other sensors if that is more. It is below 0 where a constant fits
         better.
+    together : tuple of str
+        The sensors of ``nothing`` that can be left out at once.
+    without_together : float array
+        Errors without all of these.
     """
 
     outputs: tuple[str, ...]
@@ -65,18 +71,28 @@ class Telling:
     whole: Real
     without: dict[str, Real]
     follows: dict[str, float]
+    together: tuple[str, ...]
+    without_together: Real
 
     @property
     def nothing(self) -> list[str]:
-        """Sensors that tell nothing; see FOLLOWS."""
-        explained = self.whole < TOLD * self.constant
-        if not explained.any():
-            return []
+        """Sensors that tell nothing, as far as each of them shows alone; see FOLLOWS."""
         return [
             name
             for name, errors in self.without.items()
-            if self.follows[name] < FOLLOWS and (errors < WORSE * self.whole)[explained].all()
+            if self.follows[name] < FOLLOWS and self.harmless(errors)
         ]
+
+    @property
+    def explained(self) -> NDArray[np.bool_]:
+        """The outputs that the sensors explain; see TOLD."""
+        found: NDArray[np.bool_] = self.whole < TOLD * self.constant
+        return found
+
+    def harmless(self, errors: Real) -> bool:
+        """Whether errors without some sensors are no worse than with them; see WORSE and LOST."""
+        most = np.minimum(WORSE * self.whole, self.whole + LOST * (self.constant - self.whole))
+        return bool(self.explained.any() and (errors < most)[self.explained].all())
 
 
 def measured(recording: Recording, split: Split) -> Telling:
@@ -84,32 +100,40 @@ def measured(recording: Recording, split: Split) -> Telling:
     train = thinned(split.training, MOST_ROWS)
     others = [thinned(part, MOST_OTHERS) for part in (split.validation, split.test)]
     rows = np.concatenate(others)
-    readings, targets = recording.readings, recording.targets
+    targets = recording.targets
 
     def mean(residuals: Real) -> Real:
         percent: Real = 100 * np.abs(residuals / recording.scale[rows]).mean(axis=0)
         return percent
 
     constant = mean(targets[rows] - targets[train].mean(axis=0))
+
+    def errors(left_out: Sequence[str]) -> Real:
+        kept = _of(recording, left_out)[1]
+        return mean(_residuals(kept, targets, train, others)) if kept.shape[1] else constant
+
     without, follows = {}, {}
     for name in recording.names:
-        own, others_kept = _of(recording, name)
-        without[name] = (
-            mean(_residuals(others_kept, targets, train, others))
-            if others_kept.shape[1]
-            else constant
-        )
+        own, others_kept = _of(recording, [name])
+        without[name] = errors([name])
         follows[name] = max(
             _explained(known, own, train, others)
             for known in (targets, np.column_stack([targets, others_kept]))
         )
-    whole = mean(_residuals(readings, targets, train, others))
-    return Telling(recording.outputs, constant, whole, without, follows)
+    whole = errors([])
+    found = Telling(recording.outputs, constant, whole, without, follows, (), whole)
+    # Those that are missed least come first.
+    for name in sorted(found.nothing, key=lambda name: float((without[name] / whole).max())):
+        more = (*found.together, name)
+        left = errors(more)
+        if found.harmless(left):
+            found = replace(found, together=more, without_together=left)
+    return found
 
 
-def _of(recording: Recording, name: str) -> tuple[Real, Real]:
-    """The columns of a sensor, and all other columns."""
-    own = np.isin(recording.sensors, [name])
+def _of(recording: Recording, names: Sequence[str]) -> tuple[Real, Real]:
+    """The columns of some sensors, and all other columns."""
+    own = np.isin(recording.sensors, names)
     return recording.readings[:, own], recording.readings[:, ~own]
 
 
@@ -165,23 +189,32 @@ def findings(scene: Scene) -> list[Finding]:
             f"without any sensor {shown}",
         )
     ]
-    explained = telling.whole < TOLD * telling.constant
-    if not explained.any():
+    if not telling.explained.any():
         text = "nothing: with all of them no output errs less than without any"
         return [*found, Finding(WARNING, subject, text)]
-    nothing = telling.nothing
+    together = [name for name in telling.without if name in telling.together]
     for name, errors in telling.without.items():
-        text = ", ".join(
-            f"{output} {without:.2g} % instead of {whole:.2g} %"
-            for output, without, whole in zip(names, errors, telling.whole, strict=True)
-        )
-        text = f"without it {text}"
-        if name in nothing:
+        text = f"without it {_compared(telling, errors)}"
+        if name in together:
             advice = f"tells nothing: it follows from nothing else; take it out of {_place(scene)}"
             found.append(Finding(WARNING, name, f"{advice} ({text})"))
-        else:
-            found.append(Finding(OK, name, text))
+            continue
+        if name in telling.nothing:
+            text += "; it is not missed alone, but together with others that tell as little"
+        found.append(Finding(OK, name, text))
+    if len(together) > 1:
+        compared = _compared(telling, telling.without_together)
+        text = f"can be taken out together: without them {compared}"
+        found.append(Finding(WARNING, several(together), text))
     return found
+
+
+def _compared(telling: Telling, errors: Real) -> str:
+    """The error of each output without some sensors, beside that with all of them."""
+    return ", ".join(
+        f"{output} {without:.2g} % instead of {whole:.2g} %"
+        for output, without, whole in zip(telling.outputs, errors, telling.whole, strict=True)
+    )
 
 
 def _place(scene: Scene) -> str:

@@ -235,8 +235,8 @@ def telling(scene: Scene) -> Table | None:
     for name, errors in found.without.items():
         rows.append([name, 100 * found.follows[name], *map(float, errors)])
     rows.append(["all", None, *map(float, found.constant)])
-    nothing = found.nothing
-    drop = f" {', '.join(nothing)}: tells nothing, take it out of data.sensors." if nothing else ""
+    nothing = ", ".join(found.together)
+    drop = f" {nothing}: tells nothing, take it out of data.sensors." if nothing else ""
     return Table(
         "sensors_tell",
         ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
