@@ -59,7 +59,7 @@ class Heartbeat:
 
 
 @contextmanager
-def stage(what: str, stream: TextIO | None = None) -> Iterator[None]:
+def stage(what: str, stream: TextIO | None = None, quick: bool = False) -> Iterator[None]:
     """Print what the block does, and every few seconds that it is still running.
 
     Parameters
@@ -68,6 +68,9 @@ def stage(what: str, stream: TextIO | None = None) -> Iterator[None]:
         Description of the work, such as ``digit: exporting``.
     stream : file, optional
         Standard output by default.
+    quick : bool
+        Whether the work is usually done before the first of these lines, so that nothing is printed
+        at its beginning.
     """
     out = stream or sys.stdout
     began = printed = time.monotonic()
@@ -79,7 +82,8 @@ def stage(what: str, stream: TextIO | None = None) -> Iterator[None]:
             printed = now
             print(f"{what}, {duration(now - began)}", file=out, flush=True)
 
-    print(what, file=out, flush=True)
+    if not quick:
+        print(what, file=out, flush=True)
     with Heartbeat(beat):
         yield
 

@@ -12,6 +12,7 @@ from golden.finding import OK, WARNING, Finding, collect_faults, faults
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import versions
+from golden.progress import stage
 from golden.rig.check import everything
 from golden.scene import load_scene
 from tb.common.tools import SIMULATORS, version
@@ -44,7 +45,8 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
-    findings = check(arguments.scene, arguments.build)
+    with stage(f"checking {arguments.scene}", quick=True):
+        findings = check(arguments.scene, arguments.build)
     print("\n".join(map(str, findings)))
     wrong = len(faults(findings))
     if wrong:

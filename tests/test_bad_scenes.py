@@ -269,6 +269,8 @@ ENGINE: dict[str, str] = {
         f"{key} = 0": f"hardware.{key}: got 0, expected a number above 0, or no such key"
         for key in ("clocks", "segment_width", "adders_per_clock")
     },
+    "frames_a_second = nan": "hardware.frames_a_second: got nan, expected a number",
+    "adders_per_clock = 1000000000": "hardware.adders_per_clock: got 1000000000, expected 1 to 100",
     "reload = true\nprogram_words = 0": "hardware.program_words: got 0, expected a number above 0",
     "reload = true\noperand_words = 0": "hardware.operand_words: got 0, expected a number above 0",
     "clocks = -1": "hardware.clocks: got -1, expected 53 or more",

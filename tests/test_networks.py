@@ -18,6 +18,7 @@ from golden.input_error import InputError
 from golden.metrics import percent_errors, summarise
 from golden.mlp import Mlp
 from golden.networks.arrangement import arrange, beside
+from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
 from golden.networks.left_out import left_out
 from golden.networks.parallel import Parallel
@@ -25,7 +26,7 @@ from golden.networks.settings import Settings
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
 from golden.scene_errors import held_out_means
-from tb.common.cases import random_mlp
+from tb.common.cases import random_mlp, random_network
 from tb.report.measure.networks import scenes
 
 SCENES = scene_names()
@@ -317,3 +318,25 @@ def test_activations_of_different_latency_are_refused(name: str, change: dict) -
     message = f"{design.entity}: got activations of latencies {clocks}, expected one latency"
     with pytest.raises(InputError, match=re.escape(message)):
         replace(design, activations=(replace(first, **change), *others))
+
+
+@pytest.mark.parametrize(
+    ("design", "shape", "said"),
+    [
+        (
+            "engine",
+            (3, 1024, 1024, 2),
+            "engine: got .* weights of a 3:1024:1024:2 network, expected",
+        ),
+        ("adder_graph", (3, 1024, 1024, 2), "adder_graph: got .* weights of a "),
+        ("lanes", (3, 1024, 2), "lanes: got 1029 samples, hidden nodes and outputs of a 3:1024:2 "),
+    ],
+)
+def test_a_network_that_no_program_holds_is_refused_before_it_is_quantised(
+    monkeypatch: pytest.MonkeyPatch, design: str, shape: tuple[int, ...], said: str
+) -> None:
+    monkeypatch.setattr(DESIGNS[design], "build", lambda *_: pytest.fail("was built"))
+    network = random_network(shape, ("tanh",) * (len(shape) - 2), 1.0, 1)
+    activation = DESIGNS[design].known_activations[0]
+    with pytest.raises(InputError, match=said):
+        DESIGNS[design].of([network], Settings(EXACT, activation))

@@ -146,6 +146,13 @@ def test_a_stage_says_that_it_is_still_there(quick: None) -> None:
     assert stream.getvalue() == ended
 
 
+def test_a_stage_that_is_quick_prints_nothing_until_a_line_is_due(quick: None) -> None:
+    stream = io.StringIO()
+    with stage("checking digit", stream, quick=True):
+        assert not stream.getvalue()
+        waited_for(stream, r"\A(checking digit, 0 s\n)")
+
+
 def test_nobody_waits_more_than_five_seconds_for_a_line() -> None:
     assert module.PAUSE + module.BEAT < 5
 

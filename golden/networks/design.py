@@ -6,13 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
-from golden.dense import Trained
+import numpy as np
+
+from golden.dense import Trained, layers_of
 from golden.function import table_names
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.network import Network
 from golden.networks.settings import DEFAULTS, Settings
 from golden.precision import PRECISIONS
+
+# The words of the largest program, each for a weight. Nothing larger was ever exported.
+MOST_WEIGHTS = 1 << 18
 
 # A message names the functions of a layer if there are fewer than these.
 MOST_NAMED = 4
@@ -47,6 +52,8 @@ class Design(Network):
     decides_itself : bool
         Whether it finds the largest output where a scene asks for it. A design whose outputs come
         one after the other leaves that to the readout.
+    most_nodes : int or None
+        The most samples, hidden nodes and outputs of a network together; None for no limit.
     options : tuple of str
         Keys of the section ``[hardware]`` that belong to this design alone.
     min_interval : int
@@ -64,6 +71,7 @@ class Design(Network):
     learned_functions: ClassVar[bool] = False
     coarse: ClassVar[bool] = False
     decides_itself: ClassVar[bool] = False
+    most_nodes: ClassVar[int | None] = None
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)
     useless_nodes: int = field(default=0, kw_only=True)
@@ -109,7 +117,34 @@ class Design(Network):
                 f"{cls.block}: activation_options: got {', '.join(settings.activation_options)}, "
                 f"expected none: its {settings.activation} has one form"
             )
+        for network in networks:
+            cls._refuse_large(network)
         return cls.build(networks, settings, arrangement, variant)
+
+    @classmethod
+    def _refuse_large(cls, network: Trained) -> None:
+        """Refuse what cannot be built, before minutes pass in which its weights are quantised.
+
+        Only weights and nodes count that are not left out.
+
+        Raises
+        ------
+        InputError
+        """
+        layers = layers_of(network)
+        count = sum(np.count_nonzero(layer.weights) for layer in layers)
+        hidden = zip(layers, layers[1:], strict=False)
+        nodes = sum(int((a.weights.any(1) & b.weights.any(0)).sum()) for a, b in hidden)
+        nodes += network.shape[0] + network.shape[-1]
+        for got, most, name in (
+            (count, MOST_WEIGHTS, "weights"),
+            (nodes, cls.most_nodes, "samples, hidden nodes and outputs"),
+        ):
+            if most is not None and got > most:
+                shape = ":".join(map(str, network.shape))
+                raise InputError(
+                    f"{cls.block}: got {got} {name} of a {shape} network, expected {most} at most"
+                )
 
     @classmethod
     def build(

@@ -25,7 +25,7 @@ from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
 from golden.engine.plane_select import PlaneSelect
-from golden.engine.program import Program, assemble
+from golden.engine.program import SOURCE, Program, assemble
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
@@ -94,6 +94,7 @@ class Engine(Design):
     precisions = (EXACT.name,)
     known_activations = ("precise",)
     activation_choices = False
+    most_nodes = (1 << SOURCE[1]) - 1
     options: ClassVar[tuple[str, ...]] = (
         "segment_width",
         "pipeline",

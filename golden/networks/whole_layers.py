@@ -31,7 +31,7 @@ from golden.precision import EXACT, SIGNAL
 WORD_WIDTH = TANH_RESULT.width
 LEAST_WORD = 3
 # The most runs of a search that a scene may ask for.
-MOST_RUNS = 1_000_000
+MOST_RUNS = 10_000
 # Bits below the last place of a hidden word and of an output that take part in the additions.
 GUARD = (1, 1)
 # By how many bits a word of tanh is longer than the code of a table, which stands for the middle of

@@ -140,7 +140,7 @@ HARDWARE = KeyTable(
             "no limit",
         ),
         "frames_a_second": Key(
-            Number(absent=True),
+            Number(finite=True, absent=True),
             0.0,
             "The least number of frames a second, at the clock of `clock_mhz`: another way to "
             "give `interval`.",
@@ -194,7 +194,7 @@ HARDWARE = KeyTable(
             "what the scene's own functions take",
         ),
         "adders_per_clock": Key(
-            Whole(absent=True),
+            Whole(Span(1, 100), absent=True),
             0,
             "Only for `adder_graph` and `table_graph`. How many adders stand one behind the other "
             "between two registers. Fewer adders make the clock faster and the latency longer.",
@@ -221,7 +221,7 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only for `adder_graph`. How often the [search for sums that results share]"
-            "(blocks/constant_matrix.md#more-runs) is run for each matrix, 1 to 1000000. "
+            "(blocks/constant_matrix.md#more-runs) is run for each matrix, 1 to 10000. "
             "More runs take longer, and their graph never has more bits of adders in as many "
             "clocks.",
             "up to 40, fewer for a large matrix",

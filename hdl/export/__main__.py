@@ -12,6 +12,7 @@ from pathlib import Path
 
 from golden.cli import would
 from golden.folders import BUILD
+from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
 from golden.scene.saturation import hidden_saturations, range_lines, warn_saturating
@@ -38,7 +39,8 @@ def main() -> None:
     tops = [scene.twin().entity for scene in scenes]
     would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
     for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
-        export_scene(scene, tongue, folder)
+        with stage(f"exporting {scene.name} as {tongue}", quick=True):
+            export_scene(scene, tongue, folder)
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:
