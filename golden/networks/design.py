@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -133,8 +134,7 @@ class Design(Network):
         """
         layers = layers_of(network)
         count = sum(np.count_nonzero(layer.weights) for layer in layers)
-        hidden = zip(layers, layers[1:], strict=False)
-        nodes = sum(int((a.weights.any(1) & b.weights.any(0)).sum()) for a, b in hidden)
+        nodes = sum(int((a.weights.any(1) & b.weights.any(0)).sum()) for a, b in pairwise(layers))
         nodes += network.shape[0] + network.shape[-1]
         for got, most, name in (
             (count, MOST_WEIGHTS, "weights"),
