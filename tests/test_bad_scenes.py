@@ -122,6 +122,12 @@ TABLE: dict[str, dict[str, str]] = {
         'weights = "no.npz"': "no.npz: no such network; make train SCENE=... writes it",
         'weights = ["a.npz", 1]': "network.weights: got ['a.npz', 1], expected text, or a list",
     },
+    'design = "hybrid"\nactivation = "gradient"': {
+        'design = "adder_graph"\nadders_per_clock = 1000000000': "hardware.adders_per_clock: got "
+        "1000000000, expected 1 to 100",
+        'design = "adder_graph"\nsearch_runs = 1000000': "hardware.search_runs: got 1000000, "
+        "expected 1 to 10000",
+    },
     'design = "hybrid"': {
         'design = "hybird"': "hardware.design: got 'hybird', .* did you mean 'hybrid'?",
         'design = ["hybrid"]': f"hardware.design: got ['hybrid'], {TEXT}",
@@ -270,7 +276,6 @@ ENGINE: dict[str, str] = {
         for key in ("clocks", "segment_width", "adders_per_clock")
     },
     "frames_a_second = nan": "hardware.frames_a_second: got nan, expected a number",
-    "adders_per_clock = 1000000000": "hardware.adders_per_clock: got 1000000000, expected 1 to 100",
     "reload = true\nprogram_words = 0": "hardware.program_words: got 0, expected a number above 0",
     "reload = true\noperand_words = 0": "hardware.operand_words: got 0, expected a number above 0",
     "clocks = -1": "hardware.clocks: got -1, expected 53 or more",

@@ -190,8 +190,7 @@ class Number(Kind):
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
         if self.span and not self.span.holds(value) and not (self.absent and value == 0):
-            shown = f"{value:g}" if self.absent else repr(value)
-            yield f"{place}: got {shown}, expected {self.said or self.span}"
+            yield f"{place}: got {value!r}, expected {self.said or self.span}"
 
     def filled(self, value: Any) -> Any:
         return float(value)
