@@ -190,7 +190,8 @@ class Number(Kind):
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
         if self.span and not self.span.holds(value) and not (self.absent and value == 0):
-            yield f"{place}: got {value!r}, expected {self.said or self.span}"
+            shown = f"{value:.10g}" if self.absent else repr(value)
+            yield f"{place}: got {shown}, expected {self.said or self.span}"
 
     def filled(self, value: Any) -> Any:
         return float(value)
