@@ -36,7 +36,8 @@ def main() -> None:
     scenes = [load_scene(name) for name in names]
     languages = sorted(LANGUAGES) if arguments.language == BOTH else [arguments.language]
     folders = [arguments.build / scene.name / tongue for scene in scenes for tongue in languages]
-    tops = [scene.twin().entity for scene in scenes]
+    with stage(f"building {' and '.join(scene.name for scene in scenes)}", quick=True):
+        tops = [scene.twin().entity for scene in scenes]
     would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
     for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
         with stage(f"exporting {scene.name} as {tongue}", quick=True):
