@@ -32,7 +32,7 @@ frames = np.random.default_rng(1).integers(-8192, 8192, (2000, scene.inputs))
 assert np.array_equal(scene.process(frames), other.process(frames))
 assert scene.interval == 5
 rows = [row for row in huge_weights() if row.model == "rowwise"]
-assert len(rows) == 4 and all(row.holds for row in rows)
+assert len(rows) == 6 and all(row.holds for row in rows)
 drawn = ElementTree.fromstring(datapath(load_scene(sys.argv[1])))
 shown = {element.text for element in drawn.iter()}
 assert {"2 x", "5 q", "5 r", "2 y"} <= shown, shown

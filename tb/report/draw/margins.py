@@ -18,7 +18,7 @@ REACHED = "#b34700"
 def margins(table: Table) -> str:
     """The picture of table ``stability``, with a line for each model."""
     found = cases(table)
-    models = list(dict.fromkeys(case.model for case in found))
+    models = list(dict.fromkeys(case.label for case in found))
     bottom = TOP + ROW * len(models)
     holding = sum(case.holds for case in found)
     title = f"{holding} of {len(found)} cases keep their bound"
@@ -44,7 +44,7 @@ def margins(table: Table) -> str:
         y = TOP + ROW * (n + 0.5)
         body.append(text((NAMES, y + 4), model))
         body.append(line([(LEFT, y), (RIGHT, y)], stroke=FAINT, stroke_width=0.2))
-        body += _line(y, [case for case in found if case.model == model])
+        body += _line(y, [case for case in found if case.label == model])
     body.append(text((6, bottom + 18), "orange: comes to its bound, and must; see the page"))
     return picture(f"{title}. {sentence(found)}", (WIDTH, bottom + 28), body, widest=640)
 
@@ -54,7 +54,7 @@ def sentence(found: list[Case]) -> str:
     free = [case for case in found if case.part is not None and not case.reached]
     worst = max(free, key=lambda case: case.part or 0.0)
     return (
-        f"Of those that need not come to their bound, {worst.model}, {worst.case}, is nearest: "
+        f"Of those that need not come to their bound, {worst.label}, {worst.case}, is nearest: "
         f"{worst.part:.2g} of it."
     )
 

@@ -333,6 +333,7 @@ def pages() -> dict[Path, str]:
         (docs / "limits.md", "outside", partial(outside.rows, read("outside"))),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
+        (docs / "stability.md", "useless", partial(stability.useless, cases)),
         (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
         (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from golden.precision import SIGNAL
+from tb.report.measure.stability.digits import DIGITS
 from tb.report.measure.stability.margins import Case, cases, closest
+from tb.report.measure.stability.networks import USELESS
 from tb.report.measure.table import Table
 
 CLOSEST = 5
@@ -39,12 +42,13 @@ BREAKS = {
     "be flat": "an exponential that does not reach 0",
     "be d at the centre, 0 beside it": "a power that overflows to NaN",
     "keep the bound of the terms left out": "hyperbolic functions that overflow to NaN",
-    "give way as 1 / D": "a stiffness that is added instead of multiplied",
-    "give way as 1 / (E I)": "a stiffness that is added instead of multiplied",
     "not move": "a series whose terms do not vanish at the edge",
-    "obey w(p, q) = w(q, p)": "a series that loses its small terms beside large ones",
-    "creep down, never rise": "an explicit integrator: at this damping its steps overshoot",
-    "press less than twice its weight": "an integrator that overshoots: forces depend on its speed",
+    f"agree with {DIGITS} digits": "a formula that subtracts large numbers, or rounds phases of "
+    "many turns",
+    "follow a reference of another family": "an integrator that stands still, overshoots, or has a "
+    "looser tolerance",
+    "follow the slow manifold": "an integrator that stands still, or a wrong ratio of weight and "
+    "damping",
     "follow Jacobi's closed form": "a looser tolerance of the integrator",
     "pull no more than its energy allows": "an integrator that gains energy",
     "stay upright": "a looser tolerance: the smallest push grows by a factor of e each 1 / omega",
@@ -59,7 +63,7 @@ def headline(table: Table) -> str:
     holding = sum(case.holds for case in found)
     exact = sum(case.part is None for case in found)
     reached = [case for case in found if case.reached]
-    which = ", ".join(dict.fromkeys(f"`{case.model}` ({case.figure})" for case in reached))
+    which = ", ".join(dict.fromkeys(f"{case.model} ({case.figure})" for case in reached))
     return (
         f"**{holding} of {len(found)} cases hold.**\n\n"
         f"- {exact} of the cases count something that must never happen: a wrong code, an invalid "
@@ -83,6 +87,19 @@ def nearest(table: Table) -> str:
     return "\n".join(lines)
 
 
+def useless(table: Table) -> str:
+    """The cases whose bound is a large part of full scale, the widest first."""
+    lines = ["| networks of | error, LSB | of full scale | bound, LSB | of full scale |"]
+    lines.append(f"|{'---|' * 5}")
+    wide = [c for c in cases(table) if c.figure.startswith("error in 2^-13") and c.bound > USELESS]
+    for case in sorted(wide, key=lambda one: -one.bound):
+        cells = [f"{case.label}, {case.case}"]
+        for value in (case.value, case.bound):
+            cells += [f"{value:,.0f}", f"{100 * value / 2**SIGNAL.frac:.2g} %"]
+        lines.append(_row(*cells))
+    return "\n".join(lines)
+
+
 def kinds(table: Table) -> str:
     """What must happen, in how many cases, and what would break it."""
     found: dict[str, list[Case]] = {}
@@ -90,7 +107,7 @@ def kinds(table: Table) -> str:
         found.setdefault(case.must, []).append(case)
     lines = ["| what must happen | model | cases | what would break it |", "|---|---|---|---|"]
     for must, alike in found.items():
-        models = list(dict.fromkeys(case.model for case in alike))
+        models = list(dict.fromkeys(name for case in alike for name in case.models))
         named = ", ".join(models) if len(models) <= 3 else f"{len(models)} models"
         lines.append(_row(must, named, str(len(alike)), BREAKS[must]))
     return "\n".join(lines)

@@ -35,6 +35,15 @@ def largest(*values: ArrayLike) -> float:
     return float(np.abs(together).max()) if np.isfinite(together).all() else math.inf
 
 
+def worst(errors: ArrayLike, bounds: ArrayLike) -> tuple[float, float]:
+    """Of many errors the one that is nearest to its own bound, and this bound."""
+    found, most = np.broadcast_arrays(np.abs(errors), bounds)
+    if not np.isfinite(found).all():
+        return math.inf, float(most.max())
+    place = np.unravel_index(np.argmax(found / most), found.shape)
+    return float(found[place]), float(most[place])
+
+
 def accepted(calls: Iterable[Callable[[], object]]) -> int:
     """How many of the calls, which have invalid arguments, do not raise ``InputError``."""
     count = 0

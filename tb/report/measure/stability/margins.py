@@ -30,6 +30,17 @@ class Case:
     holds: bool
 
     @property
+    def models(self) -> list[str]:
+        """The names of its models."""
+        return self.model.split(", ")
+
+    @property
+    def label(self) -> str:
+        """Its first model, and how many more."""
+        first, *others = self.models
+        return f"{first} and {len(others)} more" if others else first
+
+    @property
     def part(self) -> float | None:
         """The figure as a part of its bound, or None if the bound is 0."""
         return self.value / self.bound if self.bound else None

@@ -33,16 +33,24 @@ NOTES = {
     "formats do. They are shown for the output that comes nearest to its bound. This bound follows "
     "from the roundings and from the largest error of the activation over every code. Networks of "
     "several layers are judged in the same way. If the ranges of their words come from the data, "
-    "the bound is for frames in which no sum saturates. D w is the deflection times the stiffness "
-    "of the plate.",
+    "the bound is for frames in which no sum saturates. Cases that "
+    "differ in nothing but the model are one row.",
 }
 
 
 def stability(_: int) -> Table:
-    """Every stiff and extreme case, with what must happen and its bound."""
+    """Every stiff and extreme case, with what must happen and its bound.
+
+    Cases that differ in nothing but the model are one row, which names all of these models.
+    """
+    found: dict[tuple[Cell, ...], list[Row]] = {}
+    for cases in CASES:
+        for row in cases():
+            key = (row.case, row.must, row.figure, row.value, row.bound)
+            found.setdefault(key, []).append(row)
     rows: list[list[Cell]] = [
         [
-            row.model,
+            ", ".join(one.model for one in alike),
             row.case,
             row.must,
             row.figure,
@@ -50,8 +58,8 @@ def stability(_: int) -> Table:
             row.bound,
             "yes" if row.holds else "no",
         ]
-        for cases in CASES
-        for row in cases()
+        for alike in found.values()
+        for row in alike[:1]
     ]
     return Table(
         "stability",
