@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 
+from golden import layer_training
 from golden.commands.train import main
 from golden.dense import ACTIVATIONS, Trained, layers_of, network_of, packed, unpacked
 from golden.function import Function
@@ -183,6 +184,10 @@ def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -
     assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
     assert best.validation < found[(2,), 0].validation
     assert scene.networks()[0].activations == ("relu",) * len(best.layers)
+    # All candidates are known when the same scene is trained again.
+    monkeypatch.setattr(layer_training, "measured", lambda *_: pytest.fail("computed again"))
+    trained(path, monkeypatch)
+    assert read_provenance(scene.weights_paths[0]) == story
 
 
 def test_the_nodes_that_a_search_tries() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden import spline_training
 from golden.commands import train as command
 from golden.decisions import decisions_of
 from golden.dense import passed
@@ -98,6 +99,26 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
         task = stages.task(stages.written, number)
         error = bit_true_error(task, stages.written[number], task.recorded)
         assert story["every_rms_percent"] == pytest.approx(error, abs=2e-4)
+
+
+def test_an_interrupted_search_goes_on(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first network is whole; of the second there is a candidate, and a part of another."""
+    command.train_scene(scene, tmp_path / "build", 1)
+    networks = [path.read_bytes() for path in scene.weights_paths]
+    first, second = sorted((tmp_path / "build").rglob("*.jsonl"))
+    whole, lines = first.read_text(), second.read_text().splitlines(keepends=True)
+    second.write_text(lines[0] + lines[1][:10])
+    computed = []
+    original = spline_training.measured
+    monkeypatch.setattr(
+        spline_training, "measured", lambda *a: computed.append(a[0].number) or original(*a)
+    )
+    command.train_scene(scene, tmp_path / "build", 1)
+    assert computed == [1] * (len(lines) - 1)
+    assert [path.read_bytes() for path in scene.weights_paths] == networks
+    assert (first.read_text(), second.read_text()) == (whole, "".join(lines))
 
 
 @pytest.mark.parametrize(("key", "value"), [("weight_decay", 1.0), ("steps", 2)])

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from golden import layer_training, spline_training, store
+from golden.candidate_runs import continued
 from golden.cli import run, would
 from golden.closure import code
 from golden.dense import Trained
@@ -52,9 +53,11 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     name = task.scene.classes or ", ".join(member.outputs)
     results: Iterator[Result]
     if has_layers(task.scene):
-        results = layer_training.search(task, workers)
+        results = continued(
+            layer_training.measured, LayersResult, task, tried(task), record, workers
+        )
     elif task.scene.training.functions:
-        results = spline_training.search(task, workers)
+        results = continued(spline_training.measured, Result, task, tried(task), record, workers)
     else:
         results = search(task, record, workers)
     with Progress(name, len(tried(task)), "candidates") as progress:
@@ -156,15 +159,15 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     if unused:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
+    made = LayerStages if has_layers(scene) else SplineStages if settings.functions else Stages
     versions = (np.__version__, scipy.__version__, platform.python_version())
     asked = store.key(
         "training",
-        code=code([Stages.__module__, search.__module__]),
+        code=code([made.__module__, search.__module__]),
         scene=[scene.path, *scene.data_paths],
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    made = LayerStages if has_layers(scene) else SplineStages if settings.functions else Stages
     stages: Any = made(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
