@@ -15,6 +15,7 @@ import argparse
 import sys
 import textwrap
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from golden.cli import run, would
 from golden.decisions import lines_of
 from golden.disturbance import Disturbance
 from golden.folders import BUILD
+from golden.hold import held
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.networks.left_out import left_out
@@ -193,10 +195,19 @@ def main() -> int:
     with stage(f"demo: reading {' and '.join(names)}"):
         scenes = [ready_scene(name) for name in names]
     would(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
+    with held(BUILD / scene.name for scene in scenes):
+        code = demonstrate(scenes, arguments.full)
+    if code == 0:
+        print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
+    return code
+
+
+def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
+    """Simulate, export and report scenes, and return the exit code."""
     results = {}
     for scene in scenes:
         warn_outside(scene)
-        results[scene.name] = simulate(scene, arguments.full)
+        results[scene.name] = simulate(scene, full)
         print(bench_table(scene, results[scene.name]))
     if any(found["failed"] for found in results.values()):
         return 1
@@ -208,12 +219,11 @@ def main() -> int:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         # The tables about the project itself take longest, and would be the same in each report.
         with stage(f"{scene.name}: writing the report"):
-            build_report(scene, arguments.full, own=len(scenes) == 1)
+            build_report(scene, full, own=len(scenes) == 1)
     if len(scenes) > 1:
-        if not arguments.full:
+        if not full:
             print("the project's own tables: make report, or FULL=1")
         print("\n".join(["", *side_by_side(scenes, results)]))
-    print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 
 

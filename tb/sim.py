@@ -9,18 +9,20 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from golden.block import walk
 from golden.cli import MOST_SEED, dry, run, whole, would
 from golden.folders import BUILD
+from golden.hold import held
 from golden.input_error import InputError
 from golden.progress import Progress, stage
 from tb.common.kept import run_and_keep
 from tb.common.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
 from tb.common.tools import SIMULATORS, check_simulator
-from tb.common.where import places
+from tb.common.where import Place, places
 from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tb.sign_off.netlist_record import record
 
@@ -66,6 +68,17 @@ def main() -> int:
             entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
             count += len(mapped(design, entities, families or simulators))
         would(f"export, then run {count} benches on {', '.join(families or simulators)}")
+    with held(BUILD / place.scene.name for place in found):
+        return simulate(found, simulators, families, arguments)
+
+
+def simulate(
+    found: list[Place],
+    simulators: Sequence[str],
+    families: Sequence[str],
+    arguments: argparse.Namespace,
+) -> int:
+    """Run the benches of scenes, and return the exit code."""
     jobs: list[Job] = []
     for place in found:
         with stage(f"{place.scene.name}: exporting, and compiling"):

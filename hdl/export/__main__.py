@@ -12,6 +12,7 @@ from pathlib import Path
 
 from golden.cli import would
 from golden.folders import BUILD
+from golden.hold import held
 from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
@@ -39,9 +40,10 @@ def main() -> None:
     with stage(f"building {' and '.join(scene.name for scene in scenes)}", quick=True):
         tops = [scene.twin().entity for scene in scenes]
     would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
-    for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
-        with stage(f"exporting {scene.name} as {tongue}", quick=True):
-            export_scene(scene, tongue, folder)
+    with held(arguments.build / scene.name for scene in scenes):
+        for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
+            with stage(f"exporting {scene.name} as {tongue}", quick=True):
+                export_scene(scene, tongue, folder)
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:

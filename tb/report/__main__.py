@@ -11,6 +11,8 @@ import argparse
 import sys
 
 from golden.cli import run, would
+from golden.folders import BUILD
+from golden.hold import held
 from tb.common.runner import ready_scene
 from tb.report.page.build import build_report
 
@@ -22,7 +24,8 @@ def main() -> None:
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
     would(f"simulate and measure scene {scene.name} and write its report")
-    build_report(scene, arguments.full)
+    with held([BUILD / scene.name]):
+        build_report(scene, arguments.full)
 
 
 if __name__ == "__main__":
