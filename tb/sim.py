@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -69,13 +68,13 @@ def main() -> int:
             count += len(mapped(design, entities, families or simulators))
         would(f"export, then run {count} benches on {', '.join(families or simulators)}")
     with held(BUILD / place.scene.name for place in found):
-        return simulate(found, simulators, families, arguments)
+        return simulate(found, list(simulators), families, arguments)
 
 
 def simulate(
     found: list[Place],
-    simulators: Sequence[str],
-    families: Sequence[str],
+    simulators: list[str],
+    families: list[str],
     arguments: argparse.Namespace,
 ) -> int:
     """Run the benches of scenes, and return the exit code."""
