@@ -136,7 +136,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         ]
     lines = [
         "",
-        f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
+        f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.hidden_text()}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions",

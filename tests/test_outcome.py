@@ -76,6 +76,27 @@ def test_errors_that_come_in_stretches_are_less_sure(digit: Outcome) -> None:
     assert (far_high - far_low) / (high - low) == pytest.approx(np.sqrt(10), rel=0.15)
 
 
+@pytest.mark.parametrize(("split", "drawn"), [("groups", 3), ("blocks", 4)])
+def test_what_was_held_out_as_a_whole_is_drawn_as_a_whole(
+    digit: Outcome, split: str, drawn: int
+) -> None:
+    """The held-out rows are those of three loads, or four stretches of rows."""
+    targets = digit.targets[:, 0]
+    held = np.flatnonzero(np.isin(targets, np.unique(targets)[:3]))
+    if split == "blocks":
+        held = np.array([3, 4, 5, 9, 10, 20, 22])
+    training = replace(digit.scene.training, split=split, split_by=("load",))
+    found = replace(digit, held_out=held, scene=replace(digit.scene, training=training))
+    members = found.held_together
+    assert len(np.unique(members)) == drawn
+    if split == "groups":
+        assert len(np.unique(np.column_stack([members, targets[held]]), axis=0)) == drawn
+    table = confidence(found)
+    assert f"{drawn} in all" in table.note
+    row = next(row for row in table.rows if row[1] == "mean, held out")
+    assert tuple(row[4:]) == found.interval(digit.errors[held, 0], members)
+
+
 def test_every_figure_lies_in_its_interval(digit: Outcome) -> None:
     table = confidence(digit)
     assert len(table.rows) == (4 + len(noises_of(digit.scene))) * 4

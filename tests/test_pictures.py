@@ -272,6 +272,17 @@ def test_waveforms_leave_out_what_does_not_count_and_say_what_is_undefined() -> 
     assert words(row) == ["0.5000", "undefined"]
 
 
+def test_a_long_recording_is_drawn_without_the_clocks_in_which_nothing_happens() -> None:
+    """Of 2700 clocks the output is in the last but one, which is numbered behind the gap."""
+    idle = [0] * 2697
+    ports = [flag(0, 1, *idle, 1, 0), data(0, 4096, *idle, 2048, 0)]
+    root = parse(waveforms(ports, "Two elements"))
+    (row,) = [g for g in root.iter(f"{SVG}g") if g.get("data-port") == "top.data"]
+    assert words(row) == ["0.5000", "0.2500"]
+    assert float(root.get("viewBox").split()[2]) < 500
+    assert "2696" in words(root)
+
+
 @pytest.mark.parametrize(
     ("ports", "message"),
     [

@@ -108,6 +108,14 @@ def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> N
     assert "thesis" not in own.read_text().lower()
 
 
+def test_the_commands_of_a_users_report_name_its_file(own: Path, own_data: dict) -> None:
+    text = json.dumps(own_data)
+    commands = re.findall(r"make (?:demo|designs|synth|sim)[^.;]*?(?:RECORD=1|SCENE=\S+)", text)
+    assert {command.split()[1] for command in commands} >= {"designs", "synth"}
+    for command in commands:
+        assert re.search(rf"SCENE=/\S*/{OWN}\.toml", command), command
+
+
 def test_what_was_verified_stands_before_what_is_left_out(own_data: dict) -> None:
     names = list(own_data["sections"])
     assert names[:4] == ["outputs", "sensors", "verified", "left-out"]

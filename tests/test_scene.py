@@ -13,6 +13,7 @@ from golden.network_files.network_file import load_network, provenance_path, sav
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
 from golden.scene.reading import class_names
+from tb.report.page.summary import built
 
 
 def edited(scene: Scene, old: str, new: str) -> str:
@@ -37,6 +38,16 @@ def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) 
 @pytest.mark.parametrize("name", [*scene_names(), *class_names(), *comparison_names()])
 def test_a_shipped_scene_needs_no_group_in_its_name(name: str) -> None:
     assert load_scene(Path(name).name).path == load_scene(name).path
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("digit", "precise"), ("wine", "relu"), ("digit-sums", "functions in tables")],
+)
+def test_a_report_names_the_activation_of_the_networks(name: str, text: str) -> None:
+    """The approximation of tanh is named where a network has tanh."""
+    scene = load_scene(name)
+    assert f", activation {text}, exact precision" in built(scene, scene.twin())[0]
 
 
 def test_an_unknown_scene_lists_the_known_ones() -> None:

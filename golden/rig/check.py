@@ -52,7 +52,7 @@ def everything(scene: Scene, build: Path) -> list[Finding]:
     missing = any(finding.verdict != OK for finding in networks)
     shown = data(scene)
     return _once(
-        Finding(OK, str(scene.path), _summary(scene)),
+        Finding(OK, str(scene.path), _summary(scene, trained=not missing)),
         *shown,
         *([] if faults(shown) else sensors_tell.findings(scaled(scene))),
         *(networks_installed(scene) if is_installed(scene.path) else networks_writable(scene)),
@@ -67,12 +67,14 @@ def _once(*findings: Finding) -> list[Finding]:
     return list(dict.fromkeys(findings))
 
 
-def _summary(scene: Scene) -> str:
+def _summary(scene: Scene, trained: bool) -> str:
+    # Until a network is there, its activations are those that the scene names.
+    activation = scene.hidden_text() if trained else scene.activation_text
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks, {scene.arrangement}"
     return (
         f"{len(scene.sensors)} sensors, {len(scene.outputs)} outputs, {networks}; design "
-        f"{scene.design}, {scene.activation_text}, {scene.precision.name} precision"
+        f"{scene.design}, {activation}, {scene.precision.name} precision"
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
 from golden.cli import naming
-from golden.dense import Trained
+from golden.dense import Trained, layers_of
 from golden.engine.ranges import met_by, reached_by
 from golden.fixed import Codes
 from golden.input_error import InputError
@@ -194,6 +194,22 @@ class Scene:
             return "the activation of the design"
         options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
         return f"{self.activation} ({options})" if options else self.activation
+
+    def hidden_text(self) -> str:
+        """What hidden nodes compute: the hardware's approximation of tanh, or other activations.
+
+        Raises
+        ------
+        InputError
+            See ``load_network``.
+        """
+        layers = [layer for network in self.networks() for layer in layers_of(network)[:-1]]
+        kinds = {"tanh": self.activation_text, "sigmoid": f"sigmoid by {self.activation_text}"}
+        named = [
+            "functions in tables" if one.functions else kinds.get(one.activation) for one in layers
+        ]
+        texts = [text or one.activation_text for text, one in zip(named, layers, strict=True)]
+        return ", ".join(dict.fromkeys(texts)) or "none"
 
     @property
     def scheme(self) -> Scheme:

@@ -78,7 +78,9 @@ def record(scene: Scene) -> Path:
         When ``make synth`` has recorded nothing.
     """
     if not timing_path(scene.path).is_file() or not budget_path(scene.path).is_file():
-        raise InputError(f"{scene.path}: no recorded budget; make synth RECORD=1 records it")
+        raise InputError(
+            f"{scene.path}: no recorded budget; make synth RECORD=1 SCENE={scene.path} records it"
+        )
     verilog, lean = _synthesised(scene)
     design = scene.twin(lean=False)
     whole = lean if design == scene.twin() else cells(design, FAMILY)

@@ -8,7 +8,6 @@ asked for.
 
 from __future__ import annotations
 
-import shlex
 from collections import defaultdict
 from dataclasses import replace
 from typing import Any
@@ -20,7 +19,7 @@ from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.stamp import is_current
 from tb.common.kept import bench_key, kept, run_and_keep
-from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, scene_argument, tell
+from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, scene_variable, tell
 from tb.common.tools import SIMULATORS, language
 
 
@@ -83,8 +82,8 @@ def short_text(scene: Scene, facts: dict[str, Any]) -> str:
     if design.scanner is not None:
         # A bench of an instrument plays a few scans; its network has a bench of its own.
         return f"{text}."
-    name = shlex.quote(scene_argument(scene))
-    return f"{text}; make sim SCENE={name} BLOCK={design.block} FRAMES={recorded} plays all."
+    named = f"{scene_variable(scene)} BLOCK={design.block} FRAMES={recorded}"
+    return f"{text}; make sim {named} plays all."
 
 
 def stored_results(scene: Scene) -> dict[str, Any] | None:

@@ -278,7 +278,7 @@ def run_job(job: Job) -> Outcome:
         job.folder.mkdir(parents=True)
         Given(job.scene.twin(), recordings, job.scene.window).write(job.given_file)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
-    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(scene_argument(job.scene))}"
+    rerun = f"make sim BLOCK={job.block} {how} {scene_variable(job.scene)}"
     if job.frames != FRAMES:
         rerun += f" FRAMES={job.frames}"
     configuration = {
@@ -362,6 +362,11 @@ def scene_argument(scene: Scene) -> str:
     folder = scene.path.parent
     name = folder.relative_to(FOLDER).as_posix() if folder.is_relative_to(FOLDER) else ""
     return name if name and scene.path == scene_path(name) else str(scene.path)
+
+
+def scene_variable(scene: Scene) -> str:
+    """SCENE= as a shell takes it, for a command that is printed."""
+    return f"SCENE={shlex.quote(scene_argument(scene))}"
 
 
 def run_jobs(

@@ -113,7 +113,7 @@ def _heading(scene: Scene) -> list[str]:
         "cascade": f"{count} networks in cascade",
     }
     past = [f"samples of so many frames before: {scene.window_text}"] if scene.window.past else []
-    return [words[scene.arrangement], f"activation: {scene.activation_text}", *past]
+    return [words[scene.arrangement], f"activation: {scene.hidden_text()}", *past]
 
 
 def _place(shape: tuple[int, ...], left: float, top: float) -> Place:

@@ -73,7 +73,10 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
     elif design.stream == "axi_stream":
         yield Skipped(title, "its stream may pause at any clock")
     else:
-        text = "The exported Verilog in Icarus; the first recorded frame, codes as real values."
+        text = (
+            "The exported Verilog in Icarus; the first recorded frame, codes as real values. In a "
+            "long frame, clocks in which nothing comes or goes are left out."
+        )
         drawn = waveforms(simulate_frame(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
         yield Picture("waveforms", title, drawn, text, wide=True)
     if has_load(scene):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 from golden.fixed import Fix
@@ -24,6 +24,9 @@ WIDE, MIDDLE, NARROW, PAGE = 44.0, 20.0, 12.0, 1000.0
 SLANT = 2.5
 FLAG, UPRIGHT, LEVEL = 17.0, 42.0, 22.0
 HEADING, SCALE = 22.0, 20.0
+# A recording of more clocks would be wider than a screen can scroll with ease. Then a stretch in
+# which all flags are low is drawn as so many clocks at either end and a gap.
+MOST_CLOCKS, AT_AN_END = 300, 2
 VALUE = 9.0
 # This background hides the lines of the clocks behind the letters.
 _EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_order": "stroke"}
@@ -57,7 +60,8 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
     """A timing diagram with a row for each port and a column for each clock.
 
     Clocks are counted from the first element of the frame. Flags are lines. Codes are written as
-    real values in the clocks in which they count.
+    real values in the clocks in which they count. In long recordings, clocks in which no flag is
+    high are left out.
 
     Parameters
     ----------
@@ -81,12 +85,16 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
         raise ValueError(
             f"waveforms: got ports of {sorted(clocks)} clocks, expected one number of clocks"
         )
-    (count,) = clocks
+    zero = min(port.values.index(1) for port in ports if port.fmt is None and 1 in port.values)
+    shown = _shown(ports)
+    # In a gap every port keeps its value.
+    taken = [clock if clock is not None else (shown[n - 1] or 0) for n, clock in enumerate(shown)]
+    ports = [replace(port, values=tuple(port.values[k] for k in taken)) for port in ports]
+    count = len(shown)
     flags = {(port.owner, port.name): port.values for port in ports if port.fmt is None}
     names = 8 + max(text_width(port.name, 10) for port in ports)
     pitch = WIDE if count * WIDE <= PAGE else MIDDLE if count * MIDDLE <= PAGE else NARROW
     tall = LEVEL if pitch == WIDE else UPRIGHT
-    zero = min(values.index(1) for values in flags.values() if 1 in values)
     body, y = [], SCALE + 8
     for owner, rows in groupby(ports, key=lambda port: port.owner):
         body.append(text((4, y + 13), owner, 11, font_weight="bold", **_EDGE))
@@ -108,21 +116,48 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
             y += height + 3
         y += 4
     width = names + pitch * count + 8
-    grid = _grid(count, zero, (names, SCALE), y - 4, pitch)
+    grid = _grid(shown, zero, (names, SCALE), y - 4, pitch)
     return picture(title, (width, y), [*grid, *body], width, width * 1.1)
 
 
-def _grid(count: int, zero: int, at: Point, bottom: float, pitch: float) -> list[str]:
-    """A line with its number at every fifth clock, or at every clock if there is room."""
+def _shown(ports: Sequence[Row]) -> list[int | None]:
+    """The clocks that are drawn, and None for a gap in which no flag is high."""
+    flags = [port.values for port in ports if port.fmt is None]
+    count = len(flags[0])
+    if count <= MOST_CLOCKS:
+        return list(range(count))
+    found: list[int | None] = []
+    for idle, clocks in groupby(range(count), key=lambda k: all(one[k] == 0 for one in flags)):
+        run = list(clocks)
+        if idle and len(run) > 2 * AT_AN_END + 1:
+            found += [*run[:AT_AN_END], None, *run[-AT_AN_END:]]
+        else:
+            found += run
+    return found
+
+
+def _grid(
+    shown: Sequence[int | None], zero: int, at: Point, bottom: float, pitch: float
+) -> list[str]:
+    """A line with its number at every fifth clock, or at every clock if there is room.
+
+    A gap is between two dark lines, and the first clock behind it has its number.
+    """
     x, y = at
     every = 5 if pitch == NARROW else 1
     body = [text((x - 4, y - 4), "clock", 10, text_anchor="end")]
-    for clock in range(count):
-        if (clock - zero) % every == 0:
-            left = x + pitch * clock
+    behind = {column + 1 for column, clock in enumerate(shown) if clock is None}
+    for column, clock in enumerate(shown):
+        left = x + pitch * column
+        if clock is None:
+            for edge in (left, left + pitch):
+                body.append(line([(edge, y), (edge, bottom)], stroke=INK, stroke_width=0.8))
+            continue
+        near = behind & {column - 2, column - 1, column + 1, column + 2}
+        if column in behind or ((clock - zero) % every == 0 and not near):
             body.append(line([(left, y), (left, bottom)], stroke=FAINT, stroke_width=0.4))
-            middle = left + pitch / 2
-            body.append(text((middle, y - 4), str(clock - zero), VALUE, text_anchor="middle"))
+            label = str(clock - zero)
+            body.append(text((left + pitch / 2, y - 4), label, VALUE, text_anchor="middle"))
     return body
 
 

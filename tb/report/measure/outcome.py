@@ -17,6 +17,7 @@ from golden.scene import Scene
 from golden.scene.scale import signals
 from golden.scene.vectors import read_recorded
 from golden.scene_errors import disturbed_rows, held_out_rows, noises_of
+from golden.table import read_table
 from tb.report.measure.table import Cell, Table
 
 Rows = NDArray[np.int64]
@@ -83,6 +84,23 @@ class Outcome:
         """For each row the number under which it is drawn: its own, or that of its stretch."""
         rows = np.arange(len(self.errors))
         return rows * min(STRETCHES, len(rows)) // len(rows) if self.alike else rows
+
+    @property
+    def held_together(self) -> Rows:
+        """For each held-out row the number of what was held out as a whole, and is drawn so."""
+        assert self.held_out is not None
+        scene, held = self.scene, self.held_out
+        if scene.training.split == "random":
+            return self.stretches[held]
+        if scene.training.split == "blocks":
+            return np.cumsum(np.append(False, np.diff(held) != 1))
+        past = scene.window.past
+        columns = [
+            read_table(one.path, scene.training.split_by)[one.numbers[past:]]
+            for one in read_recorded(scene).recordings
+        ]
+        _, member = np.unique(np.concatenate(columns)[held], axis=0, return_inverse=True)
+        return member.ravel()
 
     def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
         """The interval that holds the mean error in ``SURE`` per cent of the resamples.
@@ -162,7 +180,8 @@ def confidence(found: Outcome) -> Table:
     rows: list[list[Cell]] = []
 
     def add(output: str, figure: str, errors: Real, drawn: Rows) -> None:
-        interval = found.interval(errors, drawn)
+        # Of a single group or stretch nothing can be drawn.
+        interval = found.interval(errors, drawn) if np.ptp(drawn) else (None, None)
         rows.append([output, figure, len(errors), float(errors.mean()), *interval])
 
     for c, output in enumerate(scene.outputs):
@@ -173,7 +192,7 @@ def confidence(found: Outcome) -> Table:
         add(output, "mean, floating point", found.real[:, c], stretches)
         if found.held_out is not None:
             held = found.held_out
-            add(output, "mean, held out", errors[held], stretches[held])
+            add(output, "mean, held out", errors[held], found.held_together)
         if scene.group_by:
             places = np.unique(found.groups)
             means = [errors[found.groups == place].mean() for place in places]
@@ -185,6 +204,11 @@ def confidence(found: Outcome) -> Table:
         if found.alike
         else "rows"
     )
+    split = scene.training.split
+    if found.held_out is not None and split != "random":
+        whole = f"groups of equal {', '.join(scene.training.split_by)}"
+        whole = whole if split == "groups" else "stretches"
+        unit += f", of held-out rows whole {whole}, {len(np.unique(found.held_together))} in all"
     return Table(
         "confidence",
         ["output", "figure", "rows", "%", "from", "to"],

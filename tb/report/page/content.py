@@ -16,6 +16,7 @@ from golden.scene.comparison import compared
 from golden.sizing.model import CELLS
 from golden.sizing.routed import ROUTED
 from tb.common.results import left_texts, stored_results
+from tb.common.runner import scene_variable
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.confusion import confusion_plot
 from tb.report.draw.designs import picture_of, sentence
@@ -191,7 +192,7 @@ def _verified(scene: Scene) -> Section:
     if results is None:
         text = (
             "The benches have not run since something that they depend on changed: make demo "
-            f"SCENE={scene.name} runs them."
+            f"{scene_variable(scene)} runs them."
         )
         return Section("verified", "Verified", text=[text])
     rows: list[list[Cell]] = [
@@ -232,7 +233,7 @@ def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
     return Section(
         "designs",
         "Other designs",
-        text=[f"make designs SCENE={scene.name} prints this table."],
+        text=[f"make designs {scene_variable(scene)} prints this table."],
         points=found["refused"],
         pictures=[Picture("designs", title, found["svg"], found["sentence"])],
         tables=[unpacked(found["table"])],

@@ -12,6 +12,7 @@ from golden.scene.saturation import hidden_saturations, range_lines
 from golden.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.training.split import unused_text
 from hdl.synth.timing import DEVICE_NAME
+from tb.common.runner import scene_variable
 from tb.common.where import block_names
 from tb.report.draw.findings import number, rows_of
 from tb.report.measure.clocks import clocks_per_frame
@@ -32,7 +33,7 @@ def built(scene: Scene, design: Network) -> list[str]:
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
         f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.chosen.design}, "
-        f"activation {scene.chosen.activation_text}, {scene.precision.name} precision. Top entity "
+        f"activation {scene.chosen.hidden_text()}, {scene.precision.name} precision. Top entity "
         f"{design.entity}, {len(entities)} entities of {len(blocks)} blocks, exported as "
         "VHDL-93 and as Verilog.",
         f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
@@ -103,7 +104,7 @@ def cost_table(scene: Scene, design: Network, found: Costs | None, compared: boo
         ["clocks from frame to frame", design.interval, None],
         [f"microseconds a frame at {scene.clock_mhz:g} MHz", clocks / scene.clock_mhz, None],
     ]
-    note = "No costs are recorded; make synth RECORD=1 records them."
+    note = f"No costs are recorded; make synth {scene_variable(scene)} RECORD=1 records them."
     if found is not None:
         top = {family: cells[design.entity] for family, cells in found.cells.items()}
         rows += [
