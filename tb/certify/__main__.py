@@ -9,27 +9,47 @@ from __future__ import annotations
 
 import argparse
 import shutil
+import subprocess
 import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 from golden.cli import run, whole, would
 from golden.files import check_output, replace_folder
 from golden.folders import BUILD
-from golden.progress import stage
+from golden.input_error import InputError
+from golden.progress import Heartbeat, duration, stage
 from golden.scene import Scene
 from tb.certify.benches import bench_result
 from tb.certify.bits import Fate, try_bits
-from tb.certify.delivered import LANGUAGES, SCRIPT, Wanted, check, deliver, write_digests
+from tb.certify.delivered import (
+    CELLS,
+    LANGUAGES,
+    SCRIPT,
+    STEPS,
+    Wanted,
+    check,
+    deliver,
+    write_digests,
+)
 from tb.certify.page import bits_line, write_page
 from tb.certify.picture import draw_page, picture_file
 from tb.certify.results import OUTPUT, StepResult, read_results
+from tb.common.children import ending_children
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.unknown import UNKNOWN
 
 MOST = 100_000
+# After so many seconds without a line, one says what is running.
+SILENCE = 15.0
+# The tools write a few MB for each entity. With less than this something may be missing.
+ROOM = 4 << 20
 
 
 def certify(
@@ -37,15 +57,22 @@ def certify(
 ) -> tuple[list[StepResult], list[Fate]]:
     """Write the certificate of a scene; return what its script and the benches found, and of
     the changed bits."""
-    with stage(f"{scene.name}: exporting"), ThreadPoolExecutor() as pool:
+    with (
+        stage(f"{scene.name}: exporting"),
+        ThreadPoolExecutor() as pool,
+        ending_children(),
+    ):
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     # Tools run in folders of their own, so the path is absolute.
     with replace_folder((build / scene.name / "certificate").resolve()) as folder:
-        with stage(f"{scene.name}: writing the certificate"):
-            made = deliver(scene, build, folder, wanted, _tell)
-        digests = write_digests(folder)
-        print(f"{scene.name}: running {SCRIPT}", flush=True)
-        check(folder)
+        with room_in(folder):
+            print(f"{scene.name}: writing the certificate", flush=True)
+            with Told() as told:
+                made = deliver(scene, build, folder, wanted, told.tell)
+            digests = write_digests(folder)
+            print(f"{scene.name}: running {SCRIPT}", flush=True)
+            with Told(lambda: _running(folder, wanted)):
+                check(folder)
         results = [*read_results(folder), bench_result(made.benches, len(made.jobs))]
         fates = []
         if wanted.bits:
@@ -60,6 +87,72 @@ def certify(
 
 def _tell(text: str) -> None:
     print(f"  {text}", flush=True)
+
+
+def _running(folder: Path, wanted: Wanted) -> str:
+    """The step of the script that runs, which is the one behind the last result."""
+    due = [step for step in STEPS if step != CELLS or wanted.families]
+    done = len(read_results(folder))
+    return f"step {due[done]}" if done < len(due) else ""
+
+
+class Told:
+    """Prints each part of a long work when it begins, and again while it is the newest one.
+
+    Parameters
+    ----------
+    now : callable, optional
+        The part that runs, where it is not told; empty for none.
+    """
+
+    def __init__(self, now: Callable[[], str] | None = None) -> None:
+        self._newest = ""
+        self._now = now or (lambda: self._newest)
+        self._began = self._printed = time.monotonic()
+        self._heartbeat = Heartbeat(self._beat)
+
+    def __enter__(self) -> Told:
+        self._heartbeat.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._heartbeat.__exit__(*error)
+
+    def tell(self, text: str) -> None:
+        """Print that a part begins."""
+        _tell(text)
+        self._newest, self._printed = text, time.monotonic()
+
+    def _beat(self) -> None:
+        now = time.monotonic()
+        if now - self._printed >= SILENCE and (text := self._now()):
+            self._printed = now
+            _tell(f"still {text}, {duration(now - self._began)} in all")
+
+
+@contextmanager
+def room_in(folder: Path) -> Iterator[None]:
+    """Say so if a step failed, or may have, because a disk is full: tools do not always tell.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        yield
+    except (InputError, OSError, RuntimeError, subprocess.SubprocessError):
+        _check_room(folder)
+        raise
+    _check_room(folder)
+
+
+def _check_room(folder: Path) -> None:
+    for place in (folder, Path(tempfile.gettempdir())):
+        if shutil.disk_usage(place).free < ROOM:
+            raise InputError(
+                f"{place}: the disk is full, so nothing is known of the hardware; expected "
+                f"{ROOM >> 20} MB or more that are free"
+            )
 
 
 def main() -> int:

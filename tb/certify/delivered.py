@@ -6,10 +6,12 @@ import hashlib
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sysconfig
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,11 +29,14 @@ from tb.certify.mutants import OF_FIRST, OF_OTHERS, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
+from tb.common.children import ending_children
 from tb.common.runner import Job, jobs
 from tb.sign_off.properties import Property
 
 SCRIPT = "check.sh"
 DIGESTS = "SHA256SUMS"
+# The only step that need not be delivered.
+CELLS = "cells"
 STEPS = (
     "digests",
     "vhdl",
@@ -41,7 +46,7 @@ STEPS = (
     "properties",
     "sums",
     "mutants",
-    "cells",
+    CELLS,
 )
 LANGUAGES = ("vhdl", "verilog")
 
@@ -89,6 +94,8 @@ class Delivered:
     properties : list of (Job, Property)
     benches : list of Benched
     mutants : list of (Job, Mutants)
+    families : tuple of str
+        Those on whose cells the frames are played.
     """
 
     scene: Scene
@@ -98,6 +105,7 @@ class Delivered:
     properties: list[tuple[Job, Property]]
     benches: list[Benched]
     mutants: list[tuple[Job, Mutants]]
+    families: tuple[str, ...]
 
 
 def deliver(
@@ -135,7 +143,7 @@ def deliver(
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Delivered(scene, design, entities, frames, properties, benches, mutants)
+    return Delivered(scene, design, entities, frames, properties, benches, mutants, wanted.families)
 
 
 def _write_mutants(
@@ -154,7 +162,7 @@ def _write_mutants(
         return job, write_mutants(job, folder, count, seed)
 
     # Of one entity, tools wait for each other, and then only one processor works.
-    with ThreadPoolExecutor(2) as pool:
+    with ThreadPoolExecutor(2) as pool, ending_children():
         return list(pool.map(write, drawn))
 
 
@@ -218,7 +226,14 @@ def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) ->
     command = ["sh", str(folder / SCRIPT), *steps]
     settings = {**os.environ, "PATH": path, **environment}
     printed = subprocess.DEVNULL if quiet else None
-    return subprocess.run(command, env=settings, check=False, stdout=printed).returncode
+    # In a session of its own the script can be ended together with the tools that it runs.
+    with subprocess.Popen(command, env=settings, stdout=printed, start_new_session=True) as script:
+        try:
+            return script.wait()
+        except BaseException:
+            with suppress(ProcessLookupError):
+                os.killpg(script.pid, signal.SIGKILL)
+            raise
 
 
 def write_digests(folder: Path) -> dict[str, str]:

@@ -92,9 +92,9 @@ def write_mutants(job: Job, folder: Path, count: int, seed: int) -> Mutants:
         hidden = [n for n, found in enumerate(seen) if not found]
         verdicts = proved_in_every_state([commands[n] for n in hidden], job.entity, work)
         place = folder / "mutants"
-        place.mkdir(exist_ok=True)
         for n in sorted(random.Random(seed).sample(quick, min(DELIVERED, len(quick)))):
             where, what = describe(commands[n], work)
+            place.mkdir(exist_ok=True)
             text = netlists[n + 1].read_text(encoding="utf-8")
             (place / f"{job.entity}.{n}.v").write_text(f"// {where}: {what}\n{text}")
 

@@ -28,6 +28,7 @@ class StepResult:
 
 
 def read_results(folder: Path) -> list[StepResult]:
-    """The results of the last run of a certificate's script."""
-    text = (folder / OUTPUT / "results.txt").read_text(encoding="utf-8")
+    """The results of a certificate's script, of its last run or so far; none before the first."""
+    file = folder / OUTPUT / "results.txt"
+    text = file.read_text(encoding="utf-8") if file.exists() else ""
     return [StepResult(*line.split("\t")) for line in text.splitlines()]

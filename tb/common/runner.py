@@ -29,6 +29,7 @@ from golden.scene import FOLDER, Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, compile_order
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
+from tb.common.children import ending_children
 from tb.common.coverage import Counts, add, missing
 from tb.common.given import Given
 from tb.common.simulate import RESULTS, Run, analyse, simulate, simulated_time
@@ -379,7 +380,7 @@ def run_jobs(
 
     ``tell`` is called for each outcome in the moment in which it is there, in whatever order.
     """
-    with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool, ending_children():
         running = [pool.submit(work, job) for job in jobs]
         try:
             for future in as_completed(running):

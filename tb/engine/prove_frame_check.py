@@ -1,7 +1,7 @@
 """Proved properties of frame_check, whatever comes on its stream and whenever results are ready."""
 
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands
+from tb.sign_off.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
 
 FINISHED = {"The last output leaves only while a frame is computed.": "run || !finish"}
 
@@ -11,6 +11,7 @@ def properties(twin):
     # Where results are not counted there are none to be stored.
     kept = "taken || store" if twin.results else "taken"
     computed = COMPUTED if twin.results else FINISHED
+    waits = twin.pipeline.run - 1
     watch = f"""
         reg [15:0] place = 0;
         reg skipping = 0, computing = 0;
@@ -29,8 +30,9 @@ def properties(twin):
             end
         end
     """
+    watch += opening(waits)
     helps = (
-        "running == computing",
+        *opened(waits),
         "dropping == skipping",
         f"place < {twin.inputs}",
         "!computing || place == 0",
@@ -54,9 +56,10 @@ def properties(twin):
         ),
         Property(
             name="good frames only",
-            sentence="A good frame, and nothing else, starts the program, which runs until the "
-            "last output leaves or a reset comes.",
-            states=("start == is_good", "run == computing"),
+            sentence="A good frame, and nothing else, starts the program, "
+            f"{'one clock later, ' * waits}which runs until the last output leaves or a reset "
+            "comes.",
+            states=("start == opens_now", "run == going"),
             watch=watch,
             reached=("start", "run && in_valid"),
             refuted_by=(

@@ -1,11 +1,12 @@
 """Proved properties of frame_guard, whatever comes on its stream and whenever images are loaded."""
 
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands
+from tb.sign_off.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
 
 
 def properties(twin):
     top = (1 << twin.addr_width) - 1
+    waits = twin.pipeline.run - 1
     watch = f"""
         // The frame on the stream: samples of it so far, and whether it can still be good.
         reg [15:0] place = 0;
@@ -37,14 +38,15 @@ def properties(twin):
             was_halted <= halt || rst;
         end
     """
+    watch += opening(waits)
     assumes = {
         **COMPUTED,
-        "halt never comes while a frame is computed.": "!(halt && run)",
+        "halt never comes while a frame is computed.": "!(halt && busy)",
         "before_last changes only while halt is high.": "was_halted || "
         "before_last == was_before_last",
     }
     helps = (
-        "running == computing",
+        *opened(waits),
         "dropping == spoiled",
         "started == inside",
         "!spoiled || inside",
@@ -76,9 +78,15 @@ def properties(twin):
         ),
         Property(
             name="good frames only",
-            sentence="The program starts with the last sample of a good frame, in a clock without "
-            "halt, and in no other clock. It runs until the last output leaves or a reset comes.",
-            states=("start == is_good", "run == computing", "busy == run", "!(start && halt)"),
+            sentence=f"The program starts {'one clock after' if waits else 'with'} the last sample "
+            "of a good frame, in a clock without halt, and in no other clock. It runs until the "
+            "last output leaves or a reset comes.",
+            states=(
+                "start == opens_now",
+                "run == going",
+                "busy == computing",
+                "!(start && halt)",
+            ),
             watch=watch,
             reached=("start", "run && in_valid"),
             refuted_by=(

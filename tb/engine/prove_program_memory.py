@@ -2,7 +2,7 @@
 
 from golden.engine.program import WORD_WIDTH
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe, table
+from tb.sign_off.watch import past, pipe, table
 
 
 def properties(twin):
@@ -13,7 +13,6 @@ def properties(twin):
     reached = [f"there[{late - 1}] && here_{late - 1} == {words - 1}"]
     refuted_by = [(r"(memory\[0\] <= \S+);", r"\1 ^ 1;")]
     watch, latest = f"wire [{width}:0] here = counter;", late
-    passed = pipe("here", late, width + 1)
     if twin.table:
         looked = latest = twin.look_up_latency
         sentence += f" The segment's word comes {looked} clock{'s' * (looked > 1)} later, or 0 "
@@ -31,15 +30,18 @@ def properties(twin):
                 wire [{width}:0] here = counter, low = segment;
                 wire [1:0] asked = look_up;
             """
-        passed += pipe("low", looked, width + 1, also=looked > late)
-        passed += pipe("asked", looked, 2, also=False)
+        watch += pipe("low", looked, width + 1, also=False)
+        watch += pipe("asked", looked, 2, also=False)
     return [
         counted(twin, words),
         Property(
             name="words",
             sentence=sentence,
             states=tuple(states),
-            watch=watch + passed + table("contents", twin.contents, WORD_WIDTH),
+            watch=watch
+            + pipe("here", late, width + 1, also=False)
+            + past(latest)
+            + table("contents", twin.contents, WORD_WIDTH),
             free=("counter",),
             reached=tuple(reached),
             refuted_by=tuple(refuted_by),

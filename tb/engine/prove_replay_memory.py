@@ -54,10 +54,10 @@ def properties(twin):
                 f"number <= {CLEAR}",
                 f"sort == (number == {CLEAR} ? 3 : number == {ONE_PLANE} ? 1 "
                 f": number < {SAMPLE_SHIFT} ? 2 : 0)",
-                "base == base_word && second == base_word + 9'd1",
+                f"base == base_word && second == base_word + {width}'d1",
                 f"number == {CLEAR} || counter == behind",
                 f"number >= {ONE_PLANE} || (following == next_neuron "
-                "&& beside == next_neuron + 9'd1)",
+                f"&& beside == next_neuron + {width}'d1)",
             ),
             free=("fetched",),
             reached=(f"number == {ONE_PLANE} && begins", "number == 0"),

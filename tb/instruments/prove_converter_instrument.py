@@ -1,38 +1,50 @@
 """Proved properties of converter_instrument: its frames are those that its network takes."""
 
+from tb.sensing.prove_converter_reader import turns, verdict_clock
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import sent
 
 
 def properties(twin):
     reader, network = twin.converter_reader, twin.readout.network
     at = "u_converter_reader_0."
-    judge = f"u_readout_0.u_{network.entity}_0.u_input_controller_0."
-    turn, slots = reader.slot_clocks, reader.slots
+    slots, scan, verdict = reader.slots, reader.scan_clocks, verdict_clock(reader)
+    # The clock of a scan behind the one in which its last transfer is judged.
+    begin = (reader.inputs - 1) * reader.slot_clocks + verdict + 1
+    judged, states, spacing = sent(network, f"u_readout_0.u_{network.entity}_0")
     return [
         Property(
             name="right frames",
             sentence=f"Its network never sees a wrong frame: all frames have {slots} samples, one "
-            "per clock, whatever the converter sends and from every reset on.",
-            states=("!broken",),
+            "per clock, and come far enough apart, whatever the converter sends and from every "
+            "reset on.",
+            states=states,
             assumes={
-                f"Transfers end at least {turn} clocks apart, as is proved of converter_reader.": (
-                    f"!({at}done && since != {turn})"
+                f"A scan takes {scan} clocks, and its transfers end in the clocks that are proved "
+                "of converter_reader.": (
+                    f"any_clock < {scan} && {at}done == (sensor && into == {verdict}) "
+                    f"&& (!{at}done || {at}slot == turn_of_scan)"
                 ),
             },
+            # A reset may come in any clock of a scan, so what is reached is reached soon.
             watch=f"""
-                // Clocks since a transfer ended, at most those of a turn.
-                reg [15:0] since = {turn};
-                always @(posedge clk)
-                    since <= rst ? {turn} : {at}done ? 1 : since == {turn} ? {turn} : since + 1;
-            """,
+                (* anyseq *) reg [31:0] any_clock;
+                {turns(reader, "any_clock")}
+                // Clocks since the last transfer of the scan was judged.
+                wire [31:0] since = clock_of_scan >= {begin} ? clock_of_scan - {begin}
+                    : clock_of_scan + {scan - begin};
+                // Clocks since a frame has ended, if the scan before gave one.
+                wire [31:0] ended = since > {slots} ? since - {slots} : since + {scan - slots};
+            """
+            + judged,
             helps=(
-                f"since >= 1 && since <= {turn}",
-                f"!{at}sending || (since <= {slots} && {at}place == since - 1)",
-                f"!valid || (since >= 2 && since <= {slots + 1})",
-                f"last == (valid && since == {slots + 1})",
-                f"since < 2 || since > {slots} || {at}sending == valid",
-                f"{judge}count == (valid ? since - 2 : 0)",
-                f"!{judge}dropping",
+                f"clock_of_scan < {scan}",
+                f"!{at}sending || (since < {slots} && {at}place == since)",
+                f"!valid || (since >= 1 && since <= {slots})",
+                f"last == (valid && since == {slots})",
+                f"since < 1 || since >= {slots} || {at}sending == valid",
+                "sent_place == (valid ? since - 1 : 0) && !sent_skipping",
+                f"sent_closed == 0 || sent_closed + ended == {spacing}",
             ),
             free=(f"{at}done", f"{at}slot", f"{at}wrong"),
             reached=("last",),

@@ -1,13 +1,14 @@
 """Proved properties of instrument: its scans are frames that its network takes."""
 
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import sent
 
 
 def properties(twin):
     scan, network = twin.scan_sequencer, twin.readout.network
-    clocks, spacing = scan.scan_clocks, network.input_controller.spacing
+    clocks = scan.scan_clocks
     taken = [n * scan.slot_clocks + scan.sample_clock for n in range(scan.slots)]
-    judge = f"u_readout_0.u_{network.entity}_0.u_input_controller_0"
+    judged, states, spacing = sent(network, f"u_readout_0.u_{network.entity}_0")
     at = " || ".join(f"clock_of_scan == {n}" for n in taken)
     arrived = " + ".join(f"(clock_of_scan > {n + 1})" for n in taken)
     # This counts the clocks since the last sample of the previous scan was judged.
@@ -18,8 +19,9 @@ def properties(twin):
             sentence=f"Its network never sees a wrong frame: each scan of {clocks} clocks is a "
             f"frame of {scan.slots} samples, far enough behind the one before, from every reset "
             "on.",
-            states=("!broken",),
-            watch=f"""
+            states=states,
+            watch=judged
+            + f"""
                 reg [31:0] clock_of_scan = 0;
                 reg sampled = 0, ended = 0;
                 always @(posedge clk) begin
@@ -35,13 +37,9 @@ def properties(twin):
                 f"!sampled || {' || '.join(f'clock_of_scan == {n + 1}' for n in taken)}",
                 f"ended == (sampled && clock_of_scan == {taken[-1] + 1})",
                 f"sampled || !({' || '.join(f'clock_of_scan == {n + 1}' for n in taken)})",
-                f"{judge}.count == ({arrived}) % {scan.slots}",
-                f"!{judge}.dropping",
-                *(
-                    (f"{judge}.remaining == 0 || {judge}.remaining + {since} < {spacing}",)
-                    if spacing
-                    else ()
-                ),
+                f"sent_place == ({arrived}) % {scan.slots}",
+                "!sent_skipping",
+                f"sent_closed == 0 || sent_closed + {since} < {spacing}",
             ),
             reached=("last",),
             refuted_by=(

@@ -18,15 +18,17 @@ def properties(twin):
     under_way = twin.frames_under_way
     room = under_way * outputs
     cut = ("result_valid", "result", "frame_error")
+    # The first frames only serve later ones as past samples.
+    yields, whole = ("yields", " with a whole past") if twin.past else ("done", "")
     # This counts the outputs that are still to come for the frames that the network got.
     owed = f"""
         reg [15:0] owed = 0;
         always @(posedge clk)
-            owed <= rst ? 0 : owed + (done ? {outputs} : 0) - (result_valid ? 1 : 0);
+            owed <= rst ? 0 : owed + ({yields} ? {outputs} : 0) - (result_valid ? 1 : 0);
     """
     network = {
-        f"The network yields {outputs} outputs for each good frame sent to it, some time after "
-        "it, and no others.": "!result_valid || owed != 0"
+        f"The network yields {outputs} outputs for each good frame{whole} sent to it, some time "
+        "after it, and no others.": "!result_valid || owed != 0"
     }
     # Proved below, as "room".
     leaving = {"Only frames that are under way leave.": "!left || credit0_used != 0"}
@@ -183,7 +185,9 @@ def properties(twin):
     inner = twin.network.input_controller
     accepted = "(s_axis_tvalid && s_axis_tready)"
     watch = frames(inputs, 0, accepted, "s_axis_tlast", "asked_")
-    watch += frames(inner.inputs, inner.spacing, "valid", "last", "sent_")
+    watch += frames(inner.inputs, twin.spacing, "valid", "last", "sent_")
+    # A network that computes takes not even the first sample of another frame.
+    computes = ("!(valid && sent_closed != 0)",) if twin.network.busy else ()
     helps = [
         "asked_place == gate0_place && asked_skipping == gate0_dropping && asked_closed == 0",
         f"asked_place < {inputs} && (!asked_skipping || asked_place == 0)",
@@ -209,6 +213,8 @@ def properties(twin):
     else:
         helps.append("sent_place == asked_place && sent_skipping == asked_skipping")
         helps.append(f"sent_closed == {'gate0_remaining' if twin.spacing else '0'}")
+    if computes:
+        helps.append("gate0_remaining == 0 || (asked_place == 0 && !asked_skipping)")
     with_slots = "with its slots behind its samples" if slots else "as it came"
     return [
         *items,
@@ -221,6 +227,7 @@ def properties(twin):
                 "done == asked_good",
                 f"sent_good == {f'done_ago[{slots - 1}]' if slots else 'done'}",
                 "sent_wrong == asked_wrong",
+                *computes,
             ),
             watch=watch,
             helps=tuple(helps),

@@ -4,30 +4,40 @@ from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, results
 
 
+def verdict_clock(twin):
+    """The clock of a turn in which its transfer is judged."""
+    return twin.begin_clock + 2 + 2 * twin.part.clocks * twin.half_clocks
+
+
+def turns(twin, after_reset="0"):
+    """Verilog that knows the clock of the scan, which is ``after_reset`` after a reset."""
+    half, scan, first = twin.half_clocks, twin.scan_clocks, twin.begin_clock + 2
+    return f"""
+        reg [31:0] clock_of_scan = 0;
+        always @(posedge clk)
+            clock_of_scan <= rst ? {after_reset}
+                : clock_of_scan == {scan - 1} ? 0 : clock_of_scan + 1;
+        wire [31:0] turn_of_scan = clock_of_scan / {twin.slot_clocks};
+        wire [31:0] into = clock_of_scan % {twin.slot_clocks};
+        wire sensor = turn_of_scan < {twin.inputs};
+        wire working = sensor && into >= {first};
+        wire [31:0] halves = (into - {first}) / {half};
+        wire [31:0] halves_next = (into - {first - 1}) / {half};
+    """
+
+
 def properties(twin):
     part, half, turn = twin.part, twin.half_clocks, twin.slot_clocks
     # The first clock of a turn in which the wires are active, and the clock of the verdict.
-    first = twin.begin_clock + 2
-    verdict = first + 2 * part.clocks * half
-    least = part.high_clocks(twin.clock)
-    slots, scan = twin.slots, twin.scan_clocks
-
-    clocks = f"""
-        reg [15:0] clock_of_scan = 0;
-        always @(posedge clk)
-            clock_of_scan <= rst || clock_of_scan == {scan - 1} ? 0 : clock_of_scan + 1;
-        wire [15:0] turn_of_scan = clock_of_scan / {turn};
-        wire [15:0] into = clock_of_scan % {turn};
-        wire sensor = turn_of_scan < {twin.inputs};
-        wire working = sensor && into >= {first};
-        wire [15:0] halves = (into - {first}) / {half};
-        wire [15:0] halves_next = (into - {first - 1}) / {half};
-    """
+    first, verdict = twin.begin_clock + 2, verdict_clock(twin)
+    least, slots = part.high_clocks(twin.clock), twin.slots
+    clocks = turns(twin)
     helps = (
-        f"clock_of_scan < {scan}",
+        f"clock_of_scan < {twin.scan_clocks}",
         "scan0_count == clock_of_scan",
         f"running == (sensor && into >= {first - 1} && into < {turn - 1})",
         "half == (running ? halves_next : 0)",
+        *((f"transfer0_tick == (running ? (into - {first - 1}) % {half} : 0)",) * (half > 1)),
     )
     timing = Property(
         name="wires",
@@ -52,7 +62,7 @@ def properties(twin):
         helps=(
             *helps,
             "high_for <= 1000",
-            f"!sensor || into > {first} || high_for >= into",
+            f"!sensor || into > {first} || high_for >= into || high_for == 1000",
             f"was_high == (high_for != 0) || into == {first} || clock_of_scan == 0",
         ),
         reached=("sclk",),
@@ -81,7 +91,11 @@ def properties(twin):
         sentence=f"In clock {verdict} of each turn, and in no other, a transfer is judged. It is "
         f"wrong exactly where {telling}"
         f"{', or did not repeat the code' if part.mirrored else ''}.",
-        states=(f"done == (sensor && into == {verdict})", f"wrong == ({bad})"),
+        states=(
+            f"done == (sensor && into == {verdict})",
+            "!done || slot == turn_of_scan",
+            f"wrong == ({bad})",
+        ),
         watch=clocks,
         helps=helps,
         reached=("wrong", "!wrong"),

@@ -108,6 +108,27 @@ def frames(
     return re.sub(r"@(?=[a-z])", name, text)
 
 
+def sent(network: Network, at: str) -> tuple[str, tuple[str, ...], int]:
+    """What holds if a network that is named by its instance never gets a wrong frame.
+
+    It is seen at its ports, because each design judges frames in its own way; that it judges them
+    by these rules is proved of the design itself.
+
+    Returns
+    -------
+    watch : str
+        The signals of ``frames``, whose names begin with ``sent_``.
+    states : tuple of str
+    spacing : int
+        Clocks from one last sample to the next.
+    """
+    spacing = network.busy + 1 if network.busy else network.interval
+    valid, last = f"{at}.in_valid", f"{at}.in_last"
+    watch = frames(network.input_controller.inputs, spacing, valid, last, "sent_")
+    at_rest = (f"!({valid} && sent_closed != 0)",) if network.busy else ()
+    return watch, ("!sent_wrong", *at_rest), spacing
+
+
 def results(outputs: int, begin: str) -> str:
     """``left`` counts the outputs still to come, with this one; the first comes at ``begin``."""
     return f"""
@@ -123,6 +144,33 @@ COMPUTED = {
     "!(store || finish)",
     "The last output is no result that goes back to the memory.": "!(store && finish)",
 }
+
+
+def opening(waits: int) -> str:
+    """When a program starts and runs, ``waits`` clocks behind a good frame: 0 or 1.
+
+    ``opens_now`` says that it starts, and ``going`` that it runs, until ``finish``.
+    """
+    late = ago("good_ago", "is_good", 1) if waits else ""
+    return f"""
+        {late}
+        wire opens_now = {"good_ago" if waits else "is_good"};
+        reg going = 0;
+        always @(posedge clk) going <= !rst && (opens_now || (going && !finish));
+    """
+
+
+def opened(waits: int) -> tuple[str, ...]:
+    """How this hangs together with what the hardware and the watch call running and computing."""
+    if not waits:
+        return "running == computing", "going == computing"
+    return (
+        "running == going",
+        "start == good_ago && waiting == good_ago",
+        "computing == (going || good_ago) && !(going && good_ago)",
+    )
+
+
 # Broken copies, in which operands get wrong addresses.
 MISPLACED = (
     (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
@@ -249,7 +297,7 @@ def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
 def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
     """``signal_n``, for n below ``clocks``, is a signed signal n + 1 clocks ago, without a reset.
 
-    With ``also`` there is ``there[n]``, which says that there was such a clock.
+    With ``also`` there is ``there`` of ``past`` too.
     """
     names = [signal, *(f"{signal}_{n}" for n in range(clocks))]
     moves = "\n".join(f"{late} <= {early};" for early, late in pairwise(names))
@@ -259,12 +307,15 @@ def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
             {moves}
         end
     """
-    if also:
-        text += f"""
-            reg [{clocks}:0] there = 0;
-            always @(posedge clk) there <= {{there, 1'b1}};
-        """
-    return text
+    return text + past(clocks) if also else text
+
+
+def past(clocks: int) -> str:
+    """``there[n]``, for n up to ``clocks``, says that there was a clock n + 1 clocks ago."""
+    return f"""
+        reg [{clocks}:0] there = 0;
+        always @(posedge clk) there <= {{there, 1'b1}};
+    """
 
 
 def exact_sum(width: int, opens: str, value: str) -> str:

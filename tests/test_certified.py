@@ -1,0 +1,115 @@
+"""Every design and option that a scene can name is certified once, and no step is red.
+
+``make test ALL=1 TESTS=tests/test_certified.py`` certifies all of them, and ``-rA`` prints what the
+steps of each found: the colours, and beside them what was found where a step is not green.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import tiered
+
+from golden.activation.schemes import SCHEMES
+from golden.networks.designs import DESIGNS
+from tb.certify.__main__ import certify
+from tb.certify.benches import STEP as BENCHES
+from tb.certify.delivered import CELLS, STEPS, Wanted
+from tb.common.collected import CASES
+
+# One frame of each kind is played, and one entity has mutants: properties, sums and equality, which
+# hang on options most, are about all of the design in any case.
+FEW = Wanted(frames=1, seed=1, recorded=1, parts=1)
+ONE = "least-lanes"
+LANES = {"design": "lanes", "hardware": "lanes = 2"}
+SERIAL = 'multiplier = "serial"'
+# Cases of the benches, and combinations that no bench has.
+NAMES = (
+    # Engines: with a program of their own, or one that is loaded.
+    *(
+        "least-engine",
+        "chain-engine",
+        "three-engine",
+        "fine-engine",
+        "layers-engine",
+        "exact-engine",
+    ),
+    *("deep-engine", "tables-engine", "learned-engine", "learned-chain", "winner", "winner-past"),
+    *("rails-serial", "least-serial", "layers-serial", "tables-serial", "serial-past"),
+    *("rails-reload", "deep-reload", "lesson", "least-lesson"),
+    # Engines of several multipliers.
+    *("rails-lanes", "deep-lanes", "chain-lanes", "three-lanes", "layers-lanes"),
+    *("tables-lanes", "rails-loop", "deep-loop", "loop-past", "rails-lanes-reload"),
+    *("tables-lanes-reload", "winner-loop"),
+    # As the reference folds networks, and everything at once.
+    *("wide-thesis", "gradient_parallel-thesis", "lut-thesis", "pade-thesis", "polynomial-exact"),
+    *("logic", "block-ram", "chain", "three", "slow-cascade", "few-past", "hybrid-winner"),
+    *("parallel", "wide-parallel", "pade-parallel", "precise-parallel"),
+    # A frame a clock.
+    *("least-graph", "short-graph", "operands-graph", "three-graph", "narrow-graph", "deep-graph"),
+    *("logic-graph", "least-tables", "operands-tables", "two-tables", "argmax-tables"),
+    # What may stand around a network.
+    *("axis-engine", "axis-loop", "axis-past", "axis", "axis-cascade", "winner-axis"),
+    *("least-instrument", "engine-instrument", "past-instrument", "winner-instrument"),
+    *("drawn", "drawn-past", "drawn-winner"),
+    *("converter", "wide-converter", "signed-converter", "winner-converter"),
+    *("plain-uart", "drawn-uart", "reload-uart", "wide-uart", "learn-uart", "winner-line"),
+)
+ROWS = {name: CASES[name] for name in NAMES} | {
+    "clocks-engine": replace(CASES["least-engine"], hardware="clocks = 400"),
+    "blocks-reload": replace(
+        CASES["tables-reload"], hardware="reload = true\ntable_blocks = 3\nprogram_words = 2048"
+    ),
+    "blocks-lanes-reload": replace(
+        CASES["tables-lanes-reload"],
+        hardware="lanes = 2\nreload = true\noperand_words = 256"
+        "\ntable_blocks = 4\nprogram_words = 4096",
+    ),
+    "serial-axis": replace(CASES["axis-engine"], hardware=SERIAL),
+    "lanes-instrument": replace(CASES["engine-instrument"], **LANES),
+    "lanes-drawn": replace(CASES["drawn-past"], **LANES),
+    "lanes-uart": replace(
+        CASES["wide-converter"],
+        design="lanes",
+        hardware="clock_mhz = 12.0\nlanes = 2\nargmax = true",
+        sections=f"{CASES['wide-converter'].sections}\n[uart]\n",
+    ),
+    **{
+        f"{activation}-row": replace(CASES["pade-parallel"], activation=activation)
+        for activation in ("gradient_parallel", "lut", "polynomial")
+    },
+    "runs-graph": replace(CASES["least-graph"], hardware="search_runs = 2"),
+}
+
+
+@pytest.mark.parametrize("row", tiered([ONE], ROWS))
+def test_no_step_is_red(row: str, tmp_path: Path) -> None:
+    scene = (ROWS | {ONE: CASES[ONE]})[row].scene(tmp_path, row)
+    results, _ = certify(scene, FEW, tmp_path)
+    print(f"{row}:", ", ".join(f"{result.step} {result.colour}" for result in results))
+    for result in results:
+        if result.colour != "green":
+            print(f"    {result.colour}: {result.step}: {result.figure}")
+    assert [result.step for result in results] == [*(s for s in STEPS if s != CELLS), BENCHES]
+    assert "red" not in {result.colour for result in results}
+    page = (tmp_path / row / "certificate" / "certificate.md").read_text(encoding="utf-8")
+    assert not re.findall("^- red.*", page, re.M)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_every_option_of_a_design_has_a_row(name: str) -> None:
+    design = DESIGNS[name]
+    scenes = [
+        f"{row.arrangement} {row.activation} {row.precision} {row.interface} {row.hardware} "
+        f"{row.sections}"
+        for row in ROWS.values()
+        if row.design == name
+    ]
+    activations = design.known_activations or [one for one in SCHEMES if one != "bipartite"]
+    words = [*design.arrangements, *design.precisions, *design.options, *activations]
+    if name in ("engine", "lanes", "hybrid"):
+        words += ["axi_stream", "[front_end]", "converter", "[uart]", "[visualisation]", "argmax"]
+    assert [word for word in words if not any(word in scene for scene in scenes)] == []
