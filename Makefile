@@ -23,6 +23,7 @@ DRY_RUN := $(filter-out 0,$(DRY))
 # $(1): what a recipe would do; $(2): how.
 own = @$(if $(DRY_RUN),echo "DRY=1: nothing done; would $(1)",$(2))
 
+# Where a recipe is one call, exec lets a signal that make passes on reach it, and not a shell before it.
 RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
@@ -46,10 +47,10 @@ CALLED := demo sim vhdl verilog scene check designs train recalibrate predict ne
 demo report peers mutate certify: $(if $(DRY_RUN),,tools)
 
 $(CALLED): $(READY)
-	@$(RUN) -m tb.commands $@
+	@exec $(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record) \
+	@exec $(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record) \
 		$(if $(GROUP),--group="$$GROUP") $(if $(MACHINE),--machine="$$MACHINE") --tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.

@@ -5,11 +5,15 @@ from __future__ import annotations
 import errno
 import os
 import shlex
+import shutil
+import signal
 import sys
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
 
 from golden.input_error import InputError
 
@@ -17,6 +21,8 @@ from golden.input_error import InputError
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
 # The largest seed of random numbers that every generator accepts.
 MOST_SEED = (1 << 32) - 1
+# What is said after each signal that asks a command to end.
+SAID = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "terminated"}
 # Separates the complaints in one exception, so that each is printed as an error of its own.
 BETWEEN = "\nerror: "
 REPORT = (
@@ -98,20 +104,23 @@ def would(work: str) -> None:
 def run(main: Callable[[], int | None]) -> int:
     """Run ``main`` and return its exit code; complaints about input go to stderr as one message.
 
-    Warnings go there too, one line for each. A fault of this project keeps its traceback.
+    Warnings go there too, one line for each. A fault of this project keeps its traceback. A signal
+    to end stops the processes that the command has started, and leaves no temporary files.
     """
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"
     try:
-        code = main() or 0
-        sys.stdout.flush()
-        return code
+        with _stopped_by_signals():
+            code = main() or 0
+            sys.stdout.flush()
+            return code
     except BrokenPipeError:
         # The reader of the output, such as head, has read enough.
         _print_no_more()
         return 141
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130
+    except KeyboardInterrupt as stop:
+        number = next((one for one in stop.args if one in SAID), signal.SIGINT)
+        print(SAID[number], file=sys.stderr)
+        return 128 + int(number)
     except Exception as error:
         if isinstance(error, OSError) and error.errno in DISK:
             place = error.filename or "what is printed, or a file"
@@ -124,6 +133,69 @@ def run(main: Callable[[], int | None]) -> int:
             return 1
         print(f"error: {error}", file=sys.stderr)
         return 2
+
+
+@contextmanager
+def _stopped_by_signals() -> Iterator[None]:
+    """Let each signal that asks a command to end raise a KeyboardInterrupt that names it.
+
+    So files are tidied up as after any error. The processes that the command has started are ended
+    at once, because threads that wait for them would not see the exception.
+    """
+    ended: list[int] = []
+
+    def stop(number: int, _: FrameType | None) -> None:
+        # Make may pass on what the whole group of processes gets too.
+        if not ended:
+            ended.append(number)
+            end_descendants()
+            raise KeyboardInterrupt(number)
+
+    # A signal that is ignored, such as after nohup, stays so.
+    heard = [number for number in SAID if signal.getsignal(number) != signal.SIG_IGN]
+    try:
+        before = {number: signal.signal(number, stop) for number in heard}
+    except ValueError:  # only the main thread gets signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        if ended:
+            end_workers()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def end_descendants() -> None:
+    """Ask the processes that this one has started, and those that these have started, to end."""
+    children: dict[int, list[int]] = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError, ValueError):
+            # The name, in parentheses, may hold anything.
+            _, parent, *_ = path.read_bytes().rpartition(b")")[2].split()
+            children.setdefault(int(parent), []).append(int(path.parent.name))
+    waiting = [os.getpid()]
+    while waiting:
+        for child in children.get(waiting.pop(), []):
+            waiting.append(child)
+            with suppress(OSError):
+                os.kill(child, signal.SIGTERM)
+
+
+def end_workers() -> None:
+    """Let the workers of joblib, if it was used, release their semaphores and shared memory."""
+    loky = sys.modules.get("joblib.externals.loky.reusable_executor")
+    executor = getattr(loky, "_executor", None)
+    if executor is not None:
+        executor.shutdown(wait=True, kill_workers=True)
+    if loky is not None:
+        # What was just being made when the signal came is in nobody's list.
+        memory, own = Path("/dev/shm"), os.getpid()
+        for path in memory.glob(f"sem.loky-{own}-*"):
+            path.unlink(missing_ok=True)
+        for path in memory.glob(f"joblib_memmapping_folder_{own}_*"):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def _print_no_more() -> None:

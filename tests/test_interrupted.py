@@ -1,0 +1,116 @@
+"""Tests that a signal ends a command with one line, its processes, and its temporary files."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from golden.fingerprint import ROOT
+from tb.common.cases import random_mlp, write_scene
+
+LIMIT = 120
+# Writes a folder, while threads wait for processes that end only by a signal.
+THREADS = """
+import subprocess, sys, time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from golden.cli import run
+from golden.files import replace_folder
+
+def main():
+    with replace_folder(Path(sys.argv[1]) / "vhdl") as folder, ThreadPoolExecutor() as pool:
+        (folder / "half").touch()
+        waiting = [pool.submit(subprocess.run, ["sleep", "1000"]) for _ in range(2)]
+        time.sleep(1)
+        print("ready", flush=True)
+        for one in waiting:
+            one.result()
+
+sys.exit(run(main))
+"""
+
+
+@contextmanager
+def started(*command: str, folder: Path = ROOT) -> Iterator[subprocess.Popen[str]]:
+    """A command in a session of its own, all of which is killed at the end."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        try:
+            yield process
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+
+
+def wait(condition: Callable[[], object]) -> None:
+    end = time.monotonic() + LIMIT
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def alive(session: int) -> list[str]:
+    """The processes of a session that have not ended."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, others = path.read_text().rpartition(")")
+        except OSError:
+            continue
+        state, _, _, its_session, *_ = others.split()
+        if int(its_session) == session and state != "Z":
+            found.append(name)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("number", "said"), [(signal.SIGTERM, "terminated"), (signal.SIGINT, "interrupted")]
+)
+def test_a_search_ends_with_its_workers_and_its_shared_memory(
+    tmp_path: Path, number: int, said: str
+) -> None:
+    write_scene(tmp_path, "mine", "exact", [random_mlp((3, 20, 2), 1.0, 1)])
+    command = [sys.executable, "-m", "golden.commands.train", "mine.toml"]
+    with started(*command, folder=tmp_path) as search:
+        wait(lambda: list(Path("/dev/shm").glob(f"*loky-{search.pid}-*")))
+        search.send_signal(number)
+        *_, last = search.communicate(timeout=LIMIT)[0].splitlines()
+        assert last == said
+        assert search.returncode == 128 + number
+        wait(lambda: not alive(search.pid))
+        assert not list(Path("/dev/shm").glob(f"*[-_]{search.pid}[-_]*"))
+
+
+def test_processes_that_threads_wait_for_end_and_no_hidden_folder_stays(tmp_path: Path) -> None:
+    with started(sys.executable, "-c", THREADS, str(tmp_path)) as command:
+        assert command.stdout.readline() == "ready\n"
+        command.terminate()
+        assert command.communicate(timeout=LIMIT)[0] == "terminated\n"
+        assert command.returncode == 128 + signal.SIGTERM
+        assert not alive(command.pid)
+        assert not list(tmp_path.iterdir())
+
+
+def test_make_passes_the_signal_on() -> None:
+    words = ["--no-print-directory", "-o", "ready", "-o", "tools", f"VENV={sys.prefix}"]
+    with started("make", *words, "demo", "SCENE=digit") as command:
+        assert command.stdout.readline() == "demo: reading digit\n"
+        command.terminate()
+        assert "terminated\n" in command.communicate(timeout=LIMIT)[0]
+        assert not alive(command.pid)
