@@ -101,8 +101,7 @@ def main() -> None:
         tally = monitor.decoder.tally
         terminal.say(f"{tally.frames} packets, {tally.missed} missed, {tally.failed} damaged")
         if csv:
-            size = csv.path.stat().st_size / 1e6
-            terminal.say(f"wrote {csv.path}, {csv.rows} rows, {size:.1f} MB")
+            terminal.say(f"wrote {csv.path}, {csv.rows} rows")
 
 
 if __name__ == "__main__":
