@@ -42,7 +42,7 @@ from golden.scene import Scene, load_scene
 from tb.common.small import LEARN_UART, LESSONS
 from tb.monitor.__main__ import main
 from tb.monitor.board import Board
-from tb.monitor.lessons import Tour
+from tb.monitor.lessons import Lessons, Tour
 from tb.monitor.line import Line
 from tb.monitor.monitor import NOT_SENT, Monitor
 from tb.monitor.placements import Drift, samples_of
@@ -337,8 +337,19 @@ def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
             wait(lambda: pupil.steps >= 100)
             monitor.teach({"learn": False})
             wait(lambda: monitor.state()["learning"]["theta"] == pupil.codes.tolist())
+            wait(lambda: monitor.lessons._found[0] == 2)
             state = monitor.state()["learning"]
             samples = simulated.samples[:5]
+    # Known outputs are sent as codes, and what is found hangs on their last bits.
+    placements = placements_of(scene, simulated.samples, [75, 20])
+    known = SIGNAL.to_real(SIGNAL.quantise(placements.targets)[0])
+    placements = replace(placements, targets=known)
+    factors = np.array([scale.factor for scale in scene.scales(scene.sensors)])
+    noise = scene.training.disturbance.noise / factors
+    best = fit(Sensitivity.of(scene, noise), placements).theta
+    np.testing.assert_allclose(state["recalibrated"], 1024 * best, atol=3)
+    beside = [one["gain_found"] for one in state["corrections"]]
+    np.testing.assert_allclose([float(one) for one in beside], 5 * best[:4], atol=0.02)
     assert any(state["theta"])
     gain, offset = pupil.taught.corrections(np.array(state["theta"]))
     assert [one["gain"] for one in state["corrections"]] == [f"{100 * g:+.2f}" for g in gain]
@@ -365,6 +376,17 @@ def test_what_a_board_learned_is_put_into_another(scene: Scene) -> None:
 
 def outputs_at(simulated: TwinBoard, row: int) -> list[int]:
     return simulated.lessons.pupil.process(simulated.samples[row : row + 1])[0].tolist()
+
+
+def test_a_correction_that_can_hardly_be_a_drift_is_told(scene: Scene) -> None:
+    lessons = Lessons(Board(scene, scene))
+    first, second = scene.sensors[:2]
+    far = [(first, "4.2"), (second, "3.2")]
+    for codes, told in (([3072] * 8, []), ([-4301, 0, 0, 0, 0, 3277, 0, 0], far)):
+        for element in enumerate(codes):
+            lessons.told(element)
+        warning = lessons.state([], 0.0, False)["warning"]
+        assert re.findall(r"(\w+) \((.*?) times\)", warning) == told
 
 
 def test_a_damaged_lesson_is_told_once(scene: Scene) -> None:

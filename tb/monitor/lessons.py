@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,19 +11,29 @@ from typing import Any
 
 import numpy as np
 
+from golden.engine.formats import OUTPUT_SHIFT
 from golden.input_error import InputError
+from golden.learning.corrected import THETA
 from golden.link.packets import lesson_packet
+from golden.metrics import error_scale
 from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.recalibration.choice import proposed
+from golden.recalibration.fit import fit
+from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity
+from golden.scene.expected_drift import zero_signals
 from golden.scene.learning import taught_of
-from golden.scene.scale import readings
+from golden.scene.scale import readings, signals
 from tb.monitor.board import Board
 from tb.monitor.line import Simulated
 
 KEYS = ("known", "learn", "theta")
+# A correction beyond so many standard deviations of the expected drift is hardly a drift.
+MOST_DRIFT = 3.0
+# The code of an element of theta that is 1.
+ONE = 1 << (THETA.frac - OUTPUT_SHIFT)
 
 
 class Tour:
@@ -57,8 +68,9 @@ class Lesson:
 
 @dataclass(frozen=True)
 class Shown:
-    """A placement that was shown: its known outputs, and the errors that the outputs had then."""
+    """A placement that was shown: its readings, its known outputs, and what errors these had."""
 
+    read: Real
     known: Real
     errors: Real
 
@@ -94,6 +106,8 @@ class Lessons:
         self._learn: bool | None = None
         # The elements of theta, as packets told them last.
         self._theta: dict[int, int] = {}
+        # How many placements were shown when ``make recalibrate`` had found this theta.
+        self._found: tuple[int, list[int]] = (0, [])
 
     def told(self, element: tuple[int, int]) -> None:
         """Note an element of theta: its number and its code."""
@@ -164,12 +178,16 @@ class Lessons:
         """The lesson that is to be sent now, if one waits."""
         return self._waiting.popleft() if self._waiting else None
 
-    def sent(self, lesson: Lesson, outputs: Real, now: float) -> None:
-        """Note that a lesson was sent, and the outputs of the board before it, in their units."""
+    def sent(self, lesson: Lesson, values: Real, now: float) -> None:
+        """Note that a lesson was sent, and readings and outputs before it, in their units."""
         if lesson.known is not None:
             self.count += 1
-            self._shown.append(Shown(lesson.known, outputs - lesson.known))
+            read, outputs = np.split(values, [len(self.board.scene.sensors)])
+            self._shown.append(Shown(read, lesson.known, outputs - lesson.known))
             self._there, self._since = lesson.known, now
+            # No packet is lost meanwhile.
+            work = self.count, [*self._shown]
+            threading.Thread(target=self._recalibrate, args=work, daemon=True).start()
 
     def moved(self) -> None:
         """The load is no longer where it was shown."""
@@ -199,22 +217,83 @@ class Lessons:
         count = self.board.instrument.elements
         return [self._theta[n] for n in range(count)] if len(self._theta) == count else []
 
+    def _recalibrate(self, count: int, shown: list[Shown]) -> None:
+        """Note the codes of the theta that ``make recalibrate`` finds from these placements.
+
+        It is the most likely one, so where placements tell little of a sensor it stays near 0.
+        """
+        codes = np.clip(np.rint(ONE * self._fitted(shown)), SIGNAL.low, SIGNAL.high)
+        self._found = max(self._found, (count, [int(code) for code in codes]))
+
+    def _fitted(self, shown: list[Shown]) -> Real:
+        scene = self.board.scene
+        scales, known = scene.scales(scene.outputs), np.array([one.known for one in shown])
+        factors = [scale.factor for scale in scales]
+        size = error_scale(known, scene.outputs, scene.full_scale) / factors
+        placements = Placements(
+            signals(np.array([one.read for one in shown]), scene.scales(scene.sensors)),
+            signals(known, scales),
+            # The error of an output of 0 without a full scale has no size of its own.
+            np.maximum(size, SIGNAL.to_real(1)),
+            np.ones(len(shown)),
+        )
+        sensors = np.array([scale.factor for scale in scene.scales(scene.sensors)])
+        recorded = Sensitivity.of(scene, scene.training.disturbance.noise / sensors)
+        theta = fit(recorded, placements).theta
+        # Its gains are of readings; those of a board are of signals, whose 0 may be elsewhere.
+        gains, offsets = np.split(theta, 2)
+        moved = zero_signals(scene) * recorded.gain * gains / recorded.offset
+        return np.concatenate([gains, offsets + moved])
+
     def _corrections(self) -> list[dict[str, str]]:
-        """What theta does to each sensor: the gain in percent, and the offset in its unit."""
+        """What theta does to each sensor: the gain in percent, and the offset in its unit.
+
+        Beside it stands what ``make recalibrate`` finds, as far as it has found something.
+        """
         if not self.theta:
             return []
-        scene, places = self.board.scene, self.board.decimals
-        factors = [scale.factor for scale in scene.scales(scene.sensors)]
-        gains, offsets = self._taught.corrections(np.array(self.theta))
+        scene, found = self.board.scene, self._found[1]
+        own = self._texts(self.theta)
+        computed = self._texts(found) if found else [("", "")] * len(own)
         return [
             {
                 "name": name,
-                "gain": f"{100 * gains[n]:+.2f}",
-                "offset": f"{offsets[n] * factors[n]:+.{places[n]}f}",
+                "gain": gain,
+                "offset": offset,
+                "gain_found": gain_found,
+                "offset_found": offset_found,
                 "unit": scene.units.get(name, ""),
             }
-            for n, name in enumerate(scene.sensors)
+            for name, (gain, offset), (gain_found, offset_found) in zip(
+                scene.sensors, own, computed, strict=True
+            )
         ]
+
+    def _texts(self, theta: list[int]) -> list[tuple[str, str]]:
+        """Gain in percent and offset of each sensor."""
+        scene = self.board.scene
+        gains, offsets = self._taught.corrections(np.array(theta))
+        scales, places = scene.scales(scene.sensors), self.board.decimals
+        return [
+            (f"{100 * gain:+.2f}", f"{offset * scale.factor:+.{place}f}")
+            for gain, offset, scale, place in zip(gains, offsets, scales, places, strict=False)
+        ]
+
+    def _warning(self) -> str:
+        """Which sensors the board corrects by more than can be expected; empty for none."""
+        sensors, most = self.board.scene.sensors, ONE * MOST_DRIFT
+        far = [
+            f"{name} ({abs(code) / ONE:.1f} times)"
+            for name, code in zip([*sensors, *sensors], self.theta, strict=False)
+            if abs(code) > most
+        ]
+        if not far:
+            return ""
+        return (
+            "The board corrects these by much more than sensors are expected to drift: "
+            f"{', '.join(dict.fromkeys(far))}. The placements tell too little of them, or are "
+            "wrong. Show more placements, or use what make recalibrate finds."
+        )
 
     def state(
         self, course: Iterable[tuple[float, list[float]]], now: float, learning: bool
@@ -231,6 +310,8 @@ class Lessons:
             "errors": self.errors(course, now),
             "theta": self.theta,
             "corrections": self._corrections(),
+            "recalibrated": self._found[1],
+            "warning": self._warning(),
             "placements": [
                 {
                     "number": first + number,

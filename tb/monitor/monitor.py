@@ -154,12 +154,7 @@ class Monitor:
                 self.messages.tell("lesson", NOT_SENT)
             return
         with self._lock:
-            self.lessons.sent(lesson, self._outputs, self._clock())
-
-    @property
-    def _outputs(self) -> Real:
-        """The newest outputs in their units."""
-        return self._values[len(self.board.scene.sensors) :]
+            self.lessons.sent(lesson, self._values, self._clock())
 
     @property
     def _learning(self) -> bool:
