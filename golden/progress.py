@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TextIO
 
@@ -108,6 +108,11 @@ class Progress:
     alike : bool
         Whether all parts take about the same time, so that the time for the remaining ones can be
         estimated. Otherwise nothing is estimated, and each part is named when it begins.
+    costs : sequence of float
+        Of parts that are not alike, about how long each takes compared with the others, in the
+        order in which they end.
+    behind : float
+        By the same measure, all jobs that follow this one, for which the time is estimated too.
     """
 
     def __init__(
@@ -118,11 +123,15 @@ class Progress:
         stream: TextIO | None = None,
         clock: Callable[[], float] = time.monotonic,
         alike: bool = True,
+        costs: Sequence[float] = (),
+        behind: float = 0.0,
     ) -> None:
         self.what, self.total, self.parts = what, total, parts
         self.stream = stream or sys.stdout
         self.clock = clock
         self.alike = alike
+        self.costs = costs or [1.0] * total
+        self.behind = behind
         self.terminal = self.stream.isatty()
         self.done = 0
         self.began = self.printed = clock()
@@ -178,11 +187,14 @@ class Progress:
         self.printed = self.clock()
         line = f"{self.what}: {self.done} of {self.total} {self.parts}"
         spent = self.printed - self.began
-        estimated = self.alike and self.done and self.done >= ESTIMATED * self.total
+        done, left = sum(self.costs[: self.done]), sum(self.costs[self.done :])
+        estimated = self.alike and done and done >= ESTIMATED * (done + left)
         if self.done == self.total:
             line += f" in {duration(spent)}"
         elif estimated:
-            line += f", about {duration(spent / self.done * (self.total - self.done))} left"
+            line += f", about {duration(spent / done * left)} left"
+            if self.behind:
+                line += f", {duration(spent / done * (left + self.behind))} with what follows"
         elif spent >= 1:
             line += f", {duration(spent)}"
         line += f", {self._note}" if self._note else ""

@@ -51,6 +51,21 @@ def test_a_line_at_the_beginning_every_few_seconds_and_at_the_end() -> None:
     ]
 
 
+def test_what_is_left_counts_how_long_parts_take_and_what_follows() -> None:
+    """A part that takes three times as long as the first is left, and a job of four such parts."""
+    stream, clock = io.StringIO(), Clock()
+    with Progress("load", 2, "parts", stream, clock, costs=[1, 3], behind=12) as progress:
+        clock.now += PAUSE
+        progress.step()
+        clock.now += 3 * PAUSE
+        progress.step()
+    assert stream.getvalue().splitlines() == [
+        "load: 0 of 2 parts",
+        "load: 1 of 2 parts, about 12 s left, 60 s with what follows",
+        "load: 2 of 2 parts in 16 s",
+    ]
+
+
 def test_a_terminal_shows_one_line() -> None:
     stream, clock = Terminal(), Clock()
     with Progress("a", 2, "parts", stream, clock) as progress:
