@@ -236,7 +236,8 @@ COMMANDS = (
     ),
     Command(
         "check",
-        "Checks a scene within seconds, and reports every fault that it finds.",
+        "Checks a scene, and reports every fault that it finds. It takes seconds, or minutes where "
+        "design auto compares large networks of learned functions.",
         (SCENE,),
         "tb.check",
     ),

@@ -192,6 +192,15 @@ def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
     assert any("with 4, 4 hidden nodes: one multiplier" in f.text for f in found)
 
 
+def test_a_fault_of_a_network_that_is_not_there_yet_names_its_file(path: Path) -> None:
+    """What is tried in its place is in a folder of its own, which nobody knows."""
+    untrained(path)
+    change(path, r"\[network\]", '[network]\nquantised = "nearest"')
+    (found,) = faults(findings_of(path))
+    network = load_scene(str(path)).weights_paths[0]
+    assert found.startswith(f"{network}: got a network without quantisers, expected a quantised")
+
+
 def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path) -> None:
     """The memories of a reloadable engine have a fixed size, whatever training finds."""
     untrained(path)

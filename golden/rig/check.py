@@ -228,10 +228,13 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     fewest, most = scene.training.layers or (1, 1)
     findings: list[Finding] = []
     for hidden, verdict in (((low,) * fewest, FAULT), ((high,) * most, WARNING)):
+        findings, before = [], ""
         with _stand_in(scene, hidden) as other:
-            sizes = ", ".join(":".join(map(str, n.shape[1:-1])) for n in other.networks())
-            before = f"with {sizes or 0} hidden nodes: "
-            findings = _built(other, before)
+            with collect_faults(findings):
+                sizes = ", ".join(":".join(map(str, n.shape[1:-1])) for n in other.networks())
+                before = f"with {sizes or 0} hidden nodes: "
+                findings += _built(other, before)
+            findings = [_of_own_files(one, scene, other) for one in findings]
         if faults(findings):
             return [
                 replace(one, verdict=verdict, text=f"{before}{one.text}")
@@ -240,6 +243,14 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
                 for one in findings
             ]
     return findings
+
+
+def _of_own_files(finding: Finding, scene: Scene, other: Scene) -> Finding:
+    """A finding about stand-ins, with the names of the networks that they stand for."""
+    subject, text = finding.subject, finding.text
+    for own, stand_in in zip(scene.weights_paths, other.weights_paths, strict=True):
+        subject, text = (one.replace(str(stand_in), str(own)) for one in (subject, text))
+    return replace(finding, subject=subject, text=text)
 
 
 def _built(scene: Scene, before: str) -> list[Finding]:
