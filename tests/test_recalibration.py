@@ -159,7 +159,7 @@ def test_it_is_the_ridge_regression_that_the_page_gives() -> None:
     information = np.einsum("roi,rop,rpj->ij", tells, spread, tells)
     covariance = np.linalg.inv(np.eye(8) + information)
     found = fit(recorded, there)
-    assert found.covariance == pytest.approx(covariance, abs=1e-3)
+    assert found.root @ found.root.T == pytest.approx(covariance, abs=1e-3)
     expected = covariance @ information @ theta
     assert found.theta == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
 
@@ -304,11 +304,13 @@ def test_chances_and_errors_are_those_of_drifts_that_are_drawn() -> None:
     off = drawn - found
     after = np.einsum("ni,ij,nj->n", off, squares, off)
     before = np.einsum("ni,ij,nj->n", drawn, squares, drawn)
-    expected = planned(recorded, covariance)
+    expected = planned(recorded, np.linalg.cholesky(covariance))
     whole = np.sqrt((expected.after**2 - recorded.error**2).mean())
     assert np.sqrt(after.mean()) == pytest.approx(whole, rel=0.05)
     assert after.mean() < before.mean()
-    chances = np.array([outlook(recorded, Fit(one, covariance)).chance for one in found[:40]])
+    chances = np.array(
+        [outlook(recorded, Fit(one, np.linalg.cholesky(covariance))).chance for one in found[:40]]
+    )
     assert (after < before)[:40].mean() == pytest.approx(chances.mean(), abs=0.15)
 
 

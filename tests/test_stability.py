@@ -25,13 +25,16 @@ from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.physics.plate import Plate
 from golden.physics.swing import Swing, swing_motion
+from golden.recalibration import fit
 from golden.scene import scene_names
+from golden.training import levenberg_marquardt
 from golden.visualisation.power_fold import PowerFold
 from tb.report.draw.margins import LEFT, RIGHT, margins
 from tb.report.measure import table_records
 from tb.report.measure.reference_swing import reference_swing
 from tb.report.measure.stability import (
     activations,
+    conditioned,
     layered,
     networks,
     physics,
@@ -95,6 +98,17 @@ NAMED = [
     ("frames", "too short"),
     ("conditioning", "alternating rails"),
     ("physics", "NaN"),
+    ("Levenberg-Marquardt", "^lambda 0, Jacobians of digit"),
+    ("Levenberg-Marquardt", "a singular Jacobian"),
+    ("smooth map", "one sensor twice, one dead, two nearly alike"),
+    ("Cramer-Rao", "one of them twice"),
+    ("Cramer-Rao", "likelihood of known loads"),
+    ("recalibration", "^one placement"),
+    ("recalibration", "^24 equal ones, drift of 100"),
+    ("radial basis functions", "^six centres, rows within 1e-09"),
+    ("DC remover", "^0.06 Hz at 15625"),
+    ("gradient", "^steep node"),
+    ("board that learns", "three equations"),
 ]
 
 
@@ -352,6 +366,40 @@ def test_a_stiff_swing_that_is_solved_wrongly_says_no(monkeypatch, fault: str) -
     ] * 6
     if fault == "stands still":
         assert not any(row.holds for row in stiff)
+
+
+def _normal_equations(aim, start, steps):
+    slopes, errors = aim.jacobian(start), aim.residuals(start)
+    return np.linalg.lstsq(slopes.T @ slopes, -slopes.T @ errors, rcond=1e-15)[0]
+
+
+def _root_of_product(slopes):
+    values, vectors = np.linalg.eigh(np.linalg.inv(slopes.T @ slopes))
+    return vectors * np.sqrt(np.abs(values))
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "fault", "cases", "model"),
+    [
+        (levenberg_marquardt, "descend", _normal_equations, "networks", "Levenberg-Marquardt"),
+        (fit, "root_of_inverse", _root_of_product, "recalibration", "recalibration"),
+    ],
+)
+def test_a_formula_that_loses_digits_says_no(
+    monkeypatch, module, name: str, fault, cases: str, model: str
+) -> None:
+    monkeypatch.setattr(module, name, fault)
+    assert model in {model for model, _ in broken(getattr(conditioned, cases))}
+
+
+def test_a_step_that_is_too_long_says_no(monkeypatch) -> None:
+    right = conditioned.Gradient.step
+
+    def longer(self, lesson, kept, *rest):
+        return kept + 5 * (right(self, lesson, kept, *rest) - kept)
+
+    monkeypatch.setattr(conditioned.Gradient, "step", longer)
+    assert ("board that learns", "codes") in broken(conditioned.learning)
 
 
 @pytest.mark.parametrize("rate", [0.1, 1e2, 1e6])

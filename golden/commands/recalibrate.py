@@ -249,7 +249,7 @@ def _refusal(
     """The reason why a correction is not written, and what to do; empty if it surely helps."""
     if helps(recorded, placements, found, left):
         return ""
-    if planned(recorded, found.covariance).enough:
+    if planned(recorded, found.root).enough:
         if not left.closer:
             return (
                 "placements that are left out come out no closer with a correction that is fitted "

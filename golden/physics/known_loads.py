@@ -82,10 +82,11 @@ def least_errors(
     errors = np.empty((len(targets), targets.shape[1]))
     for n, target in enumerate(targets):
         likely = _around(target, spreads[n], kinds, farthest)
-        means = read_sensors(sensors, loads_from_codes(likely, beam)) / noise
-        seen = exact[n] / noise + rng.standard_normal((draws, len(sensors)))
-        # The squared distance, without the part that is the same for all candidates.
-        fits = seen @ means.T - (means**2).sum(axis=1) / 2
+        away = (read_sensors(sensors, loads_from_codes(likely, beam)) - exact[n]) / noise
+        drawn = rng.standard_normal((draws, len(sensors)))
+        # The squared distance, without the part that is the same for all candidates. The readings
+        # themselves, in units of a small noise, are too large for it: their squares would hide it.
+        fits = drawn @ away.T - (away**2).sum(axis=1) / 2
         after = np.exp(fits - fits.max(axis=1, keepdims=True))
         for c, values in enumerate(likely.T):
             weights = after / values if relative[n, c] else after

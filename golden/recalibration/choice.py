@@ -9,6 +9,7 @@ from itertools import islice
 import numpy as np
 
 from golden.real import Real
+from golden.recalibration.fit import root_of_inverse
 from golden.recalibration.outlook import Planned, planned
 from golden.recalibration.sensitivity import Sensitivity, spread_out
 from golden.scene import Scene
@@ -42,8 +43,9 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
 
     The next row is always the one that makes the expected mean square error over the recording,
     averaged over all outputs, the least: ``tr(M C)`` of ``golden.recalibration.outlook``. With a
-    placement, ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. No row is proposed twice, because
-    the network's own error there would count twice.
+    placement, ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. These differences say which row is
+    best; its ``C`` is computed from all chosen rows, because differences lose digits. No row is
+    proposed twice, because the network's own error there would count twice.
 
     Parameters
     ----------
@@ -56,18 +58,22 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
     spread = recorded.spread(replace(there, times=there.times * times))
     tells = recorded.tells[rows]
     squares = recorded.squares.mean(axis=0)
-    covariance = np.eye(tells.shape[2])
+    root = np.eye(tells.shape[2])
+    known = root
+    whitened = np.linalg.solve(np.linalg.cholesky(spread), tells)
     left = np.zeros(len(tells))
     while np.isfinite(left).any():
-        reach = tells @ covariance
-        inner = np.linalg.inv(spread + reach @ tells.transpose(0, 2, 1))
+        told = tells @ root
+        reach = told @ root.T
+        inner = np.linalg.inv(spread + told @ told.transpose(0, 2, 1))
         lowered = np.einsum("roi,rop,rpj,ij->r", reach, inner, reach, squares, optimize=True)
-        part = lowered / np.sum(squares * covariance)
+        part = lowered / np.sum(squares * (root @ root.T))
         # The numbers are rounded, so that of two equal ones every machine takes the first.
         best = int((part.round(6) + left).argmax())
         left[best] = -np.inf
-        covariance = covariance - reach[best].T @ inner[best] @ reach[best]
-        yield Proposed(int(rows[best]), planned(recorded, covariance))
+        known = np.concatenate([known, whitened[best]])
+        root = root_of_inverse(known)
+        yield Proposed(int(rows[best]), planned(recorded, root))
 
 
 @dataclass(frozen=True)

@@ -44,12 +44,14 @@ class Fit:
     ----------
     theta : float array, shape (2 sensors,)
         The most likely drift; see ``Sensitivity``.
-    covariance : float array, shape (2 sensors, 2 sensors)
-        The uncertainty of the drift.
+    root : float array, shape (2 sensors, 2 sensors)
+        The uncertainty of the drift as a lower triangle L of the covariance L L^T. Unlike a rounded
+        covariance it is never negative, however much the placements tell of some directions and
+        however little of others.
     """
 
     theta: Real
-    covariance: Real
+    root: Real
 
 
 def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
@@ -89,8 +91,21 @@ def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None
         starts = [np.zeros(count), _towards_recorded(recorded, placements)]
     found = [least_squares(errors, start, jac=derivatives) for start in starts]
     theta = min(found, key=lambda one: float(one.cost)).x
-    slopes = derivatives(theta)
-    return Fit(theta, np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64))
+    return Fit(theta, root_of_inverse(derivatives(theta)))
+
+
+def root_of_inverse(slopes: Real) -> Real:
+    """The lower triangle L with L L^T = (J^T J)^-1, without the product, which doubles the digits.
+
+    Parameters
+    ----------
+    slopes : float array, shape (equations, unknowns)
+        J, of full rank.
+    """
+    inverse = np.linalg.inv(np.linalg.qr(slopes, mode="r"))
+    lower = np.linalg.qr(inverse.T, mode="r").T  # type: ignore[attr-defined]
+    result: Real = lower * np.sign(np.diag(lower))
+    return result
 
 
 def misses(recorded: Sensitivity, placements: Placements, theta: Real) -> Real:
@@ -154,7 +169,7 @@ def left_out(recorded: Sensitivity, placements: Placements, all_of_them: Fit) ->
     for number in range(len(placements)):
         found = fit(recorded, placements.without(number), all_of_them.theta)
         after[number] = misses(recorded, placements, found.theta)[number]
-        unsure = np.einsum("oi,ij,oj->o", tells[number], found.covariance, tells[number])
+        unsure = ((tells[number] @ found.root) ** 2).sum(axis=1)
         expected[number] = np.sqrt(spread[number] + unsure)
     return LeftOut(before, after, expected, np.sqrt(spread))
 

@@ -119,7 +119,7 @@ def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
     vectors = recorded.scene.vectors()
     rows = spread_out(len(vectors.inputs), MOST_ROWS)
     samples, targets, scale = vectors.inputs[rows], vectors.targets[rows], vectors.scale[rows]
-    rng, root = np.random.default_rng(1), np.linalg.cholesky(found.covariance)
+    rng, root = np.random.default_rng(1), found.root
     errors = np.empty((2, DRAWS, targets.shape[1]))
     for draw in range(DRAWS):
         theta = found.theta + root @ rng.standard_normal(len(root))
@@ -128,7 +128,7 @@ def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
             percent = 100 * (recorded.scene.process_real(given) - targets) / scale
             errors[part, draw] = np.sqrt((percent**2).mean(axis=0))
     before, after = errors
-    chance, *chances = _chances(recorded, found.theta[np.newaxis], found.covariance)[0]
+    chance, *chances = _chances(recorded, found.theta[np.newaxis], root)[0]
     return Outlook(
         before.mean(axis=0),
         after.mean(axis=0),
@@ -139,17 +139,18 @@ def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
     )
 
 
-def planned(recorded: Sensitivity, covariance: Real) -> Planned:
-    """The expectation for a correction that is still to be fitted, with its later covariance."""
-    unit, own = np.eye(len(covariance)), recorded.error**2
+def planned(recorded: Sensitivity, root: Real) -> Planned:
+    """The expectation for a correction that is still to be fitted, with its later ``Fit.root``."""
+    unit, own = np.eye(len(root)), recorded.error**2
+    covariance = root @ root.T
     before, after = (
         np.sqrt(own + np.einsum("oij,ij->o", recorded.squares, unsure))
         for unsure in (unit, covariance)
     )
     # This is slightly more than I - C, because rounding may make an eigenvalue of I - C negative.
-    root = np.linalg.cholesky(unit * (1 + LEAST_KNOWN) - covariance)
-    drawn = np.random.default_rng(1).standard_normal((DRAWS, len(unit))) @ root.T
-    sure = _sure(_chances(recorded, drawn, covariance))
+    known = np.linalg.cholesky(unit * (1 + LEAST_KNOWN) - covariance)
+    drawn = np.random.default_rng(1).standard_normal((DRAWS, len(unit))) @ known.T
+    sure = _sure(_chances(recorded, drawn, root))
     return Planned(before, after, float(sure.mean()))
 
 
@@ -159,14 +160,15 @@ def _sure(chances: Real) -> NDArray[np.bool_]:
     return np.asarray((chances >= needed).all(axis=-1))
 
 
-def _chances(recorded: Sensitivity, thetas: Real, covariance: Real) -> Real:
+def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
     """The probabilities that corrections improve all outputs together, and each output.
 
     Parameters
     ----------
     recorded : Sensitivity
     thetas : float array, shape (corrections, 2 sensors)
-    covariance : float array, shape (2 sensors, 2 sensors)
+    root : float array, shape (2 sensors, 2 sensors)
+        ``Fit.root``.
 
     Returns
     -------
@@ -175,7 +177,7 @@ def _chances(recorded: Sensitivity, thetas: Real, covariance: Real) -> Real:
     each = recorded.squares
     reach = thetas @ np.concatenate([each.mean(axis=0)[np.newaxis], each])
     gain = np.einsum("ocj,cj->co", reach, thetas)
-    unsure = 2 * np.sqrt(np.einsum("oci,ij,ocj->co", reach, covariance, reach, optimize=True))
+    unsure = 2 * np.linalg.norm(reach @ root, axis=2).T
     # An output that cannot change cannot get worse either.
     parts = np.divide(gain, unsure, out=np.full(gain.shape, np.inf), where=unsure > 0)
     result: Real = ndtr(parts)

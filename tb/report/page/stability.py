@@ -45,6 +45,15 @@ BREAKS = {
     "not move": "a series whose terms do not vanish at the edge",
     f"agree with {DIGITS} digits": "a formula that subtracts large numbers, or rounds phases of "
     "many turns",
+    "be infinite": "an inverse of a matrix that has none",
+    "be in proportion to the noise": "squares of readings, in which those of their differences are "
+    "lost",
+    "give an outlook": "a covariance that rounding makes negative",
+    "fit no worse than the means of the places": "a weight that is lost among equal columns",
+    "need more than 14 bits: there the pole would be 1": "nothing: it shows why the filter is "
+    "analogue or in floating point",
+    "have the slope of a side": "a slope of another segment than the value",
+    "move away by no more than rounding": "a step that is too long for equations that are alike",
     "follow a reference of another family": "an integrator that stands still, overshoots, or has a "
     "looser tolerance",
     "follow the slow manifold": "an integrator that stands still, or a wrong ratio of weight and "

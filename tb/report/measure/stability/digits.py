@@ -5,9 +5,13 @@ They use mpmath, and are slow.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mpmath as mp
+import numpy as np
 
 from golden.physics.plate import Plate
+from golden.real import Real
 
 DIGITS = 50
 # Terms of a series in exp(-u) are left out from this u on: they are below 1e-26 of the first.
@@ -77,3 +81,91 @@ def _edges(clamped: bool, beta: mp.mpf, y: mp.mpf, eta: mp.mpf) -> mp.mpf:
     matrix = mp.matrix([row[:4] for row in rows])
     found = mp.lu_solve(matrix, mp.matrix([-row[4] for row in rows]))
     return mp.fdot(found, values(y)[0][:4])
+
+
+def least_squares(matrix: Real, right: Real) -> tuple[Real, float]:
+    """The x with the least |matrix x - right|, and that least length, by the normal equations.
+
+    These square the condition, for which there are digits to spare.
+    """
+    with mp.workdps(DIGITS):
+        exact, wanted = mp.matrix(matrix.tolist()), mp.matrix(right.tolist())
+        x = mp.lu_solve(exact.T * exact, exact.T * wanted)
+        return np.array([float(value) for value in x]), float(mp.norm(exact * x - wanted))
+
+
+def solved(matrix: Sequence[Sequence[mp.mpf]], right: Real) -> list[list[mp.mpf]]:
+    """The columns x of matrix x = right, by elimination; right has the shape (rows, columns)."""
+    with mp.workdps(DIGITS):
+        one = mp.matrix(matrix)
+        columns = [mp.lu_solve(one, mp.matrix(column)) for column in right.T.tolist()]
+        return [list(column) for column in columns]
+
+
+def inverse_of_squares(matrix: Real) -> Real:
+    """The inverse of matrix' matrix."""
+    with mp.workdps(DIGITS):
+        exact = mp.matrix(matrix.tolist())
+        inverse = (exact.T * exact) ** -1
+        return np.array(
+            [[float(inverse[i, j]) for j in range(inverse.cols)] for i in range(inverse.rows)]
+        )
+
+
+def ridge(inputs: Real, values: Real, reach: float, smoothing: float, asked: Real) -> Real:
+    """Gaussian kernel ridge regression of rows, at other rows; shape (asked, values)."""
+    with mp.workdps(DIGITS):
+
+        def kernel(rows: Real, more: float) -> list[list[mp.mpf]]:
+            return [
+                [
+                    mp.exp(
+                        -mp.fsum((mp.mpf(a) - b) ** 2 for a, b in zip(x, z, strict=True)) / reach**2
+                    )
+                    + (more if i == j else 0)
+                    for j, z in enumerate(inputs.tolist())
+                ]
+                for i, x in enumerate(rows.tolist())
+            ]
+
+        weights = solved(kernel(inputs, smoothing), values)
+        there = kernel(asked, 0)
+        return np.array([[float(mp.fdot(row, column)) for column in weights] for row in there])
+
+
+def truncated(matrix: Real, right: Real, same: float) -> Real:
+    """Least squares without directions whose singular value is below this part of the largest."""
+    with mp.workdps(DIGITS):
+        left, values, other = mp.svd_r(mp.matrix(matrix.tolist()))
+        kept = [k for k in range(len(values)) if values[k] > same * values[0]]
+        found = np.zeros((matrix.shape[1], right.shape[1]))
+        for column, wanted in enumerate(right.T.tolist()):
+            parts = {k: mp.fdot(left[:, k], wanted) / values[k] for k in kept}
+            for row in range(matrix.shape[1]):
+                found[row, column] = float(mp.fsum(other[k, row] * parts[k] for k in kept))
+        return found
+
+
+def least_mean_squares(rows: Real, wanted: Real, rate: float, passes: int) -> Real:
+    """theta += rate (wanted - row . theta) row, over all rows, from 0."""
+    with mp.workdps(DIGITS):
+        exact = [list(map(mp.mpf, row)) for row in rows.tolist()]
+        theta = [mp.mpf(0)] * rows.shape[1]
+        for _ in range(passes):
+            for row, goal in zip(exact, wanted.tolist(), strict=True):
+                step = rate * (goal - mp.fdot(row, theta))
+                theta = [value + step * by for value, by in zip(theta, row, strict=True)]
+        return np.array([float(value) for value in theta])
+
+
+def high_passed(volts: Real, cutoff: float, rate: float) -> Real:
+    """The bilinear transform of s / (s + omega), which starts at 0."""
+    with mp.workdps(DIGITS):
+        k = mp.tan(mp.pi * mp.mpf(cutoff) / mp.mpf(rate))
+        before = state = mp.mpf(0)
+        found = []
+        for volt in map(mp.mpf, volts.tolist()):
+            state = ((1 - k) * state + volt - before) / (1 + k)
+            before = volt
+            found.append(float(state))
+        return np.array(found)

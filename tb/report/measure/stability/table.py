@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
-from tb.report.measure.stability import activations, layered, networks, physics, visualisation
+from tb.report.measure.stability import (
+    activations,
+    conditioned,
+    layered,
+    networks,
+    physics,
+    visualisation,
+)
 from tb.report.measure.stability.case import Row
 from tb.report.measure.table import Cell, Table
 
@@ -23,6 +30,7 @@ CASES: tuple[Callable[[], Iterator[Row]], ...] = (
     physics.plates,
     physics.swings,
     physics.others,
+    conditioned.conditioned,
 )
 
 NOTES = {
