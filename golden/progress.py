@@ -113,6 +113,8 @@ class Progress:
         order in which they end.
     behind : float
         By the same measure, all jobs that follow this one, for which the time is estimated too.
+    known : int
+        How many parts an earlier run has done, which take no time.
     """
 
     def __init__(
@@ -125,6 +127,7 @@ class Progress:
         alike: bool = True,
         costs: Sequence[float] = (),
         behind: float = 0.0,
+        known: int = 0,
     ) -> None:
         self.what, self.total, self.parts = what, total, parts
         self.stream = stream or sys.stdout
@@ -132,6 +135,7 @@ class Progress:
         self.alike = alike
         self.costs = costs or [1.0] * total
         self.behind = behind
+        self.known = known
         self.terminal = self.stream.isatty()
         self.done = 0
         self.began = self.printed = clock()
@@ -187,7 +191,7 @@ class Progress:
         self.printed = self.clock()
         line = f"{self.what}: {self.done} of {self.total} {self.parts}"
         spent = self.printed - self.began
-        done, left = sum(self.costs[: self.done]), sum(self.costs[self.done :])
+        done, left = sum(self.costs[self.known : self.done]), sum(self.costs[self.done :])
         estimated = self.alike and done and done >= ESTIMATED * (done + left)
         if self.done == self.total:
             line += f" in {duration(spent)}"

@@ -66,6 +66,15 @@ def test_what_is_left_counts_how_long_parts_take_and_what_follows() -> None:
     ]
 
 
+def test_parts_of_an_earlier_run_take_no_time() -> None:
+    stream, clock = io.StringIO(), Clock()
+    with Progress("load", 3, "parts", stream, clock, known=1) as progress:
+        progress.step()
+        clock.now += PAUSE
+        progress.step()
+    assert stream.getvalue().splitlines()[1] == "load: 2 of 3 parts, about 4 s left"
+
+
 def test_a_terminal_shows_one_line() -> None:
     stream, clock = Terminal(), Clock()
     with Progress("a", 2, "parts", stream, clock) as progress:

@@ -64,7 +64,9 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     later = range(task.number + 1, len(task.scene.members))
     behind = sum(sum(costs(replace(task, number=number))) for number in later)
     own = costs(task)
-    with Progress(name, len(own), "candidates", costs=own, behind=behind) as progress:
+    # A line each.
+    known = record.read_bytes().count(b"\n") if record.is_file() else 0
+    with Progress(name, len(own), "candidates", costs=own, behind=behind, known=known) as progress:
         for result in results:
             refused += bool(result.refused)
             if not result.refused and (best is None or result.rank < best.rank):
