@@ -144,9 +144,10 @@ def _grid(
     A gap is between two dark lines, and the first clock behind it has its number.
     """
     x, y = at
-    every = 5 if pitch == NARROW else 1
     body = [text((x - 4, y - 4), "clock", 10, text_anchor="end")]
     behind = {column + 1 for column, clock in enumerate(shown) if clock is None}
+    # Where clocks are left out, numbers have up to four digits.
+    every = 1 if pitch == WIDE or (pitch == MIDDLE and not behind) else 5
     for column, clock in enumerate(shown):
         left = x + pitch * column
         if clock is None:
