@@ -48,8 +48,8 @@ from tb.sign_off.unknown import UNKNOWN
 MOST = 100_000
 # After so many seconds without a line, one says what is running.
 SILENCE = 15.0
-# The tools write a few MB for each entity. With less than this something may be missing.
-ROOM = 4 << 20
+# With less than this left on a disk, something may not have been written.
+ROOM = 1 << 20
 
 
 def certify(
@@ -147,7 +147,7 @@ def room_in(folder: Path) -> Iterator[None]:
 
 
 def _check_room(folder: Path) -> None:
-    for place in (folder, Path(tempfile.gettempdir())):
+    for place in (folder.parent, Path(tempfile.gettempdir())):
         if shutil.disk_usage(place).free < ROOM:
             raise InputError(
                 f"{place}: the disk is full, so nothing is known of the hardware; expected "
