@@ -32,7 +32,7 @@ def test_the_methods(table: Table) -> None:
     ]
     for method in training.STEPS:
         assert {row[1] for row in rows_of(table, method)} == set(range(training.RESTARTS))
-    outputs = load_scene("digit-thesis").outputs
+    outputs = load_scene("comparison/thesis-larger").outputs
     for method in training.CASCADES:
         expected = [(name, r) for name in outputs for r in range(training.CASCADE_RESTARTS)]
         assert [row[:2] for row in rows_of(table, method)] == expected
@@ -93,7 +93,7 @@ def test_the_page_shows_where_they_end(table: Table) -> None:
 
 
 def test_a_candidate_is_that_of_make_train(table: Table) -> None:
-    scene = load_scene("digit-thesis")
+    scene = load_scene("comparison/thesis-larger")
     task = task_for(scene, scene.vectors(), [])
     known = measure(task, scene.mlps()[0].shape[1], 2)
     (row,) = [row for row in rows_of(table, "cascade B") if row[:2] == ("load", 2)]

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
+from golden.scene import thesis_table
 from golden.visualisation.functions import (
     WILBRAHAM_GIBBS,
     harmonic_limit,
@@ -21,7 +22,7 @@ from golden.visualisation.functions import (
 )
 
 # The load, centre, half width and terms of Figure 3.27.
-FIGURE_3_27 = {"A": (0.5, 0.5, 0.3, 1000), "B": (0.5, 0.5, 0.3, 10), "C": (0.7, 0.5, 0.2, 1000)}
+FIGURE_3_27 = thesis_table("load_function")["cases"]
 POSITIONS = np.linspace(0, 1, 401)
 FRACTIONS = st.floats(0, 1)
 

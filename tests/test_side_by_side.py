@@ -99,7 +99,7 @@ def test_cells_are_those_that_were_recorded(
     cells = [c for c in row(table, f"{kind}s").split() if "(" not in c and c not in ("about", "%)")]
     tops = [read_budget(budget_path(s.path))["xc2v"][s.twin().entity] for s in scenes]
     assert cells[1:] == [f"{top[kind]:,}" for top in tops]
-    device, printed = thesis_table("board"), thesis_table("digit.cascade_b")
+    device, printed = thesis_table("device"), thesis_table("digit.cascade_b")
     expected = {
         "LUT": device["luts4"] * printed["luts_percent"] / 100,
         "multiplier": device["mult18x18"] * printed["mult18x18_percent"] / 100,

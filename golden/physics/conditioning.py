@@ -18,7 +18,7 @@ from golden.real import Real
 # 4.7 microfarad to it.
 CUTOFF = 0.06
 LOW_PASS = 25.0  # Hz, behind each gauge of the digit: section 3.6
-SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.3
+SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.4.4
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ class ReflectiveSensor:
         10 to 60 mV that the thesis reports.
     linear : float
         m, 1 um to 1 m. Beyond this deflection, in both directions, the output stays constant. The
-        default of 1 mm is the deflection by a person on the plate (section 6.2.1).
+        default of 1 mm is the lower end of the 1 to 2 mm that section 6.2.1 prints for a person
+        on the plate.
     noise : float
         Standard deviation of Gaussian noise, V, 0 to 10.
 

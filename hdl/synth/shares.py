@@ -9,15 +9,19 @@ from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells
 
 # The networks of Table 6.1. Other scenes name their table themselves, for the errors, too.
-SWING = {f"swing-{kind}": f"swing.{kind}" for kind in ("single", "multiple", "cascade")}
+SWING = {
+    f"swing-{kind}{form}": f"swing.{kind}"
+    for kind in ("single", "multiple", "cascade")
+    for form in ("", "-thesis")
+}
 
 
 def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
     """Percentages of the thesis' device, and the printed percentages where there are any."""
-    device = thesis_table("board")
+    device = thesis_table("device")
     top = cells["xc2v"][design.entity]
     found = {
-        "device": device["device"],
+        "device": device["name"],
         "luts_percent": 100 * top["LUT"] / device["luts4"],
         "mult18x18_percent": 100 * top["multiplier"] / device["mult18x18"],
     }

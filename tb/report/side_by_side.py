@@ -147,7 +147,7 @@ def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | Non
 
 def _cells(scenes: Sequence[Scene]) -> list[Row]:
     """The recorded cells of the scene and its networks, and their share of the thesis' device."""
-    device, printed = thesis_table("board"), thesis_table(scenes[0].reference)
+    device, printed = thesis_table("device"), thesis_table(scenes[0].reference)
     rows: list[Row] = []
     cells = [read_budget(budget_path(scene.path))[FAMILY] for scene in scenes]
     tops = [(scene.twin(), scene.twin().core) for scene in scenes]
@@ -181,16 +181,16 @@ def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) ->
 
 def _notes(scenes: Sequence[Scene]) -> list[str]:
     """The notes that say what the figures refer to."""
-    device = thesis_table("board")["device"]
+    device = thesis_table("device")["name"]
     held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
     notes = [
         "error: bit-true, on all recorded frames. largest is the largest of the mean errors at "
         "each position. held out is the mean on frames that the networks had not seen: "
         + ", ".join(held_out)
         + ". The errors of the thesis are those of its simulation (Table 5.4).",
-        f"cells: Virtex-II, as make synth recorded them, in brackets in percent of an {device}. "
-        "The thesis prints percentages only (Table 5.3), and does not say whether they include the "
-        "profile.",
+        "cells: Virtex-II, entity by entity, as make synth recorded them, in brackets in percent "
+        f"of an {device}. The thesis prints percentages only (Table 5.3), and does not say whether "
+        "they include the profile.",
     ]
     bare = [scene for scene in scenes if not (scene.front_end or scene.visualisation)]
     whole = load_scene(WHOLE)

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 from tb.report.draw.axes import Axes
-from tb.report.draw.discs import COLOURS, SCAN_CLOCKS, Disc, drawn, in_order, printed_discs
+from tb.report.draw.discs import SCAN_CLOCKS, Disc, in_order, printed_discs
 from tb.report.draw.drawing import picture, text
 from tb.report.draw.findings import number, rows_of
+from tb.report.draw.named import Named, drawn, front
 from tb.report.measure.table import Table
-
-WIDTH = 400.0
-COLUMNS = {"LUTs": 206.0, "multipliers": 276.0, "clocks": 328.0, "error %": 388.0}
-# In the line of kinds: the width of a letter, and what is between two kinds.
-LETTER, GAP = 7.0, 9.0
 
 
 def designs(table: Table) -> list[Disc]:
@@ -28,7 +22,7 @@ def designs(table: Table) -> list[Disc]:
             str(row["design"]),
             number(row, "LUT"),
             number(row, "multiplier"),
-            number(row, "clocks a frame"),
+            number(row, "clocks after the last sample"),
             number(row, "largest %"),
         )
         for row in rows_of(table, data="appendix2", outputs=4)
@@ -37,29 +31,24 @@ def designs(table: Table) -> list[Disc]:
     return in_order([*found, *printed_discs()])
 
 
+def points(table: Table) -> list[Named]:
+    """The designs by clocks and LUTs. Each name tells the error too."""
+    return [Named(f"{one.name}, {one.error:.2f} %", one.clocks, one.luts) for one in designs(table)]
+
+
 def area(table: Table) -> str:
-    """A disc for each design, which is larger for a larger error, and a legend below."""
-    found = designs(table)
-    axes = Axes(46, 74, 334, 236, (6, 6000), (80, 12000))
-    title = "The same four outputs: area, clocks, error"
+    """Every design with its name; the front is drawn, and what it beats is grey."""
+    title = "The same four outputs: area against clocks, and the error of the worst output"
+    axes = Axes(46, 58, 660, 380, (4, 4000), (80, 12000))
     body = [text((6, 18), title, 13, font_weight="bold")]
-    left, kinds = 6.0, {disc.kind for disc in found}
-    for kind in (kind for kind in COLOURS if kind in kinds):
-        body.append(text((left, 38), kind, fill=COLOURS[kind], font_weight="bold"))
-        left += LETTER * len(kind) + GAP
-    body += axes.drawn("clocks a frame", "Virtex-II LUTs; the larger a disc, the larger the error")
-    sizes = [3 * sqrt(design.error) + 1 for design in found]
-    discs, bottom = drawn(found, sizes, axes, COLUMNS)
+    body += axes.drawn(
+        "clocks from the last sample to the last output", "Virtex-II LUTs, entity by entity"
+    )
     said = f"{title}. {sentence(table)}"
-    return picture(said, (WIDTH, bottom + 12), [*body, *discs], widest=560)
+    return picture(said, (720, 480), [*body, *drawn(points(table), axes)], widest=860)
 
 
 def sentence(table: Table) -> str:
     """A sentence that says what the picture shows."""
-    found = designs(table)
-    least, most = found[0], max(found, key=lambda design: (design.luts, design.clocks))
-    return (
-        f"{least.name} takes {least.luts:,.0f} LUTs and {least.clocks:,.0f} clocks, {most.name} "
-        f"{most.luts:,.0f} and {most.clocks:,.0f}; a scan of the sensors takes {SCAN_CLOCKS:,}. "
-        "The thesis is shown at the clocks of its scan."
-    )
+    best = front(points(table))
+    return f"Not beaten on both axes: {'; '.join(one.name for one in best)}."

@@ -12,7 +12,7 @@ from golden.folders import BUILD
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells, budget_path, by_block, read_budget
-from hdl.synth.cells import DEPTH, FAMILIES, flat_name
+from hdl.synth.cells import DEPTH, FAMILIES
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import Timing, read_timing, timing_path
@@ -94,30 +94,33 @@ def with_activation_cells(table: Table) -> Table:
 
 
 def with_network_cells(table: Table) -> Table:
-    """The table of clocks, with the Virtex-II cells of recorded scenes without hierarchy."""
+    """The table of clocks, with the Virtex-II cells of recorded scenes, entity by entity."""
     found = {
-        scene.name: read_budget(budget_path(scene.path))[FAMILY].get(flat_name(scene.twin().entity))
+        scene.name: read_budget(budget_path(scene.path))[FAMILY][scene.twin().entity]
         for scene in scenes()
         if budget_path(scene.path).is_file()
     }
-    note = "The cells are those of the design in one piece, as make synth recorded them."
+    note = "The cells are counted entity by entity, as make synth recorded them."
     return _joined(table, lambda row: found.get(str(row[0])), note)
 
 
 def with_network_times(table: Table) -> Table:
-    """The table of clocks with microseconds, at the clock of the thesis and at the one reached."""
+    """The table of clocks with the microseconds after the last sample.
+
+    They are those at the clock of the thesis, and at the one that was reached.
+    """
     board = float(thesis_table("board")["clock_mhz"])
     reached = {
         scene.name: read_timing(timing_path(scene.path))[0].clock_mhz
         for scene in scenes()
         if timing_path(scene.path).is_file()
     }
-    at, first = table.columns.index("clocks a frame"), table.columns.index("scene")
+    at, first = table.columns.index("clocks after the last sample"), table.columns.index("scene")
     rows: list[list[Cell]] = []
     for row in table.rows:
         count, mhz = row[at], reached.get(str(row[first]))
         if not isinstance(count, int):
-            raise ValueError(f"table {table.name}: clocks a frame: got {count!r}, expected a count")
+            raise ValueError(f"table {table.name}: clocks: got {count!r}, expected a count")
         rows.append([*row, count / board, mhz, None if mhz is None else count / mhz])
     columns = [*table.columns, f"us at {board:g} MHz", "ECP5 MHz", "us on an ECP5"]
     note = "'ECP5 MHz' is the clock of the placed and routed design, as make synth recorded it."

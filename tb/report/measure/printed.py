@@ -11,7 +11,7 @@ from golden.metrics import summarise
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene import Scene, load_scene, thesis_table
-from golden.scene_errors import NOISE, disturbed_rows
+from golden.scene_errors import disturbed_rows
 from golden.units import FULL_SCALE, POSITION_MM, WIDTH_MM
 from tb.report.measure.table import Cell, Table
 
@@ -49,9 +49,13 @@ PARALLEL = [
     ),
 ]
 SINGLE = Pair(
-    "single", "digit-single-thesis", "digit-single", "digit.hybrid", "float_networks.single"
+    "single",
+    "digit-single-thesis",
+    "comparison/digit-single-half",
+    "digit.hybrid",
+    "float_networks.single",
 )
-MULTIPLE = Pair("multiple", "", "digit-multiple", "", "float_networks.multiple")
+MULTIPLE = Pair("multiple", "", "comparison/digit-multiple-half", "", "float_networks.multiple")
 CASCADE_A = Pair(
     "cascade A",
     "comparison/digit-thesis-a",
@@ -59,14 +63,13 @@ CASCADE_A = Pair(
     "digit.cascade_a",
     "float_networks.cascade",
 )
-CASCADE_B = Pair("cascade B", "digit-thesis", "digit", "digit.cascade_b")
-FOUR_OUTPUTS = [SINGLE, MULTIPLE, CASCADE_A, CASCADE_B]
-PAIRS = [*PARALLEL, *FOUR_OUTPUTS]
+CASCADE_B = Pair("cascade B", "digit-thesis", "", "digit.cascade_b")
+PAIRS = [*PARALLEL, SINGLE, MULTIPLE, CASCADE_A, CASCADE_B]
 
 # The networks of the pictures along the beam: in floating point as in Figures 3.23 to 3.26, and
 # bit-true in the arithmetic of the thesis as in Figures 5.16 to 5.19.
 ALONG = {
-    "floating point": {"single": SINGLE.today, "multiple": MULTIPLE.today, "cascade": "digit"},
+    "floating point": {pair.name: pair.today for pair in (SINGLE, MULTIPLE, CASCADE_A)},
     "bit-true": {pair.name: pair.alike for pair in (SINGLE, CASCADE_A, CASCADE_B)},
 }
 # The networks of Figure 5.24, and those of today.
@@ -74,8 +77,13 @@ WIDTHS = {
     "single": SINGLE.alike,
     "cascade": CASCADE_B.alike,
     "single, exact": SINGLE.today,
-    "cascade, exact": CASCADE_B.today,
+    "cascade, exact": CASCADE_A.today,
 }
+
+
+# The levels of noise, in mV, between which the one is interpolated at which a network errs as much
+# as the thesis prints.
+LEVELS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
 
 
 def printed(_: int) -> Table:
@@ -84,9 +92,10 @@ def printed(_: int) -> Table:
     for pair in PAIRS:
         hardware, real = thesis_table(pair.hardware), thesis_table(pair.in_float)
         theirs = [real.get("better_than"), hardware.get("simulation"), hardware.get("real_time")]
-        alike = largest(load_scene(pair.alike)) if pair.alike else [None] * 3
-        today = largest(load_scene(pair.today)) if pair.today else [None] * 3
-        figures = [*theirs, *alike[1:], *today]
+        alike = largest(load_scene(pair.alike)) if pair.alike else [None] * 2
+        today = largest(load_scene(pair.today)) if pair.today else [None] * 2
+        noise = noise_of(load_scene(pair.alike), theirs[2]) if theirs[2] else None
+        figures = [*theirs, alike[1], noise, *today]
         for c, output in enumerate(load_scene(pair.alike or pair.today).outputs):
             rows.append([pair.name, output, *(None if f is None else f[c] for f in figures)])
     return Table(
@@ -98,26 +107,48 @@ def printed(_: int) -> Table:
             "printed, simulation %",
             "printed, real time %",
             "thesis arithmetic, bit-true %",
-            "with noise of 2 mV %",
+            "as in real time with noise of mV",
             "floating point %",
             "exact, bit-true %",
-            "with noise of 2 mV, exact %",
         ],
         rows,
         "The figures are largest mean errors over the positions (equations 3.15 and 3.16). The "
         "printed ones are from section 3.12.1, Table 5.4 and section 5.2.2. Ours are on the "
-        "recorded readings, and with noise of 2 mV added to every one of them. We have no rig, so "
-        "no figure of ours was measured in real time. The arithmetic of the thesis has 14 bits and "
-        "the gradient activation.",
+        "recorded readings. We have no rig, so no figure of ours was measured in real time. The "
+        "noise is that on every reading with which our network in the arithmetic of the thesis "
+        "errs as much as the thesis prints for real time.",
     )
 
 
-def largest(scene: Scene) -> list[list[float] | None]:
-    """The largest mean errors of every output: in floating point, bit-true, and with noise."""
-    vectors = scene.vectors()
-    kinds = [errors_of(scene, False), errors_of(scene, True)]
-    kinds.append(disturbed_rows(scene, Disturbance(NOISE)))
-    return [[e.largest_mean for e in summarise(found, vectors.groups)] for found in kinds]
+def largest(scene: Scene) -> list[list[float]]:
+    """The largest mean errors of every output: in floating point, and bit-true."""
+    return [_largest(scene, errors_of(scene, bit_true)) for bit_true in (False, True)]
+
+
+def noise_of(scene: Scene, errors: list[float]) -> list[float | None]:
+    """The noise in mV with which each output errs as much as ``errors``.
+
+    It is None where the output errs more without noise, or less with the largest of ``LEVELS``.
+    """
+    found = [
+        _largest(scene, disturbed_rows(scene, Disturbance(level / 1e3)))
+        if level
+        else largest(scene)[1]
+        for level in LEVELS
+    ]
+    noises: list[float | None] = []
+    for error, means in zip(errors, zip(*found, strict=True), strict=True):
+        beyond = next((n for n, mean in enumerate(means) if mean > error), 0)
+        if not beyond:
+            noises.append(None)
+            continue
+        ends = means[beyond - 1 : beyond + 1], LEVELS[beyond - 1 : beyond + 1]
+        noises.append(float(np.interp(error, *ends)))
+    return noises
+
+
+def _largest(scene: Scene, errors: Real) -> list[float]:
+    return [found.largest_mean for found in summarise(errors, scene.vectors().groups)]
 
 
 def errors_of(scene: Scene, bit_true: bool) -> Real:

@@ -100,9 +100,9 @@ def _optimisers(seed: int) -> Iterator[list[Cell]]:
 
 
 def _cascades(seed: int) -> Iterator[list[Cell]]:
-    """The candidates of each network of digit-thesis. The best one feeds the next network."""
+    """The candidates of each network of thesis-larger. The best one feeds the next network."""
     for method, earlier in CASCADES.items():
-        scene = _configured("digit-thesis", seed, earlier_outputs=earlier)
+        scene = _configured("comparison/thesis-larger", seed, earlier_outputs=earlier)
         vectors = scene.vectors()
         chosen: list[Mlp] = []
         for member, shape in zip(scene.members, (mlp.shape for mlp in scene.mlps()), strict=True):
@@ -129,7 +129,7 @@ def training(seed: int) -> Table:
         "rows that chose the network and on a quarter that took no part. The optimisers train the "
         "4:16:4 network of digit-single from the same starts on the same rows. Each of their rows "
         "is the best point up to that number of evaluations of the training error. Cascade A "
-        "trains each network of digit-thesis on the floating-point outputs of the networks before "
+        "trains each network of thesis-larger on the floating-point outputs of the networks before "
         "it, and cascade B on the bit-true ones. Each of their rows is one start; the best start "
         "is used for the next network. 'CPU s' is the processor time since the start began. A "
         "difference in a last bit can lead a descent to another minimum, so the errors are those "

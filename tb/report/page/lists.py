@@ -174,7 +174,10 @@ def cost() -> str:
     cells = read_budget(budget_path(scene.path))
     timing, _ = read_timing(timing_path(scene.path))
     lines = ["| family | LUT | flip-flop | multiplier | block RAM |", "|---|---|---|---|---|"]
-    for family, name in (("xc2v", "Virtex-II"), ("xc7", "Series 7")):
+    for family, name in (
+        ("xc2v", "Virtex-II, entity by entity"),
+        ("xc7", "Series 7, entity by entity"),
+    ):
         top = cells[family][design.entity]
         kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
         lines.append(f"| {name} | {' | '.join(str(top[kind]) for kind in kinds)} |")

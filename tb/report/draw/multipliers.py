@@ -1,0 +1,47 @@
+"""Draws the multipliers of the folded networks: as the thesis prints them, and as ours take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tb.report.draw.drawing import ACCENT, FAINT, box, picture, text
+
+ROW, BAR, LEFT, WIDE = 40.0, 12.0, 110.0, 420.0
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A network, its printed share of the device's multipliers in %, and our count and share."""
+
+    name: str
+    printed: float
+    count: int
+    ours: float
+
+
+def drawn(pairs: Sequence[Pair], of: int) -> str:
+    """Two bars for each network, one below the other."""
+    body = [text((6, 18), f"Multipliers of the {of} of the thesis' device", 13, font_weight="bold")]
+    for n, pair in enumerate(pairs):
+        top = 34 + n * ROW
+        body.append(text((6, top + BAR + 4), pair.name))
+        shown = (
+            (pair.printed, FAINT, f"{pair.printed:g} %, printed"),
+            (pair.ours, ACCENT, f"{pair.ours:.1f} %, {pair.count} multipliers of ours"),
+        )
+        for k, (share, colour, words) in enumerate(shown):
+            y, width = top + k * BAR, WIDE * share / 100
+            body.append(box((LEFT, y), (width, BAR - 1), fill=colour, stroke="none"))
+            body.append(text((LEFT + width + 6, y + BAR - 2), words))
+    said = f"Multipliers of the folded networks. {sentence(pairs)}"
+    return picture(said, (640, 44 + ROW * len(pairs)), body, widest=720)
+
+
+def sentence(pairs: Sequence[Pair]) -> str:
+    """Both shares of every network."""
+    named = [f"{pair.ours:.1f} ({pair.name}, printed {pair.printed:g})" for pair in pairs]
+    return (
+        "With the printed hidden nodes, three multipliers for each node and one for each network, "
+        f"our folded networks take these % of the multipliers: {', '.join(named)}."
+    )
