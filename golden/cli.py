@@ -8,6 +8,7 @@ import shlex
 import shutil
 import signal
 import sys
+import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
@@ -143,12 +144,15 @@ def _stopped_by_signals() -> Iterator[None]:
     at once, because threads that wait for them would not see the exception.
     """
     ended: list[int] = []
+    over = threading.Event()
 
     def stop(number: int, _: FrameType | None) -> None:
         # Make may pass on what the whole group of processes gets too.
         if not ended:
             ended.append(number)
+            # Once before anything else, so that no process sees what the exception undoes.
             end_descendants()
+            threading.Thread(target=end_more, args=(over,), daemon=True).start()
             raise KeyboardInterrupt(number)
 
     # A signal that is ignored, such as after nohup, stays so.
@@ -161,6 +165,7 @@ def _stopped_by_signals() -> Iterator[None]:
     try:
         yield
     finally:
+        over.set()
         if ended:
             end_workers()
         for number, handler in before.items():
@@ -168,19 +173,30 @@ def _stopped_by_signals() -> Iterator[None]:
 
 
 def end_descendants() -> None:
-    """Ask the processes that this one has started, and those that these have started, to end."""
-    children: dict[int, list[int]] = {}
+    """Ask all processes to end that this one has started, and those that these have started."""
+    for process in descendants(os.getpid()):
+        with suppress(OSError):
+            os.kill(process, signal.SIGTERM)
+
+
+def end_more(over: threading.Event) -> None:
+    """End also the processes that threads still start: a pool waits for all that these have to do."""
+    while not over.wait(0.1):
+        end_descendants()
+
+
+def descendants(process: int) -> list[int]:
+    """The processes that a process has started, and that these have started; Linux alone tells."""
+    started: dict[int, list[int]] = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
+        # A process may end before its file is read. Its name, in parentheses, may hold anything.
         with suppress(OSError, ValueError):
-            # The name, in parentheses, may hold anything.
             _, parent, *_ = path.read_bytes().rpartition(b")")[2].split()
-            children.setdefault(int(parent), []).append(int(path.parent.name))
-    waiting = [os.getpid()]
-    while waiting:
-        for child in children.get(waiting.pop(), []):
-            waiting.append(child)
-            with suppress(OSError):
-                os.kill(child, signal.SIGTERM)
+            started.setdefault(int(parent), []).append(int(path.parent.name))
+    found = [process]
+    for one in found:
+        found += started.get(one, [])
+    return found[1:]
 
 
 def end_workers() -> None:

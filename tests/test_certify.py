@@ -208,7 +208,7 @@ def test_a_full_disk_is_amber_and_no_fault_of_the_hardware(copied: Path) -> None
 def test_a_certificate_on_a_full_disk_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(RuntimeError, match="a tool failed"), room_in(Path.cwd()):
         raise RuntimeError("a tool failed")
-    monkeypatch.setattr("tb.certify.__main__.ROOM", 1 << 80)
+    monkeypatch.setattr("golden.files.ROOM", 1 << 80)
     said = re.escape(f"{Path.cwd().parent}: the disk is full")
     with pytest.raises(InputError, match=said), room_in(Path.cwd()):
         raise RuntimeError("a tool failed")
@@ -234,22 +234,6 @@ def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> Non
             return
         time.sleep(0.1)
     pytest.fail("the tool still runs")
-
-
-def test_threads_that_wait_for_programs_end_with_the_command(tmp_path: Path) -> None:
-    noted = tmp_path / "noted"
-    code = (
-        "import subprocess; from concurrent.futures import ThreadPoolExecutor; "
-        "from tb.common.children import ending_children\n"
-        "with ThreadPoolExecutor() as pool, ending_children():\n"
-        f"    list(pool.map(subprocess.run, [['sh', '-c', 'echo $$ > {noted}; sleep 3600; :']]))"
-    )
-    command = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.DEVNULL)
-    while not noted.exists():
-        assert command.poll() is None
-        time.sleep(0.05)
-    command.send_signal(signal.SIGINT)
-    assert command.wait(timeout=600)
 
 
 def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:

@@ -26,9 +26,9 @@ from golden.cli import run
 from golden.files import replace_folder
 
 def main():
-    with replace_folder(Path(sys.argv[1]) / "vhdl") as folder, ThreadPoolExecutor() as pool:
+    with replace_folder(Path(sys.argv[1]) / "vhdl") as folder, ThreadPoolExecutor(1) as pool:
         (folder / "half").touch()
-        waiting = [pool.submit(subprocess.run, ["sleep", "1000"]) for _ in range(2)]
+        waiting = [pool.submit(subprocess.run, ["sleep", "1000"]) for _ in range(3)]
         time.sleep(1)
         print("ready", flush=True)
         for one in waiting:

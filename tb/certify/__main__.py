@@ -11,7 +11,6 @@ import argparse
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from golden.cli import run, whole, would
-from golden.files import check_output, replace_folder
+from golden.files import check_output, check_room, replace_folder
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.progress import Heartbeat, duration, stage
@@ -39,7 +38,6 @@ from tb.certify.delivered import (
 from tb.certify.page import bits_line, write_page
 from tb.certify.picture import draw_page, picture_file
 from tb.certify.results import OUTPUT, StepResult, read_results
-from tb.common.children import ending_children
 from tb.common.runner import export, ready_scene
 from tb.sign_off.netlist import chosen
 from tb.sign_off.processor import processor_line, processor_minutes
@@ -48,8 +46,6 @@ from tb.sign_off.unknown import UNKNOWN
 MOST = 100_000
 # After so many seconds without a line, one says what is running.
 SILENCE = 15.0
-# With less than this left on a disk, something may not have been written.
-ROOM = 1 << 20
 
 
 def certify(
@@ -60,7 +56,6 @@ def certify(
     with (
         stage(f"{scene.name}: exporting"),
         ThreadPoolExecutor() as pool,
-        ending_children(),
     ):
         list(pool.map(lambda language: export(scene, language, build), LANGUAGES))
     # Tools run in folders of their own, so the path is absolute.
@@ -141,18 +136,9 @@ def room_in(folder: Path) -> Iterator[None]:
     try:
         yield
     except (InputError, OSError, RuntimeError, subprocess.SubprocessError):
-        _check_room(folder)
+        check_room(folder.parent, "the hardware")
         raise
-    _check_room(folder)
-
-
-def _check_room(folder: Path) -> None:
-    for place in (folder.parent, Path(tempfile.gettempdir())):
-        if shutil.disk_usage(place).free < ROOM:
-            raise InputError(
-                f"{place}: the disk is full, so nothing is known of the hardware; expected "
-                f"{ROOM >> 20} MB or more that are free"
-            )
+    check_room(folder.parent, "the hardware")
 
 
 def main() -> int:

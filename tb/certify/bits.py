@@ -23,7 +23,6 @@ from hdl.export.exporter import compile_order
 from tb.certify.delivered import LANGUAGES, check
 from tb.certify.equality import NETLIST, ghdl_netlist
 from tb.certify.results import OUTPUT
-from tb.common.children import ending_children
 from tb.sign_off.equal_proof import EQUAL, compare
 
 WORDS = "words of memories"
@@ -174,7 +173,6 @@ def try_bits(
     with (
         tempfile.TemporaryDirectory(prefix=".bits", dir=folder.parent) as name,
         ThreadPoolExecutor(os.cpu_count()) as pool,
-        ending_children(),
     ):
 
         def work(numbered: tuple[int, Change]) -> Fate:

@@ -29,7 +29,6 @@ from tb.certify.mutants import OF_FIRST, OF_OTHERS, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
 from tb.certify.sums import write_sums
-from tb.common.children import ending_children
 from tb.common.runner import Job, jobs
 from tb.sign_off.properties import Property
 
@@ -162,7 +161,7 @@ def _write_mutants(
         return job, write_mutants(job, folder, count, seed)
 
     # Of one entity, tools wait for each other, and then only one processor works.
-    with ThreadPoolExecutor(2) as pool, ending_children():
+    with ThreadPoolExecutor(2) as pool:
         return list(pool.map(write, drawn))
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import Block, walk
-from golden.files import replace_folder, writing
+from golden.files import check_room, replace_folder, writing
 from golden.fingerprint import ROOT, fingerprint
 from golden.folders import BUILD
 from golden.input_error import InputError
@@ -29,7 +29,6 @@ from golden.scene import FOLDER, Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, compile_order
 from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
-from tb.common.children import ending_children
 from tb.common.coverage import Counts, add, missing
 from tb.common.given import Given
 from tb.common.simulate import RESULTS, Run, analyse, simulate, simulated_time
@@ -317,6 +316,8 @@ def run_job(job: Job) -> Outcome:
     # The recorded frames in it would fill the disk if there are many entities.
     job.given_file.unlink()
     outcome = read_outcome(job, sound, time.perf_counter() - started)
+    if not outcome.passed:
+        check_room(job.folder, f"{job.entity} in {job.runs_on}")
     if outcome.passed and not job.test:
         return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
     return outcome
@@ -380,7 +381,7 @@ def run_jobs(
 
     ``tell`` is called for each outcome in the moment in which it is there, in whatever order.
     """
-    with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool, ending_children():
+    with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
         running = [pool.submit(work, job) for job in jobs]
         try:
             for future in as_completed(running):

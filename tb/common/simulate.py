@@ -22,6 +22,7 @@ import cocotb_test.simulator
 import find_libpython
 from cocotb_tools import config
 
+from golden.files import check_room
 from golden.input_error import InputError
 
 # This backend of GHDL is twice as fast as the default. Without it, Debian's ghdl takes another.
@@ -96,6 +97,7 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         check=False,
     )
     if result.returncode:
+        check_room(library.parent, "the exported files")
         raise InputError(result.stderr.strip())
 
 
