@@ -180,7 +180,7 @@ def end_descendants() -> None:
 
 
 def end_more(over: threading.Event) -> None:
-    """End also the processes that threads still start: a pool waits for all that these have to do."""
+    """End also the processes that threads still start, because a pool waits for its threads."""
     while not over.wait(0.1):
         end_descendants()
 
