@@ -23,6 +23,9 @@ DRY_RUN := $(filter-out 0,$(DRY))
 # $(1): what a recipe would do; $(2): how.
 own = @$(if $(DRY_RUN),echo "DRY=1: nothing done; would $(1)",$(2))
 
+# $(1): a variable that names a folder which is removed; $(2): a file by which it is known.
+mine = if [ -e "$$$(1)" ] && ! [ -e "$$$(1)/$(2)" ]; then \
+	echo "error: $(1)=$$$(1): is there already, and has no $(2), so it may be yours" >&2; exit 2; fi
 # Where a recipe is one call, exec lets a signal that make passes on reach it, and not a shell before it.
 RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
@@ -58,6 +61,7 @@ SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs
 
 docs: $(READY)
 	$(call own,build $$SITE,set -e; \
+		$(call mine,SITE,index.html); \
 		rm -rf -- "$$SITE.new" "$$SITE.doctrees"; \
 		$(SPHINX) "$$SITE.new"; \
 		$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$$SITE.links";) \
@@ -75,7 +79,7 @@ lint: $(READY)
 		"$$VENV/bin/lint-imports" --no-cache --no-logo && $(RUN) -m mypy)
 
 clean:
-	$(call own,remove build and $$VENV,rm -rf build "$$VENV")
+	$(call own,remove build and $$VENV,$(call mine,VENV,pyvenv.cfg); rm -rf build "$$VENV")
 
 # Simulators and what Debian's own Python lacks. As root, or where sudo asks no password, they are
 # installed; elsewhere the command to run is printed.

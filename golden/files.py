@@ -8,10 +8,12 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import secrets
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -24,6 +26,8 @@ from golden.input_error import InputError, MissingFileError
 Made = TypeVar("Made")
 # With less than this left on a disk, something may not have been written.
 ROOM = 1 << 20
+# No command takes so many seconds for one folder.
+LONGEST = 7 * 86400
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
@@ -373,6 +377,14 @@ def _second_name(path: Path, name: Path) -> None:
         shutil.copy2(path, name)
 
 
+def _remove_left(path: Path) -> None:
+    """Remove temporary folders of commands that were killed, once they are surely not in use."""
+    ours = re.compile(rf"\.{re.escape(path.name)}\.[0-9a-f]{{16}}{re.escape(path.suffix)}")
+    for folder in path.parent.iterdir() if path.parent.is_dir() else ():
+        if ours.fullmatch(folder.name) and folder.stat().st_mtime < time.time() - LONGEST:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
 @contextmanager
 def replace_folder(path: Path) -> Iterator[Path]:
     """Yield a temporary folder beside ``path``, and put it in place if the block succeeds.
@@ -385,6 +397,7 @@ def replace_folder(path: Path) -> Iterator[Path]:
     with writing(path):
         if path.exists() and not path.is_dir():
             raise NotADirectoryError(errno.ENOTDIR, "got a file, expected a folder")
+        _remove_left(path)
         temporary, old = _beside(path), _beside(path)
         temporary.mkdir()
     try:

@@ -151,3 +151,15 @@ def test_what_is_kept_and_damaged_is_not_there(tmp_path: Path) -> None:
     assert read_kept(path) == [1]
     path.write_text("[1", encoding="utf-8")
     assert read_kept(path) is None
+
+
+def test_what_a_killed_command_left_is_removed_once_it_is_old(tmp_path: Path) -> None:
+    old, new, other = (tmp_path / f".vhdl.{word}" for word in ("0" * 16, "1" * 16, "mine"))
+    for folder in (old, new, other):
+        folder.mkdir()
+        (folder / "half.vhd").touch()
+    for folder in (old, other):
+        os.utime(folder, (0, 0))
+    with replace_folder(tmp_path / "vhdl"):
+        pass
+    assert {path.name for path in tmp_path.iterdir()} == {"vhdl", new.name, other.name}

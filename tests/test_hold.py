@@ -62,6 +62,7 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
         "tb.demo same.toml",
         "hdl.export same.toml vhdl",
         "tb.report same.toml",
+        "tb.certify same.toml",
     ],
 )
 def test_commands_wait_for_others_on_a_scene_of_the_same_name(tmp_path: Path, words: str) -> None:

@@ -226,6 +226,19 @@ def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
     assert make(tmp_path, f"VENV={venv}", "clean", "-n").returncode == 0
 
 
+@pytest.mark.parametrize(("target", "name"), [("docs", "SITE"), ("clean", "VENV")])
+def test_a_folder_of_the_user_is_not_removed(tmp_path: Path, target: str, name: str) -> None:
+    environment(tmp_path)
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / ".ready").touch()
+    given = {"VENV": str(tmp_path / "venv")} | {name: str(own)}
+    result = make(tmp_path, target, *(f"{key}={value}" for key, value in given.items()))
+    assert result.returncode == 2
+    assert f"error: {name}={own}: is there already, and has no " in result.stderr
+    assert own.is_dir()
+
+
 def test_recipes_have_no_text_of_a_user() -> None:
     """Make inserts no value of a variable into a recipe. It only tests whether there is one."""
     named = {argument.name for command in COMMANDS for argument in command.arguments}

@@ -20,6 +20,7 @@ from pathlib import Path
 from golden.cli import run, whole, would
 from golden.files import check_output, check_room, replace_folder
 from golden.folders import BUILD
+from golden.hold import held
 from golden.input_error import InputError
 from golden.progress import Heartbeat, duration, stage
 from golden.scene import Scene
@@ -168,7 +169,8 @@ def main() -> int:
         arguments.recorded,
         arguments.parts,
     )
-    results, fates = certify(scene, wanted)
+    with held([BUILD / scene.name]):
+        results, fates = certify(scene, wanted)
     if arguments.picture:
         draw_page(folder / "certificate.html", arguments.picture)
     if fates:
