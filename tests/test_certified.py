@@ -81,6 +81,9 @@ ROWS = {name: CASES[name] for name in NAMES} | {
         f"{activation}-row": replace(CASES["pade-parallel"], activation=activation)
         for activation in ("gradient_parallel", "lut", "polynomial")
     },
+    "winner-reload-uart": replace(
+        CASES["reload-uart"], hardware="clock_mhz = 4.0\nreload = true\nargmax = true"
+    ),
     "runs-graph": replace(CASES["least-graph"], hardware="search_runs = 2"),
 }
 

@@ -21,7 +21,7 @@ def properties(twin):
     if not twin.reload:
         return prove_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(engine), room(twin, engine), what_packets_tell(), rests(twin)]
+    return [no_half_image(engine), room(twin, engine), what_packets_tell(twin), rests(twin)]
 
 
 def no_half_image(engine):
@@ -98,7 +98,9 @@ def room(twin, engine):
     )
 
 
-def what_packets_tell():
+def what_packets_tell(twin):
+    # The largest output comes behind the last one.
+    ends = f"{SENDER}.winner_valid" if twin.packet_sender.decides else "out_valid && out_last"
     streams = ("sample_valid valid", "sample_data data", "sample_last last")
     streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
     streams += ("frame_error broken", "image_error unsound", "line_error wrong")
@@ -113,9 +115,9 @@ def what_packets_tell():
             *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
             f"{SENDER}.count == frames",
         ),
-        watch="""
+        watch=f"""
             reg [15:0] frames = 0;
-            always @(posedge clk) frames <= rst ? 0 : frames + (out_valid && out_last);
+            always @(posedge clk) frames <= rst ? 0 : frames + ({ends});
         """,
         free=(
             *("valid", "data", "last", "result_valid", "result", "result_last"),

@@ -153,10 +153,16 @@ def checked(twin):
     )
 
 
+def completes(twin):
+    """What ends a frame: its last output, or the largest one where that is told."""
+    return "winner_valid" if twin.decides else "result_valid && result_last"
+
+
 def begin(twin):
+    ends = "index and margin" if twin.decides else "the last output"
     return Property(
         name="begin of a packet",
-        sentence="A packet begins one clock after the last output of a frame, if the line is free "
+        sentence=f"A packet begins one clock after {ends} of a frame, if the line is free "
         f"then, or where the line has been free for {twin.patience} clocks. Nothing else begins "
         "one.",
         states=(
@@ -165,11 +171,12 @@ def begin(twin):
         ),
         watch=f"""
             localparam [31:0] LONG = {twin.patience};
+            wire completes = {completes(twin)};
             reg [31:0] quiet = 0;
             reg ended = 0;
             always @(posedge clk) begin
                 quiet <= rst || begins || sending || !out_ready ? 0 : quiet + 1;
-                ended <= !rst && result_valid && result_last;
+                ended <= !rst && completes;
             end
         """,
         helps=("quiet < LONG", "complete == ended"),
@@ -218,6 +225,20 @@ def tell(twin):
             codes.append(code)
     sign = 16 - SIGNAL.width
     shown = [f"{{{{{sign}{{{code}[{SIGNAL.width - 1}]}}}}, {code}}}" for code in codes]
+    if twin.decides:
+        index, margin = twin.argmax.index_fmt.width, twin.argmax.margin_fmt.width
+        watch += f"""
+            reg [7:0] newest_index = 0;
+            reg [15:0] newest_margin = 0;
+            always @(posedge clk) begin
+                if (winner_valid) newest_index <= {{{8 - index}'d0, winner_index}};
+                if (winner_valid) newest_margin <= {{{16 - margin}'d0, winner_margin}};
+                if (rst) newest_index <= 0;
+                if (rst) newest_margin <= 0;
+            end
+        """
+        shown += ["newest_index", "newest_margin"]
+        kept += ["keep_winner0_index == newest_index", "keep_winner0_margin == newest_margin"]
     if twin.points:
         shown += ["point"] + [
             f"{{{{{sign}{{next_point0_{axis}[{SIGNAL.width - 1}]}}}}, next_point0_{axis}}}"
@@ -231,8 +252,10 @@ def tell(twin):
         name="what a packet tells",
         sentence="The bytes of a packet are SYNC, version and kind, the length, how many packets "
         "have begun before, the flags, how many frames have ended, the newest sample and the "
-        "newest output of each place in a frame, and the point where there is one. All of these "
-        "are of the clock in which the packet begins, and none is from before a reset.",
+        "newest output of each place in a frame, "
+        f"{'index and margin, ' * twin.decides}and the point where there is one. "
+        "All of these are of the clock in which the packet begins, and none is from before a "
+        "reset.",
         states=(
             f"!(sending && place == chosen && place < {count}) || out_data == word",
             "number == packets",
@@ -244,6 +267,7 @@ def tell(twin):
         + f"""
             reg [7:0] packets = 0;
             reg [15:0] frames = 0;
+            wire completes = {completes(twin)};
             wire [7:0] point = {"next_point0_number" if twin.points else "0"};
             wire [{8 * count - 1}:0] whole = {{{", ".join(body)}}};
             // Of any one byte, by its number, what it must be.
@@ -253,7 +277,7 @@ def tell(twin):
                 chosen <= chosen;
                 if (begins) word <= whole >> (8 * ({count - 1} - chosen));
                 packets <= rst ? 0 : packets + begins;
-                frames <= rst ? 0 : frames + (result_valid && result_last);
+                frames <= rst ? 0 : frames + completes;
             end
         """,
         helps=(
