@@ -20,7 +20,7 @@ from golden.rig.sensors_needed import (
 )
 from golden.scene import load_scene
 from golden.training.split import Split, split_rows
-from tb.report.measure import sensors_dropped, table_records
+from tb.report.measure import sensors_dropped, sensors_shipped, table_records
 from tb.report.measure.table import Table
 from tb.report.page import left_out as page
 
@@ -147,21 +147,40 @@ def test_the_record_is_that_table(dropped: Table) -> None:
         assert row[6] <= row[5] <= row[7]
 
 
+def test_networks_that_are_trained_as_shipped_read_the_kept_sensors_alone(monkeypatch) -> None:
+    seen = []
+    right = sensors_shipped.measure
+    scene = load_scene("digit")
+    quick = replace(scene, training=replace(scene.training, steps=5))
+    monkeypatch.setattr(sensors_shipped, "load_scene", lambda _: quick)
+    monkeypatch.setattr(sensors_shipped, "SETS", (("sensor1", "sensor2"),))
+    monkeypatch.setattr(sensors_shipped, "candidates", lambda task: [(2, 0)])
+    monkeypatch.setattr(
+        sensors_shipped, "Parallel", lambda n_jobs: lambda jobs: [f(*a) for f, a, _ in jobs]
+    )
+
+    def watched(task, *rest):
+        seen.append((task.training.inputs.shape[1], task.scene.training.seed))
+        return right(task, *rest)
+
+    monkeypatch.setattr(sensors_shipped, "measure", watched)
+    table = sensors_shipped.kept(7, splits=1, restarts=1)
+    # In cascade, each network sees the outputs before it.
+    assert seen == [(2 + number, 7) for number in range(4)]
+    *outputs, worst = table.rows
+    assert [row[1] for row in outputs] == list(scene.outputs)
+    assert worst[2] == max(row[2] for row in outputs)
+
+
+def test_a_leaner_program_takes_fewer_words_and_clocks() -> None:
+    rows = [line.split("|")[2:4] for line in page.program_rows().splitlines()[2:]]
+    whole, *others = [(int(words), int(clocks)) for words, clocks in rows]
+    assert all(words < whole[0] and clocks < whole[1] for words, clocks in others)
+
+
 def test_a_table_has_the_printed_errors_at_their_hidden_nodes() -> None:
     table = sensors_dropped.nodes(1, counts=(4, 6), starts=1, splits=1)
     printed = {(row[0], row[1]): row[-1] for row in table.rows}
     assert len(printed) == 6
     assert printed[(2, 6)] == 0.00027
     assert [key for key, figure in printed.items() if figure] == [(2, 6)]
-
-
-def test_the_headline_names_the_fewest_sensors_that_do(dropped: Table) -> None:
-    """In these rows, two sensors are as good as three, and one sensor is not."""
-    columns, worst = list(dropped.columns), sensors_dropped.WORST
-    each, order = sensors_dropped.EACH, sensors_dropped.IN_ORDER
-    rows = [
-        [each, "none", 3, "a b c", worst, 2.0, 1.0, 3.0],
-        [order, "c", 2, "a b", worst, 2.2, 1.5, 3.0],
-        [order, "b", 1, "a", worst, 9.0, 8.0, 10.0],
-    ]
-    assert page.fewest(Table("sensors_dropped", columns, rows, "")) == ("a", "b")

@@ -29,6 +29,7 @@ ON_REQUEST = (
     "learned_elsewhere",
     "on_line_learning",
     "beyond_drift",
+    "sensors_shipped",
 )
 
 

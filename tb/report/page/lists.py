@@ -292,7 +292,7 @@ def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     docs = ROOT / "docs"
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
-    scenes_left_out = left_out(SEED)
+    scenes_left_out, shipped = left_out(SEED), read("sensors_shipped")
     functions, in_integers = read("learned_functions"), read("function_tables")
     in_tables, for_classes = read("table_graph"), read("learned_classes")
     elsewhere, on_line_learning = read("learned_elsewhere"), read("on_line_learning")
@@ -324,8 +324,10 @@ def pages() -> dict[Path, str]:
         (docs / "learned-functions.md", "small", partial(learned.small_tables, in_tables)),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "scenes.md", "classes", classes),
-        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
+        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, shipped)),
         (docs / "left-out.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
+        (docs / "left-out.md", "programs", leaving.program_rows),
+        (docs / "left-out.md", "shipped", partial(leaving.shipped_rows, shipped)),
         (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
         (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
         (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
@@ -354,7 +356,7 @@ def pages() -> dict[Path, str]:
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
     found[docs / "search-runs.svg"] = findings.search_plot(search_runs(SEED)).draw() + "\n"
     found[docs / "stability.svg"] = margins(cases)
-    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
+    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"), "the cascade")
     found[docs / "learning.svg"] = on_line.picture(on_line_learning)
