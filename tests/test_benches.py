@@ -28,7 +28,13 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 # Every run plays all recorded frames through the default scene. ALL=1 adds the design with every
 # multiplication at once, and the design of the thesis in its arithmetic, which `make demo`
 # simulates too. The cases cover the other arrangements and interfaces.
-NETWORKS = tiered(["digit"], ["digit-parallel", "digit-single-thesis"])
+NETWORKS = tiered(
+    ["digit"],
+    [
+        *("digit-parallel", "digit-single-thesis"),
+        *(f"comparison/swing-{form}-thesis" for form in ("single", "multiple", "cascade")),
+    ],
+)
 
 
 # These cases drive the same as others in other sizes, so only ALL=1 runs them. ``chain-engine`` is

@@ -220,7 +220,8 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
     for scene, run, output, real, exact in columns(tables, "motions", *names):
         kept = worst if run in RUNS[:2] else final
         kept[scene, output] = max(exact, kept.get((scene, output), 0))
-        assert abs(exact - real) < 0.03
+        # In the thesis' 14 bits the activation is trained with, and differs from floating point.
+        assert scene.endswith("-thesis") or abs(exact - real) < 0.03
     printed = {(s, o): p for s, o, p in columns(tables, "motions", "scene", "output", "printed %")}
     for output, asked in zip("xyz", (1.5, 0.2, 1.0), strict=True):
         shown = cells(page, f"{output}, with a past")
@@ -233,6 +234,10 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
         for n, form in enumerate(FORMS):
             assert shows(shown[2 * n], worst[f"swing-{form}", output], ROUNDING), (form, output)
             assert float(shown[2 * n + 1]) == printed[f"swing-{form}", output]
+        shown = cells(page, f"{output}, 14 bits")
+        for n, form in enumerate(FORMS):
+            assert shows(shown[2 * n], worst[f"swing-{form}-thesis", output], ROUNDING), form
+            assert float(shown[2 * n + 1]) == printed[f"swing-{form}-thesis", output]
 
 
 PAST = {

@@ -12,10 +12,22 @@ ROW, BAR, LEFT, WIDE = 40.0, 12.0, 110.0, 420.0
 
 @dataclass(frozen=True)
 class Pair:
-    """A network, its printed share of the device's multipliers in %, and our count and share."""
+    """A network and its multipliers, in percent of those of the device.
+
+    Attributes
+    ----------
+    name : str
+    printed : float
+    ruled : float
+        Three for each printed hidden node and one for each network.
+    count : int
+        What ours takes: none for the factor of a network that is a power of two.
+    ours : float
+    """
 
     name: str
     printed: float
+    ruled: float
     count: int
     ours: float
 
@@ -39,9 +51,10 @@ def drawn(pairs: Sequence[Pair], of: int) -> str:
 
 
 def sentence(pairs: Sequence[Pair]) -> str:
-    """Both shares of every network."""
-    named = [f"{pair.ours:.1f} ({pair.name}, printed {pair.printed:g})" for pair in pairs]
+    """The printed shares, and those by the rule of our blocks."""
+    named = [f"{pair.ruled:.1f} for {pair.name} (printed {pair.printed:g})" for pair in pairs]
     return (
-        "With the printed hidden nodes, three multipliers for each node and one for each network, "
-        f"our folded networks take these % of the multipliers: {', '.join(named)}."
+        "By the rule of our blocks, three multipliers for each hidden node and one for a network, "
+        "the hidden nodes that the thesis prints take these % of the multipliers: "
+        f"{'; '.join(named)}. Ours save one where the factor of a network is a power of two."
     )

@@ -11,10 +11,13 @@ from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, thesis_table
 from golden.scene.reading import scene_path
 from golden.table import read_table
+from tb.report.measure.swing_recordings import FORMS
 from tb.report.measure.table import Cell, Table
 
 DATA = ROOT / "golden" / "data"
 SCENES = (
+    # As the thesis built them, and ours.
+    *(f"comparison/swing-{form}-thesis" for form in FORMS),
     "swing-single",
     "swing-multiple",
     "swing-cascade",

@@ -29,7 +29,7 @@ COMPARED = [
     *("digit-lanes1", "digit-lanes2", "digit-lanes4", "digits-lanes8"),
     *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
     *("digit-sums", "digit-tables", "wine-tables", "beans-tables"),
-    "thesis-larger",
+    *("swing-single-thesis", "swing-multiple-thesis", "swing-cascade-thesis", "thesis-larger"),
 ]
 COLUMNS = [*KINDS, DEPTH]
 

@@ -46,7 +46,10 @@ RESOURCES = {
     },
     "digit, single": ("digit.hybrid", "digit-single-thesis", "comparison/digit-single-engine"),
     "digit, cascade": ("digit.cascade_b", "digit-thesis", "digit"),
-    **{f"swing, {n}": (f"swing.{n}", "", f"swing-{n}") for n in ("single", "multiple", "cascade")},
+    **{
+        f"swing, {n}": (f"swing.{n}", f"comparison/swing-{n}-thesis", f"swing-{n}")
+        for n in ("single", "multiple", "cascade")
+    },
 }
 
 
@@ -137,10 +140,19 @@ def folded() -> list[multipliers.Pair]:
     """The networks that are folded as in the thesis, with their shares of its multipliers."""
     found = []
     for name, (key, same, _) in RESOURCES.items():
-        if same and load_scene(same).design == "hybrid":
+        if load_scene(same).design == "hybrid":
             count, share = _shares(same)[-2:]
-            printed = float(thesis_table(key)["mult18x18_percent"])
-            found.append(multipliers.Pair(name, printed, int(str(count)), float(str(share))))
+            figures, of = thesis_table(key), thesis_table("device")["mult18x18"]
+            ruled = 3 * sum(figures["hidden"]) + len(load_scene(same).members)
+            found.append(
+                multipliers.Pair(
+                    name,
+                    float(figures["mult18x18_percent"]),
+                    100 * ruled / of,
+                    int(str(count)),
+                    float(str(share)),
+                )
+            )
     return found
 
 
