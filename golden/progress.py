@@ -110,7 +110,8 @@ class Progress:
         estimated. Otherwise nothing is estimated, and each part is named when it begins.
     costs : sequence of float
         Of parts that are not alike, about how long each takes compared with the others, in the
-        order in which they end.
+        order in which they end. The first one counts for nothing, because processes start in its
+        time.
     behind : float
         By the same measure, all jobs that follow this one, for which the time is estimated too.
     known : int
@@ -134,11 +135,12 @@ class Progress:
         self.clock = clock
         self.alike = alike
         self.costs = costs or [1.0] * total
+        self.starting = bool(costs)
         self.behind = behind
         self.known = known
         self.terminal = self.stream.isatty()
         self.done = 0
-        self.began = self.printed = clock()
+        self.began = self.timed = self.printed = clock()
         self._note = ""
         self._running: list[str] = []
         self._lock = threading.RLock()
@@ -159,6 +161,9 @@ class Progress:
         with self._lock:
             self.done += 1
             self._note = note
+            if self.starting and self.done > self.known:
+                self.starting, self.known = False, self.done
+                self.timed = self.clock()
             pause = TERMINAL_PAUSE if self.terminal else PAUSE
             if self.done == self.total or self.clock() - self.printed >= pause:
                 self._show()
@@ -196,9 +201,10 @@ class Progress:
         if self.done == self.total:
             line += f" in {duration(spent)}"
         elif estimated:
-            line += f", about {duration(spent / done * left)} left"
+            each = (self.printed - self.timed) / done
+            line += f", about {duration(each * left)} left"
             if self.behind:
-                line += f", {duration(spent / done * (left + self.behind))} with what follows"
+                line += f", {duration(each * (left + self.behind))} with what follows"
         elif spent >= 1:
             line += f", {duration(spent)}"
         line += f", {self._note}" if self._note else ""
