@@ -81,3 +81,20 @@ def test_commands_wait_for_others_on_a_scene_of_the_same_name(tmp_path: Path, wo
             assert any(f"waiting for process {os.getpid()}," in line for line in command.stdout)
         finally:
             command.kill()
+
+
+def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
+    write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
+    searches = [
+        subprocess.Popen(
+            [sys.executable, "-m", "golden.commands.train", "same.toml"],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            stdout=subprocess.DEVNULL,
+        )
+        for _ in range(2)
+    ]
+    assert [search.wait() for search in searches] == [0, 0]
+    (record,) = tmp_path.glob("build/store/training/*/0.jsonl")
+    lines = record.read_text().splitlines()
+    assert len(lines) == len(set(lines)) > 0

@@ -23,6 +23,7 @@ from golden.dense import Trained
 from golden.files import check_output
 from golden.finding import refuse
 from golden.folders import BUILD
+from golden.hold import held
 from golden.input_error import InputError
 from golden.layer_training import LayersResult, LayerStages, layers_searched
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
@@ -193,7 +194,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
-        best, refused = choose(task, records / f"{number}.jsonl", workers)
+        # A second command that searches for the same waits, and takes what the first has found.
+        with held([records]):
+            best, refused = choose(task, records / f"{number}.jsonl", workers)
         hidden = best.layers if isinstance(best, LayersResult) else best.hidden
         stages.add(hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
