@@ -409,11 +409,13 @@ COMMANDS = (
     ),
     Command(
         "prove",
-        "Proves properties of one block or of every block, shows that broken copies of a block "
-        "violate them, and proves that VHDL and Verilog compute the same function. RECORD=1 "
-        "records the results.",
-        (BLOCK, RECORD),
-        "tb.sign_off.prove",
+        "With SCENE= proves, in both languages, that the export computes its network for every "
+        "frame "
+        "that can come in. Otherwise proves properties of one block or of every block, shows that "
+        "broken copies of a block violate them, and proves that VHDL and Verilog compute the same "
+        "function. RECORD=1 records the results.",
+        (BLOCK, option("SCENE"), RECORD),
+        "tb.prove",
     ),
     Command(
         "mutate",

@@ -1,4 +1,4 @@
-"""``python -m tb.sign_off.prove``: prove the properties of each block, and refute broken copies.
+"""``make prove BLOCK=``: prove the properties of each block, and refute broken copies.
 
 Three things are asked of each property: that it holds in every clock after reset, whatever drives
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
@@ -10,9 +10,7 @@ recorded in ``tb/sign_off/records``. Without it, a record of anything else is an
 
 from __future__ import annotations
 
-import argparse
 import os
-import sys
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -21,7 +19,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import run, would
+from golden.cli import would
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
 from golden.folders import BUILD
@@ -191,22 +189,14 @@ def _keep_trace(result: Result) -> Path:
     return trace
 
 
-def main() -> int:
-    """Run as ``python -m tb.sign_off.prove``."""
-    parser = argparse.ArgumentParser(prog="make prove", description=__doc__)
-    parser.add_argument("--block")
-    parser.add_argument("--record", action="store_true")
-    arguments = parser.parse_args()
-    blocks = chosen_blocks(arguments.block)
-    print(case_line(arguments.block), flush=True)
+def run_blocks(block: str | None, recorded: bool) -> int:
+    """Prove the properties of a block or of all, and that VHDL and Verilog are the same."""
+    blocks = chosen_blocks(block)
+    print(case_line(block), flush=True)
     would(f"export and prove {len(blocks)} blocks")
-    proved = prove_blocks([block for block in blocks if block in PROOFS], arguments.record)
+    proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
     properties = processor_minutes()
     print(f"properties: {processor_line(properties)}", flush=True)
-    equal = prove_equal(blocks, arguments.record)
+    equal = prove_equal(blocks, recorded)
     print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
     return 0 if proved and equal else 1
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

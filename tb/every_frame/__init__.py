@@ -1,0 +1,1 @@
+"""Proves that an export computes its network for every frame (docs/every-frame.md)."""

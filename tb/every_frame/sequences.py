@@ -1,0 +1,313 @@
+"""The theorem: what is shown of hardware and network, for frames in any sequence.
+
+Every claim is a run of the hardware in which data are symbols or unknown. Unknown stands for every
+value, so what is shown with it holds whatever a register held before.
+"""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tb.every_frame.bits import Bits, X, agreed
+from tb.every_frame.netlist import Netlist
+from tb.every_frame.network import Network
+from tb.every_frame.sums import Space, UnsupportedError, Value
+from tb.every_frame.unrolled import State, Unrolled
+from tb.every_frame.values import Values
+
+# Rounds in which the state between frames must have settled.
+ROUNDS = 12
+# Idle clocks that are tried where no number of them can be shown to change nothing.
+TRIED = 8
+# The most states between two samples of a frame, after gaps of all lengths.
+MOST_STATES = 150
+
+
+class RefusedError(Exception):
+    """What cannot be shown, with the reason; it is not known to be wrong."""
+
+
+@dataclass
+class DiffersError(Exception):
+    """An output that is not what the network says: its number, its clock, and both values."""
+
+    output: int
+    clock: int
+    got: Value
+    expected: Value
+    bits: Bits
+
+
+@dataclass
+class Claim:
+    """A sentence of the theorem, whether it is shown for all cases, and the clocks of its runs."""
+
+    text: str
+    shown: bool
+    clocks: int
+
+
+class Sequences:
+    def __init__(
+        self,
+        hardware: Netlist,
+        description: dict[str, Any],
+        progress: Callable[[str], None] = lambda text: None,
+    ):
+        sys.setrecursionlimit(1 << 20)
+        self.given, self.network, self.progress = description, Network(description), progress
+        self.run = Unrolled(hardware)
+        self.bits: int = description["bits"]
+        self.count: int = description["samples"]
+        self.words = description["stream"] == "words"
+        self.clocks: list[int] = description["output_clocks"]
+        self.space = Space()
+        top = 1 << self.bits - 1
+        self.symbols = [self.run.sample(f"x{k}", self.bits) for k in range(self.count)]
+        self.samples = [self.space.sample(f"x{k}", -top, top - 1) for k in range(self.count)]
+        self.values = Values(self.space, {f"x{k}": v for k, v in enumerate(self.samples)})
+        self.expected: list[Value] | None = None
+
+    # Driving.
+
+    def _frame(self, data: Sequence[Bits]) -> list[dict[str, Bits]]:
+        """The inputs of the clocks of a frame; slots behind its samples hold nothing."""
+        if self.words:
+            return [{"in_valid": 1, **{f"in_data_{k}": v for k, v in enumerate(data)}}]
+        elements = [*data, *[X] * (self.given["elements"] - self.count)]
+        return [
+            {"in_valid": 1, "in_data": v, "in_last": int(k == len(elements) - 1)}
+            for k, v in enumerate(elements)
+        ]
+
+    def _idle(self) -> dict[str, Bits]:
+        """No sample, so nothing is known of the other inputs."""
+        return {**dict.fromkeys(self.run.hardware.inputs, X), "clk": 0, "rst": 0, "in_valid": 0}
+
+    def _clock(self, inputs: dict[str, Bits]) -> None:
+        self.run.step({**dict.fromkeys(self.run.hardware.inputs, X), "clk": 0, "rst": 0, **inputs})
+
+    def _outputs(self) -> dict[str, Bits]:
+        return {name: self.run.out(name) for name in self.run.hardware.outputs}
+
+    def _play(self, inputs: Sequence[dict[str, Bits]]) -> list[dict[str, Bits]]:
+        """The outputs of these clocks; control must be known in each."""
+        found = []
+        for one in inputs:
+            self._clock(one)
+            out = self._outputs()
+            for name in ("out_valid", "out_last", "frame_error"):
+                if (
+                    name in out
+                    and not isinstance(out[name], int)
+                    and (name != "out_last" or out["out_valid"] == 1)
+                ):
+                    raise RefusedError(
+                        f"{name} is not known in clock {self.run.clocks}: it hangs on data, or "
+                        "on what nothing has set"
+                    )
+            found.append(out)
+            self.run.clock()
+        return found
+
+    # Checking.
+
+    def _check(
+        self, found: list[dict[str, Bits]], ended: Sequence[int], watched: int | None
+    ) -> None:
+        """The outputs of frames whose last elements came in these clocks; `watched` has the
+        symbols."""
+        due: dict[int, list[tuple[int, int]]] = {}
+        for number, clock in enumerate(ended):
+            for k, after in enumerate(self.clocks):
+                due.setdefault(clock + after, []).append((number, k))
+        for clock, out in enumerate(found):
+            if out.get("frame_error", 0):
+                raise RefusedError(f"frame_error in clock {clock} of good frames")
+            expected = int(clock in due)
+            if out["out_valid"] != expected:
+                raise RefusedError(
+                    f"out_valid is {out['out_valid']} in clock {clock}, expected {expected}"
+                )
+            for number, k in due.get(clock, []):
+                if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
+                    raise RefusedError(f"out_last is {out['out_last']} at output {k}")
+                if number == watched:
+                    self._compare(
+                        k, clock - ended[number], out[f"out_data_{k}" if self.words else "out_data"]
+                    )
+
+    def _compare(self, k: int, clock: int, bits: Bits) -> None:
+        if self.expected is None:
+            self.all_words = self.network.words(self.space, self.samples)
+            self.expected = self.network.outputs(self.all_words)
+        try:
+            got = self.values.number(bits, self.bits, True)
+        except UnsupportedError as reason:
+            raise RefusedError(f"output {k}: {reason}, {getattr(reason, 'place', '')}") from None
+        if not self.space.equal(got, self.expected[k]):
+            raise DiffersError(k, clock, got, self.expected[k], bits)
+
+    # States.
+
+    def _joined(self, a: State, b: State) -> State:
+        a, b = self.run.abstracted(a), self.run.abstracted(b)
+        hardware = self.run.hardware
+        registers = [
+            agreed(x, y, r.width) for x, y, r in zip(a[0], b[0], hardware.registers, strict=True)
+        ]
+        memories = [
+            p
+            if p is q or not m.writes
+            else [agreed(x, y, m.width) for x, y in zip(p, q, strict=True)]
+            for p, q, m in zip(a[1], b[1], hardware.memories, strict=True)
+        ]
+        return registers, memories
+
+    @staticmethod
+    def _same(a: State, b: State) -> bool:
+        return a[0] == b[0] and all(p is q or p == q for p, q in zip(a[1], b[1], strict=True))
+
+    # The claims.
+
+    def prove(self) -> Iterator[Claim]:
+        """The claims in their order; `RefusedError`, `DiffersError` or `UnsupportedError` where
+        one fails."""
+        run, begun = self.run, 0
+        self._clock({"rst": 1})
+        run.clock()
+        start = run.abstracted(run.state())
+        tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
+        wait = max(tail, self.given["interval"] - self.given["elements"] + 1)
+        for _ in range(ROUNDS):
+            run.restore(start)
+            self._play([self._idle()])
+            after = self._joined(start, run.state())
+            run.restore(after)
+            found = self._play([*self._frame(self.symbols), *[self._idle()] * wait])
+            after = self._joined(after, run.state())
+            if self._same(start, after):
+                break
+            start = after
+            self.progress("the state between frames")
+        else:
+            raise RefusedError(
+                f"the state between frames has not settled after {ROUNDS} rounds: something "
+                "counts frames or idle clocks"
+            )
+        self._check(found, [ends], 0)
+        yield Claim(
+            "after one clock of reset, control is known in every clock, and no bit of data "
+            "reaches it",
+            True,
+            run.clocks,
+        )
+        yield Claim(
+            "no value that a register or a memory held before reaches an output", True, run.clocks
+        )
+        yield Claim(
+            f"the outputs are those of the network, {self._listed()} clocks after the last sample",
+            True,
+            run.clocks,
+        )
+        yield Claim(
+            "after a frame, and after an idle clock, control is where it was, so this holds for "
+            "any number of frames",
+            True,
+            run.clocks,
+        )
+        begun = run.clocks
+        if not self.words and self.count > 1:
+            shown = self._any_gaps(start, wait, ends)
+            text = (
+                "any number of idle clocks between samples changes nothing"
+                if shown
+                else f"idle clocks between samples change nothing (1 to {TRIED} were tried, at "
+                "each place and at all)"
+            )
+            yield Claim(text, shown, run.clocks - begun)
+            begun = run.clocks
+        if self.given["interval"] < ends + tail:
+            self._close(start, tail, ends)
+            yield Claim(
+                f"frames {self.given['interval']} clocks apart do not disturb each other, in "
+                "any number",
+                True,
+                run.clocks - begun,
+            )
+
+    def _listed(self) -> str:
+        return (
+            ", ".join(map(str, self.clocks))
+            if len(self.clocks) < 5 and not self.words
+            else str(self.clocks[0])
+            if self.words
+            else f"{self.clocks[0]} to {self.clocks[-1]}"
+        )
+
+    def _any_gaps(self, start: State, wait: int, ends: int) -> bool:
+        """Whether all states that gaps of any length lead to are known and give the outputs; else
+        some gaps are tried."""
+        run, frame = self.run, self._frame(self.symbols)
+        states = [start]
+        for k, inputs in enumerate(frame):
+            following: list[State] = []
+            for state in states:
+                run.restore(state)
+                self._check(self._play([inputs]), [], None)
+                while (
+                    not any(self._same(run.state(), s) for s in following)
+                    and len(following) <= MOST_STATES
+                ):
+                    following.append(run.state())
+                    if k < len(frame) - 1:
+                        self._check(self._play([self._idle()]), [], None)
+            states = following
+            if len(states) > MOST_STATES:
+                break
+        else:
+            for state in states:
+                run.restore(state)
+                self._check([{"out_valid": 0}, *self._play([self._idle()] * wait)], [0], 0)
+            return True
+        plans = [
+            [g if j == k else 0 for j in range(len(frame) - 1)]
+            for k in range(len(frame) - 1)
+            for g in (1, TRIED)
+        ]
+        for gaps in [*plans, *([g] * (len(frame) - 1) for g in range(1, TRIED + 1))]:
+            run.restore(start)
+            spaced = [
+                i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[self._idle()] * g)
+            ]
+            self._check(self._play([*spaced, *[self._idle()] * wait]), [len(spaced) - 1], 0)
+        return False
+
+    def _close(self, start: State, tail: int, ends: int) -> None:
+        """Frames as close as they may be: what the others hold is unknown, so it does not
+        matter."""
+        run, interval = self.run, self.given["interval"]
+        nothing, symbols = self._frame([X] * self.count), self._frame(self.symbols)
+        pause = [self._idle()] * (interval - len(nothing))
+        around = -(-(ends + tail) // interval)
+        states: list[State] = []
+        run.restore(start)
+        while True:
+            state = run.abstracted(run.state())
+            if any(self._same(state, s) for s in states):
+                break
+            states.append(state)
+            if len(states) > ROUNDS + around:
+                raise RefusedError("close frames do not come to a state that repeats")
+            self._play([*nothing, *pause])
+        for before in range(len(states)):
+            run.restore(start)
+            inputs = [
+                i
+                for n in range(before + 1 + around)
+                for i in (*(symbols if n == before else nothing), *pause)
+            ]
+            found = self._play([*inputs, *[self._idle()] * tail])
+            self._check(found, [n * interval + ends for n in range(before + 1 + around)], before)
+            self.progress("close frames")

@@ -1,0 +1,283 @@
+"""The networks of a scene as the prover reads them, from what `golden` says that they are.
+
+Taken are integer networks, weights, formats and tables as arrays. Nothing here is a program or was
+scheduled. Of a graph of adders the sums themselves are taken, because they say which bits are
+dropped.
+"""
+
+from collections.abc import Iterable, Sequence
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
+from golden.engine.function_table import table_of
+from golden.engine.integer_network import IntegerLayer, IntegerNetwork
+from golden.function import Function
+from golden.input_error import InputError
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.shift_add import Constant, Input
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.cascade import Cascade
+from golden.networks.engine import Engine
+from golden.networks.hybrid import Hybrid
+from golden.networks.multiple import Multiple
+from golden.networks.network import Network
+from golden.networks.parallel import Parallel
+from golden.networks.table_graph import TableGraph
+from golden.precision import SIGNAL
+from golden.scene.scene import Scene
+
+
+class Words:
+    """The description while it grows: `add` gives the number of the new word."""
+
+    def __init__(self, samples: int):
+        self.samples, self.words = samples, list[dict[str, Any]]()
+        self.tables: dict[str, dict[str, Any]] = {}
+
+    def add(self, **word: Any) -> int:
+        self.words.append(word)
+        return self.samples + len(self.words) - 1
+
+    def table(self, first: int, values: Iterable[Any]) -> str:
+        made = {"first": first, "values": [int(v) for v in values]}
+        name = next((n for n, t in self.tables.items() if t == made), f"table {len(self.tables)}")
+        self.tables[name] = made
+        return name
+
+    def lines(self, function: Function, segment: int, clipped: bool) -> str:
+        table, name = table_of(function, segment), f"{function} {'result' if clipped else 'line'}"
+        self.tables[name] = {
+            "intercepts": [int(v) for v in table.intercepts],
+            "slopes": [int(v) for v in table.slopes],
+            "both": bool(table.both),
+            "segment": segment,
+            "one": DROPPED,
+            "shift": DROPPED,
+            **({"clip": [RESULT.low, RESULT.high]} if clipped else {}),
+        }
+        return name
+
+
+def description(scene: Scene) -> dict[str, Any]:
+    """What `network.py` reads, with ports and clocks that the hardware publishes."""
+    top = scene.twin()
+    built, whole = top.core, scene.twin(lean=False).core
+    if built.stream not in ("serial", "words") or built.lesson_ports or built.load_ports:
+        raise InputError(
+            f"{scene.name}: every frame is not proved yet for {built.entity} with what is "
+            "loaded or learned"
+        )
+    words = Words(built.inputs)
+    outputs = of(whole, words, list(range(built.inputs)))
+    return {
+        "scene": scene.name,
+        "entity": built.entity,
+        "around": f" inside {top.entity}, which is not proved" if top is not built else "",
+        "stream": built.stream,
+        "samples": built.inputs,
+        "elements": built.input_controller.inputs if built.stream == "serial" else 1,
+        "bits": SIGNAL.width,
+        "interval": built.interval,
+        "output_clocks": list(built.output_clocks),
+        "tables": words.tables,
+        "words": words.words,
+        "outputs": outputs,
+    }
+
+
+@singledispatch
+def of(network: Network, words: Words, samples: list[int]) -> list[int]:
+    """The words of the outputs."""
+    raise InputError(f"{network.entity}: every frame is not proved yet for this design")
+
+
+@of.register
+def _(network: Engine, words: Words, samples: list[int]) -> list[int]:
+    inputs = [words.add(sum=[[k, 1]], left=SAMPLE_SHIFT) for k in samples]
+    outputs: list[int] = []
+    for integers in network.integers:
+        outputs += _integer(
+            integers, words, [*inputs[: integers.samples], *outputs[: integers.earlier]]
+        )
+    return [words.add(sum=[[k, 1]], shift=OUTPUT_SHIFT) for k in outputs]
+
+
+def _integer(network: IntegerNetwork, words: Words, now: list[int]) -> list[int]:
+    for layer in network.layers:
+        following = []
+        for j in range(layer.nodes):
+            code = _node(network, layer, j, words, now)
+            following.append(code)
+            if layer.leaky:
+                following.append(words.add(sum=[[code, 1]], clip=[0, RESULT.high]))
+            elif layer.functions:
+                following[-1] = words.add(
+                    table=words.lines(layer.functions[j], network.segment_width, clipped=True),
+                    of=code,
+                )
+        now = following
+    return now
+
+
+def _node(
+    network: IntegerNetwork, layer: IntegerLayer, j: int, words: Words, now: list[int]
+) -> int:
+    terms = [[k, int(w)] for k, w in zip(now, layer.weights[j], strict=True) if w]
+    for k, function in layer.added_to(j):
+        terms.append(
+            [
+                words.add(
+                    table=words.lines(function, network.segment_width, clipped=False), of=now[k]
+                ),
+                1,
+            ]
+        )
+    return words.add(
+        sum=terms,
+        start=int(layer.starts[j]),
+        shift=layer.shift,
+        round=layer.rounding.name.lower(),
+        clip=[int(layer.low), int(layer.high)],
+        left=layer.cut,
+    )
+
+
+def _sum(
+    layer: Any, weights: Sequence[int], bias: int, factor: int, words: Words, now: list[int]
+) -> int:
+    """A node of `golden.layers.weighted_sum`: products lose their lowest bits one by one, then
+    factor and rounding."""
+    if layer.product_shift:
+        products = [
+            [words.add(sum=[[k, int(w)]], shift=layer.product_shift), factor]
+            for k, w in zip(now, weights, strict=True)
+            if w
+        ]
+    else:
+        products = [[k, int(w) * factor] for k, w in zip(now, weights, strict=True) if w]
+    start = (int(bias) << layer.bias_shift) * factor
+    return words.add(
+        sum=products,
+        start=start,
+        shift=layer.out_shift,
+        round="up",
+        clip=[layer.out_fmt.low, layer.out_fmt.high],
+    )
+
+
+def _activated(activation: Any, words: Words, code: int) -> int:
+    codes = np.arange(activation.in_fmt.low, activation.in_fmt.high + 1)
+    return words.add(table=words.table(activation.in_fmt.low, activation.process(codes)), of=code)
+
+
+@of.register
+def _(network: Hybrid, words: Words, samples: list[int]) -> list[int]:
+    first, second = network.input_integral, network.output_integral
+    nodes = [
+        _sum(first, row, bias, 1, words, samples)
+        for row, bias in zip(first.weights, first.biases, strict=True)
+    ]
+    nodes = [_activated(a, words, q) for a, q in zip(network.activations, nodes, strict=True)]
+    factors = second.factors or (1,) * second.outputs
+    return [
+        _sum(second, row, bias, int(f), words, nodes)
+        for row, bias, f in zip(second.weights, second.biases, factors, strict=True)
+    ]
+
+
+@of.register
+def _(network: Parallel, words: Words, samples: list[int]) -> list[int]:
+    nodes = [_sum(n, n.weights, n.bias, 1, words, samples) for n in network.hidden_neurons]
+    nodes = [_activated(a, words, q) for a, q in zip(network.activations, nodes, strict=True)]
+    return [_sum(n, n.weights, n.bias, n.factor or 1, words, nodes) for n in network.output_neurons]
+
+
+@of.register
+def _(network: Multiple, words: Words, samples: list[int]) -> list[int]:
+    return [y for one in network.networks for y in of(one, words, samples)]
+
+
+@of.register
+def _(network: Cascade, words: Words, samples: list[int]) -> list[int]:
+    outputs: list[int] = []
+    for one in network.networks:
+        outputs += of(one, words, [*samples, *outputs])
+    return outputs
+
+
+@of.register
+def _(network: AdderGraph, words: Words, samples: list[int]) -> list[int]:
+    now = samples
+    for n, matrix in enumerate(network.layers):
+        now = _matrix(matrix, words, now)
+        tables = network.activations[n] if n < len(network.activations) else ()
+        if tables:
+            now = [_activated(table, words, q) for table, q in zip(tables, now, strict=True)]
+    return now
+
+
+@of.register
+def _(network: TableGraph, words: Words, samples: list[int]) -> list[int]:
+    fmt = network.sample_fmt
+    now = [words.add(sum=[[k, 1]], shift=SIGNAL.width - fmt.width) for k in samples]
+    for tables, matrix, form in (
+        (network.first, network.hidden, fmt),
+        (network.second, network.output, network.hidden.out_fmt),
+    ):
+        codes = np.arange(form.low, form.high + 1)
+        columns = np.repeat(codes[:, np.newaxis], 1 + max(t.source for t in tables), axis=1)
+        read = [
+            words.add(
+                table=words.table(form.low, t.process(columns[:, t.source], form)), of=now[t.source]
+            )
+            for t in tables
+        ]
+        now = _matrix(matrix, words, read)
+    return now
+
+
+def _matrix(matrix: ConstantMatrix, words: Words, samples: list[int]) -> list[int]:
+    """The sums of a graph of adders, with the bits that each operand loses."""
+    graph, found = matrix.graph, list[Any]()
+    for place, node in enumerate(graph.nodes):
+        if isinstance(node, Input):
+            found.append(samples[node.number])
+        elif isinstance(node, Constant):
+            found.append(words.add(sum=[], start=int(node.value)))
+        else:
+            terms = []
+            for operand, step in zip(node.operands, graph.steps(place), strict=True):
+                k = found[operand.node]
+                if step.cut:
+                    k = words.add(sum=[[k, 1]], shift=step.cut)
+                terms.append([k, operand.sign << step.move])
+            found.append(words.add(sum=terms))
+    results = []
+    for row, finish, low in zip(graph.rows, matrix.row_finishes, matrix.result_lows, strict=True):
+        drop, clip = matrix.drop(row), [int(low), int(matrix.out_fmt.high)]
+        sign, start = (-1, -1) if row.minus else (1, 0)
+        if finish.even:
+            # Half a unit is part of the sum, and halves go to the even result.
+            half = 1 << drop - 1
+            results.append(
+                words.add(
+                    sum=[[found[row.node], sign]],
+                    start=start - half,
+                    shift=drop,
+                    round="even",
+                    clip=clip,
+                )
+            )
+        else:
+            results.append(
+                words.add(
+                    sum=[[found[row.node], sign << max(0, -drop)]],
+                    start=start << max(0, -drop),
+                    shift=max(0, drop),
+                    clip=clip,
+                )
+            )
+    return results

@@ -1,0 +1,267 @@
+"""Exports are proved for every frame, and what is wrong is never proved."""
+
+from __future__ import annotations
+
+import copy
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import tiered
+
+from golden.input_error import InputError
+from golden.scene import load_scene
+from hdl.export.exporter import compile_order
+from tb.common.runner import export
+from tb.every_frame.counterexample import Evaluated, differing_frame
+from tb.every_frame.netlist import NotReadableError
+from tb.every_frame.sequences import DiffersError, RefusedError, Sequences
+from tb.every_frame.specify import description
+from tb.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus, times
+from tb.prove import hardware, prove_export
+
+# A design of each kind; ALL=1 adds the other shipped scenes that are proved.
+QUICK = ["digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"]
+SLOW = [
+    *("digit vhdl", "digit-hybrid verilog", "digit-thesis verilog", "digit-parallel vhdl"),
+    *("digit-multiple verilog", "comparison/digit-lanes4 verilog", "comparison/digit-sums verilog"),
+    *("comparison/digit-tables verilog", "classes/digits verilog", "classes/digits-fast verilog"),
+]
+
+
+@pytest.mark.parametrize("case", tiered(QUICK, SLOW))
+def test_exports_are_proved(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name, language = case.split()
+    scene = load_scene(name)
+    export(scene, language, tmp_path)
+    folder, given = tmp_path / scene.name / language, description(scene)
+    assert prove_export(given, hardware(folder, given["entity"], language), folder)
+    said = capsys.readouterr().out
+    assert "the outputs are those of the network" in said
+    assert "so this holds for any number of frames" in said
+
+
+@pytest.fixture(scope="module")
+def digit(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    build, scene = tmp_path_factory.mktemp("exported"), load_scene("digit")
+    export(scene, "verilog", build)
+    return build / "digit" / "verilog", description(scene)
+
+
+def replaced(file: str, pattern: str, text: str) -> Callable[[Path], None]:
+    """Replaces the first place in a file that a pattern matches."""
+
+    def change(folder: Path) -> None:
+        path = folder / file
+        before = path.read_text(encoding="utf-8")
+        after = re.sub(pattern, text, before, count=1, flags=re.S)
+        assert after != before
+        path.write_text(after, encoding="utf-8")
+
+    return change
+
+
+# It changes the results from the thousandth frame on, which no bench reaches.
+COUNTS = """reg [9:0] frames;
+always @(posedge clk) if (rst) frames <= 0; else if (finish && frames != 999) frames <= frames + 1;
+assign out_data = $signed(data[18-1:4]) ^ (frames == 999);"""
+FAULTS = {
+    "a bit of a word of the table": replaced("program_memory.v", "24eb1d57f", "24eb1d57e"),
+    "results from the thousandth frame on": replaced(
+        "engine.v", r"assign out_data = \$signed\(data\[18-1:4\]\);", COUNTS
+    ),
+    "what a register held before": replaced(
+        "engine.v",
+        r"assign out_data = \$signed\(data\[18-1:4\]\);",
+        "reg kept; always @(posedge clk) kept <= kept;\n"
+        "assign out_data = $signed(data[18-1:4]) ^ kept;",
+    ),
+    "timing that hangs on data": replaced(
+        "engine.v", r"out_valid <= leaves;", "out_valid <= leaves && data != 77;"
+    ),
+    "a clock too late": replaced(
+        "engine.v", r"out_valid <= leaves;", "late <= leaves; out_valid <= late;"
+    ),
+    "one sample of one frame": replaced(
+        "engine.v",
+        r"assign out_data = \$signed\(data\[18-1:4\]\);",
+        "assign out_data = $signed(data[18-1:4]) ^ (data == 18'sd54321);",
+    ),
+}
+
+
+def outcome(given: dict[str, Any], folder: Path) -> str:
+    """The name of what stops the proof, or "proved"."""
+    try:
+        list(Sequences(hardware(folder, given["entity"], "verilog"), given).prove())
+    except (DiffersError, RefusedError, UnsupportedError) as reason:
+        return type(reason).__name__
+    return "proved"
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_of_hardware_are_never_proved(
+    fault: str, digit: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
+    folder, given = digit
+    broken = tmp_path / "verilog"
+    shutil.copytree(folder, broken)
+    FAULTS[fault](broken)
+    if fault == "a clock too late":
+        replaced("engine.v", r"reg out_valid;", "reg out_valid;\nreg late;")(broken)
+    assert outcome(given, broken) != "proved"
+
+
+def _weight(given: dict[str, Any]) -> None:
+    next(w for w in given["words"] if len(w.get("sum", [])) > 2)["sum"][1][1] += 1
+
+
+def _rounding(given: dict[str, Any]) -> None:
+    next(w for w in given["words"] if w.get("round") == "up")["round"] = "down"
+
+
+def _clip(given: dict[str, Any]) -> None:
+    next(w for w in given["words"] if "clip" in w and len(w["sum"]) > 2)["clip"][1] = 20000
+
+
+def _table(given: dict[str, Any]) -> None:
+    next(iter(given["tables"].values()))["slopes"][3] += 1
+
+
+def _clock(given: dict[str, Any]) -> None:
+    given["output_clocks"][0] += 1
+
+
+@pytest.mark.parametrize("fault", [_weight, _rounding, _clip, _table, _clock])
+def test_faults_of_the_network_are_never_proved(
+    fault: Callable[[dict[str, Any]], None], digit: tuple[Path, dict[str, Any]]
+) -> None:
+    folder, given = digit
+    wrong = copy.deepcopy(given)
+    fault(wrong)
+    assert outcome(wrong, folder) != "proved"
+
+
+def test_a_difference_is_shown_as_a_frame_that_icarus_plays(
+    digit: tuple[Path, dict[str, Any]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, given = digit
+    wrong = copy.deepcopy(given)
+    _weight(wrong)
+    assert not prove_export(wrong, hardware(folder, given["entity"], "verilog"), folder)
+    said = capsys.readouterr().out
+    shown = re.search(r"Icarus gives (-?\d+) for output 0, the network (-?\d+)", said)
+    assert shown, said
+    assert shown[1] != shown[2]
+
+
+# Values of three values, a number of bits and a factor.
+Operation = Callable[[Space, Value, Value, Value, int, int], Value]
+OPERATIONS: list[Operation] = [
+    lambda space, a, b, c, k, f: plus(a, b),
+    lambda space, a, b, c, k, f: minus(a, times(b, 3)),
+    lambda space, a, b, c, k, f: times(a, f),
+    lambda space, a, b, c, k, f: plus(a, 11 * f),
+    lambda space, a, b, c, k, f: space.floor(a, k),
+    lambda space, a, b, c, k, f: space.modulo(a, k, signed=True),
+    lambda space, a, b, c, k, f: space.modulo(a, k, signed=False),
+    lambda space, a, b, c, k, f: space.clip(a, -5, 11),
+    lambda space, a, b, c, k, f: space.choose(space.negative(b), a, c),
+    lambda space, a, b, c, k, f: space.choose(space.zero(a), b, c),
+    lambda space, a, b, c, k, f: space.of(lambda x: x * x % 13, space.modulo(a, 4, signed=True)),
+    lambda space, a, b, c, k, f: space.of(lambda x, y: x & y, a, b),
+]
+
+
+def random_values(space: Space, samples: list[Value], rng: np.random.Generator) -> Iterator[Value]:
+    """Values made from one another by operations drawn at random."""
+    values = list(samples)
+    for _ in range(40):
+        a, b, c = (values[int(k)] for k in rng.integers(len(values), size=3))
+        operation = OPERATIONS[int(rng.integers(len(OPERATIONS)))]
+        try:
+            made = operation(space, a, b, c, int(rng.integers(1, 5)), int(rng.integers(-9, 10)))
+        except UnsupportedError:
+            continue
+        if not isinstance(made, int) and max(map(abs, made.ends)) < 1 << 20:
+            values.append(made)
+            yield made
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_values_are_exact_and_within_their_bounds(seed: int) -> None:
+    """Each rule about sums, beside plain arithmetic in every frame of three small samples."""
+    rng, space = np.random.default_rng(seed), Space()
+    samples = [space.sample(f"x{k}", -8, 7) for k in range(3)]
+    words = [w for v in samples if isinstance(v, Sum) for w in v.terms]
+    frames = np.stack(np.meshgrid(*[np.arange(-8, 8)] * 3), axis=-1).reshape(-1, 3)
+    values = list(random_values(space, samples, rng))
+    now = Evaluated(words, frames)
+    numbers = [now.value(v) for v in values]
+    for v, n in zip(values, numbers, strict=True):
+        assert isinstance(v, Sum)
+        assert v.ends[0] <= n.min()
+        assert n.max() <= v.ends[1]
+    for k in range(1, 5):
+        for v, n in zip(values, numbers, strict=True):
+            assert np.array_equal(now.value(space.floor(v, k)), n >> k)
+            found = now.value(space.modulo(v, k, signed=False))
+            assert np.array_equal(found, n % (1 << k))
+    for (v, n), (w, m) in zip(
+        zip(values, numbers, strict=True), zip(values[1:], numbers[1:], strict=False), strict=False
+    ):
+        if space.equal(v, w):
+            assert np.array_equal(n, m)
+        try:
+            chosen = space.choose(space.negative(v), v, w)
+            both = space.of(lambda x, y: x ^ y, v, w)
+        except UnsupportedError:
+            continue
+        assert np.array_equal(now.value(chosen), np.where(n < 0, n, m))
+        assert np.array_equal(now.value(both), n ^ m)
+
+
+def test_a_frame_is_found_where_one_code_differs() -> None:
+    space = Space()
+    samples = [space.sample(f"x{k}", -8192, 8191) for k in range(4)]
+    total: Value = 0
+    for k, v in enumerate(samples):
+        total = plus(total, times(v, 700 + 13 * k))
+    q = space.clip(space.floor(total, 6), -8192, 8191)
+    other = space.of(lambda a: np.where((a > 700) & (a < 720), a + 1, a), q)
+    frame = differing_frame(samples, q, other)
+    assert frame is not None
+    words = [w for v in samples if isinstance(v, Sum) for w in v.terms]
+    now = Evaluated(words, np.array([frame]))
+    assert now.value(q) != now.value(other)
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("assign a = b ^ in_valid; assign b = a & rst;", "a loop of combinational cells"),
+        ("latch u (.d(in_valid));", "latch"),
+        ("reg c; assign a = c; always @(negedge clk) c <= in_valid;", "expected the rising edge"),
+    ],
+)
+def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_path: Path) -> None:
+    text = f"module top (input clk, input rst, input in_valid, output a); wire b; {body} endmodule"
+    (tmp_path / "top.v").write_text(text.replace("output a);", "output a); ") + "\n")
+    (tmp_path / "compile_order.txt").write_text("top.v\n")
+    with pytest.raises((InputError, NotReadableError), match=message):
+        Sequences(
+            hardware(tmp_path, "top", "verilog"),
+            {
+                "stream": "serial",
+                "bits": 14,
+                "samples": 1,
+                "output_clocks": [1],
+                "words": [],
+                "outputs": [],
+            },
+        )
+    assert compile_order(tmp_path) == ["top.v"]
