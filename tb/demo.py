@@ -46,6 +46,7 @@ from golden.training.split import unused_text
 from tb.common.results import left_texts, simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
+from tb.prove import WRONG, proof_line
 from tb.report.page.build import build_report
 from tb.report.side_by_side import side_by_side
 
@@ -215,6 +216,11 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
         with stage(f"{scene.name}: measuring errors and speed"):
             text = report(scene, results[scene.name])
         print(text)
+        with stage(f"{scene.name}: proving every frame"):
+            proof = proof_line(scene)
+        print(f"Verilog, {proof}")
+        if proof.startswith(WRONG):
+            return 1
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         # The tables about the project itself take longest, and would be the same in each report.

@@ -10,8 +10,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from golden.cli import run, would
 from golden.folders import BUILD
@@ -23,7 +26,7 @@ from hdl.export.exporter import compile_order
 from hdl.synth.tools import run_tool
 from tb.common.runner import export
 from tb.common.tools import check_simulator
-from tb.every_frame.counterexample import bench, differing_frame
+from tb.every_frame.counterexample import Evaluated, bench, differing_frame
 from tb.every_frame.netlist import Netlist, NotReadableError, read_verilog
 from tb.every_frame.sequences import DiffersError, RefusedError, Sequences
 from tb.every_frame.specify import description
@@ -31,6 +34,9 @@ from tb.every_frame.sums import UnsupportedError
 from tb.sign_off import prove as blocks
 from tb.sign_off.equal_gates import dump, read_dump
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
+
+# What begins the line about a netlist that is not proved.
+UNKNOWN, WRONG = "NOT SHOWN", "DIFFERS"
 
 
 def yosys(arguments: list[str], folder: Path) -> str:
@@ -65,33 +71,38 @@ def hardware(folder: Path, entity: str, language: str) -> Netlist:
 def prove_export(given: dict[str, Any], netlist: Netlist, folder: Path) -> bool:
     """Prove a netlist and print each claim; False where one fails."""
     begun = time.process_time()
-    proof = Sequences(netlist, given)
-    try:
-        for claim in proof.prove():
-            print(f"  {'proved' if claim.shown else 'tried '}  {claim.text}", flush=True)
-    except DiffersError as found:
-        print(f"  DIFFERS  output {found.output}, {found.clock} clocks after the last sample")
-        frame = differing_frame(proof.samples, found.got, found.expected)
-        if frame is None:
-            print("  no frame that shows it was found")
-        else:
-            print(f"  frame {frame}: {_played(given, frame, found.output, proof, folder)}")
-        return False
-    except (RefusedError, UnsupportedError) as reason:
-        print(f"  NOT SHOWN  {reason}")
+    found = fault(given, netlist, folder, print)
+    if found:
+        print(f"  {found}")
         return False
     print(f"  {time.process_time() - begun:.1f} s of processor time", flush=True)
     return True
+
+
+def fault(
+    given: dict[str, Any], netlist: Netlist, folder: Path, tell: Callable[[str], None]
+) -> str:
+    """Why a netlist is not proved; empty if it is. `tell` gets a line for each claim."""
+    proof = Sequences(netlist, given)
+    try:
+        for claim in proof.prove():
+            tell(f"  {'proved' if claim.shown else 'tried '}  {claim.text}")
+    except DiffersError as found:
+        frame = differing_frame(proof.samples, found.got, found.expected)
+        where = f"output {found.output}, {found.clock} clocks after the last sample"
+        if frame is None:
+            # Two forms of one value may look different; only a frame shows that they are.
+            return f"{UNKNOWN}  {where}: no frame is found at which it differs"
+        return f"{WRONG}  {where}, {frame}: {_played(given, frame, found.output, proof, folder)}"
+    except (RefusedError, UnsupportedError) as reason:
+        return f"{UNKNOWN}  {reason}"
+    return ""
 
 
 def _played(
     given: dict[str, Any], frame: list[int], output: int, proof: Sequences, folder: Path
 ) -> str:
     """What Icarus gives for a frame, and what the network gives."""
-    import numpy as np
-
-    from tb.every_frame.counterexample import Evaluated
-
     words = [w for v in proof.samples for w in v.terms]  # type: ignore[union-attr]
     assert proof.expected
     expected = int(Evaluated(words, np.array([frame])).value(proof.expected[output])[0])
@@ -130,6 +141,18 @@ def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) 
         )
         sound = prove_export(given, netlist, folder) and sound
     return sound
+
+
+def proof_line(scene: Scene) -> str:
+    """A line about the exported Verilog of a scene, which stands below build."""
+    try:
+        given = description(scene)
+    except InputError as reason:
+        return f"not proved for every frame: {reason}"
+    folder = BUILD / scene.name / "verilog"
+    found = fault(given, hardware(folder, given["entity"], "verilog"), folder, lambda line: None)
+    frames = f"2^{given['bits'] * given['samples']}"
+    return found or f"proved for every frame: {frames}, {given['entity']}{given['around']}"
 
 
 def main() -> int:
