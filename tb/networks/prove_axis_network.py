@@ -18,6 +18,10 @@ def properties(twin):
     under_way = twin.frames_under_way
     room = under_way * outputs
     cut = ("result_valid", "result", "frame_error")
+    # With the largest output, a result comes to the memory one clock after the network gave it.
+    comes, value, delayed, most = "result_valid", "result", "", "two"
+    if twin.decides:
+        comes, value, delayed, most = "stored_valid", "stored_data", " + stored_valid", "three"
     # The first frames only serve later ones as past samples.
     yields, whole = ("yields", " with a whole past") if twin.past else ("done", "")
     # This counts the outputs that are still to come for the frames that the network got.
@@ -36,7 +40,7 @@ def properties(twin):
         f"credit0_used <= {under_way}",
         f"place < {outputs}",
         # The outputs of every credit are still to come, in the memory, or fetched.
-        f"credit0_used * {outputs} == owed + fifo0_stored + place",
+        f"credit0_used * {outputs} == owed + fifo0_stored + place{delayed}",
         f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
         f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
         "== fifo0_read_addr + fifo0_stored",
@@ -107,7 +111,7 @@ def properties(twin):
             name="room",
             sentence=f"The memory never holds more than its {room} words, so no result is written "
             "over one that waits. Only frames that are under way leave.",
-            states=(f"!result_valid || fifo0_stored < {room}", "!left || credit0_used != 0"),
+            states=(f"!{comes} || fifo0_stored < {room}", "!left || credit0_used != 0"),
             assumes=network,
             watch=owed,
             helps=counted,
@@ -123,8 +127,8 @@ def properties(twin):
         Property(
             name="no word lost",
             sentence="The outputs leave in the order in which they came from the network, each "
-            "once and no others. Each is offered at most two clocks after it came, or as soon as "
-            f"those before it have left. m_axis_tlast comes with the last of each {outputs}.",
+            f"once and no others. Each is offered at most {most} clocks after it came, or as soon "
+            f"as those before it have left. m_axis_tlast comes with the last of each {outputs}.",
             states=(
                 "!m_axis_tvalid || waiting != 0",
                 "!waits || m_axis_tvalid",
@@ -142,17 +146,17 @@ def properties(twin):
                 wire leaves = m_axis_tvalid && m_axis_tready;
                 wire [15:0] home = fifo0_read_addr + ahead - fifo0_full;
                 always @(posedge clk) begin
-                    waiting <= waiting + result_valid - leaves;
+                    waiting <= waiting + {comes} - leaves;
                     waits <= waiting != leaves;
                     if (leaves) begin
                         number <= number == {outputs - 1} ? 0 : number + 1;
                         ahead <= ahead - 1;
                         if (ahead == 0) tracked <= 0;
                     end
-                    if (result_valid && pick && !tracked) begin
+                    if ({comes} && pick && !tracked) begin
                         tracked <= 1;
                         ahead <= waiting - leaves;
-                        kept <= result;
+                        kept <= {value};
                     end
                     if (rst) begin
                         waiting <= 0;

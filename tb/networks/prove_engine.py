@@ -10,7 +10,8 @@ from golden.engine.fields import get
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.graph import Kind
 from golden.engine.replay import CLEAR, ONE_PLANE
-from golden.engine.serial_program import BEFORE, NOTHING
+from golden.engine.serial_program import BEFORE, LEAVES, NOTHING
+from golden.engine.serial_program import ENDS as ENDS_FRAME
 from golden.engine.tanh_table import ENDS
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import frames_computed, table
@@ -74,7 +75,7 @@ def built_in(twin, place="place"):
     """
     watch += table("held_at", written, 16)
     helps = (
-        f"run == (since >= {begins})",
+        f"run == (since >= {begins}) && finish == (since == {twin.busy})",
         *(("start == (since == 1)", "u_frame_check_0.waiting == start") if begins > 1 else ()),
         f"since <= {twin.busy} && {place} < {inputs} && (since == 0 || {place} == 0)",
         "u_frame_check_0.dropping == skipping",
@@ -132,7 +133,7 @@ def built_in(twin, place="place"):
             watch=watch,
             helps=(
                 *helps,
-                "since < 2 || operands == held",
+                "since < 2 || (operands == held && write == (held_next != held))",
                 "since == 0 || u_frame_check_0.addr + 1 == held_next",
                 # A sample is written one clock after it is taken.
                 f"since != 0 || {place} == 0 || write || operands == {place}",
@@ -270,6 +271,9 @@ def replayed_steps(twin):
             f"{unit}_waits == (since == 0 ? 0 : told_at(since - 1))",
             f"{unit}_late == (since < 2 ? 0 : told_at(since - 2))",
             f"{unit}_later == (since < 3 ? 0 : told_at(since - 3))",
+            f"store == (since > 3 && told_at(since - 4) != {NOTHING})",
+            f"leaves == (since > 3 && told_at(since - 4) >= {LEAVES})",
+            f"ends == (since > 3 && told_at(since - 4) == {ENDS_FRAME})",
         ),
         # An operand counts from the first plane on in which one of its bits can be set.
         f"(kind == {Kind.WORD} ? number == {CLEAR} || {unit}_weight == 0 "
