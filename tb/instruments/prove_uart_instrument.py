@@ -104,8 +104,12 @@ def what_packets_tell(twin):
     streams = ("sample_valid valid", "sample_data data", "sample_last last")
     streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
     streams += ("frame_error broken", "image_error unsound", "line_error wrong")
-    streams += ("converter_error converter_error", "profile_valid profile_valid")
-    streams += ("profile_x profile_x", "profile_y profile_y", "profile_last profile_last")
+    streams += ("converter_error converter_error",)
+    drawn: tuple[str, ...] = ()
+    if twin.packet_sender.points:
+        streams += ("profile_valid profile_valid", "profile_x profile_x")
+        streams += ("profile_y profile_y", "profile_last profile_last")
+        drawn = ("drawn_valid", "drawn_x", "drawn_y", "drawn_last")
     return Property(
         name="what packets tell",
         sentence="Packets report the frames that the network is given, the outputs that leave, the "
@@ -122,7 +126,7 @@ def what_packets_tell(twin):
         free=(
             *("valid", "data", "last", "result_valid", "result", "result_last"),
             *("broken", "unsound", "wrong", "missing"),
-            *("drawn_valid", "drawn_x", "drawn_y", "drawn_last"),
+            *drawn,
         ),
         reached=("frames == 1",),
         refuted_by=(
