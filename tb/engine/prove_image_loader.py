@@ -12,6 +12,8 @@ from tb.sign_off.watch import check_byte
 def properties(twin):
     addr, samples = twin.program_addr_width, twin.operand_addr_width
     last_part = WORD_BYTES - 1
+    # Beyond any image that fits, words are not counted further.
+    most = max(1000, twin.words + 2)
     low, bits = LAST_ADDR
     watch = f"""
         wire byte_taken = load_valid && !busy;
@@ -38,7 +40,7 @@ def properties(twin):
                 sum_before <= load_last ? {twin.check_start} : sum;
                 part <= load_last || part == {last_part} ? 0 : part + 1;
                 if (load_last) count <= 0;
-                else if (part == {last_part} && count != 1000) count <= count + 1;
+                else if (part == {last_part} && count != {most}) count <= count + 1;
                 if (part == {last_part} && count == 0) header <= together;
                 image_is_good <= load_last && ends_good;
                 if (load_last) image_failed <= !ends_good;
@@ -57,7 +59,7 @@ def properties(twin):
         "whole == image_is_good",
         "failed == image_failed",
         "place == part",
-        f"part <= {last_part} && count <= 1000",
+        f"part <= {last_part} && count <= {most}",
         # The states are the header, the words, the check, and bytes that are too many.
         "count != 0 || (!headed && !ended)",
         f"!inside || (headed && !ended && addr == ((words - count) & {(1 << addr) - 1}))",

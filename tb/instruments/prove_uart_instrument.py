@@ -7,6 +7,7 @@ profile.
 
 from golden.link.uart_transmitter import BYTE_BITS
 from tb.instruments import prove_converter_instrument
+from tb.networks.prove_engine import busy_of
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import since
 
@@ -21,10 +22,10 @@ def properties(twin):
     if not twin.reload:
         return prove_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(engine), room(twin, engine), what_packets_tell(twin), rests(twin)]
+    return [no_half_image(twin, engine), room(twin, engine), what_packets_tell(twin), rests(twin)]
 
 
-def no_half_image(engine):
+def no_half_image(twin, engine):
     loader = f"{engine}.u_image_loader_0"
     return Property(
         name="no half image",
@@ -36,7 +37,7 @@ def no_half_image(engine):
             always @(posedge clk)
                 ended <= !rst && (load_valid && load_ready ? load_last : ended);
         """,
-        helps=(f"!{loader}.whole || ended", f"{engine}.busy == {engine}.run"),
+        helps=(f"!{loader}.whole || ended", *busy_of(twin.core, f"{engine}.")),
         # The program in the memory and the check of an image may be anything.
         free=(
             *("valid", "last", "heard_valid", "heard"),

@@ -22,10 +22,22 @@ ALSO = ("rails-engine", "steep-engine")
 
 
 def properties(twin):
-    return loaded() if twin.loaded else built_in(twin)
+    return loaded(twin) if twin.loaded else built_in(twin)
 
 
-def loaded():
+def busy_of(twin, at=""):
+    """When an engine that takes images is busy, and that this is while its image is whole."""
+    if twin.frame_guard.pipeline.run == 1:
+        return (f"{at}busy == {at}run",)
+    waits = f"{at}u_frame_guard_0.waiting"
+    return (
+        f"{at}busy == ({at}run || {waits})",
+        f"!{at}start || {waits}",
+        f"!{at}busy || {at}u_image_loader_0.whole",
+    )
+
+
+def loaded(twin):
     """The properties of an engine that takes images, whatever these hold."""
     return [
         Property(
@@ -37,7 +49,7 @@ def loaded():
                 "!(start || run) || u_image_loader_0.whole",
                 "!(start || run) || !(halt || put || u_image_loader_0.accept)",
             ),
-            helps=("busy == run",),
+            helps=busy_of(twin),
             # The program in the memory and the check of an image may be anything.
             free=("word", "u_image_loader_0.check"),
             reached=("start",),

@@ -22,7 +22,7 @@ def properties(twin):
     if isinstance(twin.program, LoopProgram):
         return [outputs_of_a_loop(twin)]
     if twin.loaded:
-        return [*loaded(), placed(twin)]
+        return [*loaded(twin), placed(twin)]
     return built_in(twin, "samples")
 
 
