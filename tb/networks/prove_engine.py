@@ -14,7 +14,7 @@ from golden.engine.serial_program import BEFORE, LEAVES, NOTHING
 from golden.engine.serial_program import ENDS as ENDS_FRAME
 from golden.engine.tanh_table import ENDS
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import frames_computed, table
+from tb.sign_off.watch import busy_of, frames_computed, table
 
 # These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
 # case is loaded.
@@ -23,18 +23,6 @@ ALSO = ("rails-engine", "steep-engine")
 
 def properties(twin):
     return loaded(twin) if twin.loaded else built_in(twin)
-
-
-def busy_of(twin, at=""):
-    """When an engine that takes images is busy, and that this is while its image is whole."""
-    if twin.frame_guard.pipeline.run == 1:
-        return (f"{at}busy == {at}run",)
-    waits = f"{at}u_frame_guard_0.waiting"
-    return (
-        f"{at}busy == ({at}run || {waits})",
-        f"!{at}start || {waits}",
-        f"!{at}busy || {at}u_image_loader_0.whole",
-    )
 
 
 def loaded(twin):

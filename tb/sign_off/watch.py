@@ -171,6 +171,18 @@ def opened(waits: int) -> tuple[str, ...]:
     )
 
 
+def busy_of(twin: Any, at: str = "") -> tuple[str, ...]:
+    """When an engine that takes images is busy, and that this is while its image is whole."""
+    if twin.frame_guard.pipeline.run == 1:
+        return (f"{at}busy == {at}run",)
+    waits = f"{at}u_frame_guard_0.waiting"
+    return (
+        f"{at}busy == ({at}run || {waits})",
+        f"!{at}start || {waits}",
+        f"!{at}busy || {at}u_image_loader_0.whole",
+    )
+
+
 # Broken copies, in which operands get wrong addresses.
 MISPLACED = (
     (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
