@@ -182,7 +182,7 @@ class Sequences:
         wait = max(tail, self.given["interval"] - self.given["elements"] + 1)
         for _ in range(ROUNDS):
             run.restore(start)
-            self._play([self._idle()])
+            self._check(self._play([self._idle()]), [], None)
             after = self._joined(start, run.state())
             run.restore(after)
             found = self._play([*self._frame(self.symbols), *[self._idle()] * wait])
