@@ -133,7 +133,7 @@ def properties(twin):
             """,
             helps=(
                 f"queue0_stored <= {depth}",
-                "puts - takes == {4'b0, queue0_stored}",
+                f"puts - takes == {{{8 - depth.bit_length()}'b0, queue0_stored}}",
                 *(
                     f"!(before_it == {n} && queue0_stored > {n}) || {name} == word"
                     for n, name in enumerate(names(depth))
