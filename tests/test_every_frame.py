@@ -192,7 +192,7 @@ def random_values(space: Space, samples: list[Value], rng: np.random.Generator) 
             yield made
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", [*range(40), 153, 234, 279])
 def test_values_are_exact_and_within_their_bounds(seed: int) -> None:
     """Each rule about sums, beside plain arithmetic in every frame of three small samples."""
     rng, space = np.random.default_rng(seed), Space()

@@ -991,7 +991,8 @@ class Space:
         # y + c * (x - y) hangs on one word wherever x - y does.
         chooser, difference = self._together(c, d)
         assert chooser
-        assert difference
+        if difference is None:
+            return plus(y, times(c, int(self._known(d))))
         return plus(y, self._picked(chooser, difference, 0))
 
     def _picked(self, c: Function, x: "Function | int", y: "Function | int") -> Value:
