@@ -18,6 +18,8 @@ import numpy as np
 # The most codes of a word whose functions are written out code by code.
 LONGEST = 1 << 24
 MOST = 1 << 62
+# The most bits that a floor drops of a sum of which it is a floor of a floor.
+SHIFTS = 50
 # A straight line at the end of a function is written as one if it has so many codes.
 LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
@@ -58,6 +60,11 @@ class Word:
         (inner,) = self.base.total.terms
         return inner if inner.base is None else None
 
+    @property
+    def moves(self) -> bool:
+        """Whether it is a floor of a sum that is the floor of another, in numbers that fit."""
+        return bool(self.base and self.base.parent and self.shift + self.base.parent[1] < SHIFTS)
+
     def flat(self) -> tuple["Curve | None", int]:
         """It as a function of its root, less its lowest code."""
         root = self.root
@@ -86,8 +93,14 @@ class Base:
         """This sum, and those of which it is a floor."""
         return [self, *(self.parent[0].above() if self.parent else [])]
 
+    def uses(self, other: "Base") -> bool:
+        """Whether words of the other sum are in this one, or in those that it is made of."""
+        made = [w.base for w in self.total.terms if w.base]
+        return any(b is other or b.uses(other) for b in made)
+
     def word(self, offset: int, shift: int) -> Word:
         """floor((sum + offset) / 2^shift), for an offset from 0 to 2^shift - 1."""
+        _fits(offset)
         key = offset, shift
         if key not in self.words:
             low, high = ends(self.total)
@@ -557,15 +570,11 @@ class Space:
         for word in v.terms:
             if word.base and not word.base.parent and word.base.seen != len(self.found):
                 self._refresh(word.base)
-        if not any((roots and w.root) or (w.base and w.base.parent) for w in v.terms):
+        if not any((roots and w.root) or w.moves for w in v.terms):
             return v
         result = value(
             v.constant,
-            {
-                w: c
-                for w, c in v.terms.items()
-                if not (roots and w.root) and not (w.base and w.base.parent)
-            },
+            {w: c for w, c in v.terms.items() if not (roots and w.root) and not w.moves},
         )
         for word, term in v.terms.items():
             root = word.root
@@ -577,7 +586,7 @@ class Space:
                 codes = inner.at(root.low, root.high) + start
                 made, begin = curve(root, root.low, term.at(word.low, word.high)[codes], 0, 0)
                 result = plus(result, value(begin, {} if made is None else {root: made}))
-            elif word.base and word.base.parent:
+            elif word.moves:
                 result = plus(result, self.flat(_moved(term), roots))
         return result
 
@@ -587,7 +596,7 @@ class Space:
         total = self.flat(base.total)
         if total is not base.total and isinstance(total, Sum):
             other, e, sign = self._base(total)
-            if e == 0 and base not in other.above():
+            if e == 0 and base not in other.above() and not other.uses(base):
                 base.parent = other, 0, sign * total.constant, sign
 
     def _relate(self, a: Base, b: Base) -> bool:
@@ -605,7 +614,9 @@ class Space:
                 for sign in (1, -1):
                     d = self._settled(minus(fine.total, times(coarse.total, sign << j)))
                     low, high = ends(d)
-                    if high - low < 1 << j and not coarse.parent and coarse not in fine.above():
+                    if coarse.parent or coarse in fine.above() or fine.uses(coarse):
+                        continue
+                    if high - low < 1 << j:
                         coarse.parent = fine, j, -low, sign
                         self.found.append(coarse)
                         self.related[a, b] = self.related[b, a] = True
@@ -761,7 +772,7 @@ class Space:
                 offset = (1 << k) - 1 - offset
             word = base.word(offset % (1 << k), k)
             constant, slope = sign * ((offset >> k) + word.low), sign
-        while word.base and word.base.parent:
+        while word.moves:
             moved = _moved(_straight(word, slope))
             assert isinstance(moved, Sum)
             ((word, line),) = moved.terms.items()
@@ -824,7 +835,7 @@ class Space:
         """v as a function of one word, or None for a constant."""
         if isinstance(v, int):
             return None
-        if any(w.base and w.base.parent for w in v.terms) or (
+        if any(w.moves for w in v.terms) or (
             any(w.root for w in v.terms) and len({w.root or w for w in v.terms}) == 1
         ):
             v = self.flat(v)
@@ -849,7 +860,7 @@ class Space:
         found = self._as_line(v)
         assert found
         word, constant, slope = found
-        if word.base and word.base.parent:
+        if word.moves:
             return self.function(plus(constant, Sum(0, {word: _straight(word, slope)})))
         return Function(word, constant, [_straight(word, slope)])
 
