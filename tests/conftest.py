@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from collections import Counter
@@ -56,6 +57,9 @@ def pytest_configure(config: pytest.Config) -> None:
         "all_only(unit): run by make test ALL=1 alone; a sample draws all tests of a unit or none",
     )
     config.addinivalue_line("markers", "pages: of the documentation; make test PAGES=1 runs these")
+    # A shell that starts this in the background lets it ignore Ctrl-C, and so all that it starts.
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     # Hundreds of processes import the same modules. None of them should compile these again.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     # matplotlib keeps the list of fonts that it once found, for all environments of a user. One

@@ -188,7 +188,8 @@ def test_but_0_and_nothing_is_none(tmp_path: Path, zero: str) -> None:
     log = environment(tmp_path)
     options = {argument.option for c in COMMANDS for argument in c.arguments if argument.flag}
     words = [f"{name}={zero}" for name in sorted(FLAGS)]
-    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *TARGETS, *words)
+    folders = [f"VENV={tmp_path / 'venv'}", f"SITE={tmp_path / 'site'}"]
+    result = make(tmp_path, *folders, *TARGETS, *words)
     assert result.returncode == 0, result.stderr
     assert not {word for call in calls(log) for word in call if word in options}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,6 +22,7 @@ from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fa
 from golden.folders import is_installed
 from golden.function import by_name, functions_of
 from golden.function_network import of_parabolas
+from golden.input_error import InputError
 from golden.network_files.classes import file_labels, stand_for_order
 from golden.network_files.network_file import check_targets, held_in, write_network
 from golden.precision import SIGNAL
@@ -68,8 +69,10 @@ def _once(*findings: Finding) -> list[Finding]:
 
 
 def _summary(scene: Scene, trained: bool) -> str:
-    # Until a network is there, its activations are those that the scene names.
-    activation = scene.hidden_text() if trained else scene.activation_text
+    # Until a network is there, and can be read, its activations are those that the scene names.
+    activation = scene.activation_text
+    with suppress(InputError):
+        activation = scene.hidden_text() if trained else activation
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks, {scene.arrangement}"
     return (
