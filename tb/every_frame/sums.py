@@ -320,6 +320,7 @@ def curve(
 ) -> tuple[Curve | None, int]:
     """The function in its shortest form, or None for a constant, and its value at the lowest
     code."""
+    _fits(int(values.min()), int(values.max()))
     if first == word.low and len(values) > 1:
         left = int(values[1]) - int(values[0])
     if first + len(values) - 1 == word.high and len(values) > 1:
@@ -346,9 +347,7 @@ def curve(
         values = np.concatenate([values, int(values[-1]) + right * np.arange(1, behind + 1)])
         end = right = behind = 0
     first, values = first + begin, values[begin : len(values) - end]
-    _fits(
-        int(values.min()), int(values.max()), left * (first - word.low), right * (word.high - first)
-    )
+    _fits(left * (first - word.low), right * (word.high - first))
     start = int(values[0]) - left * (first - word.low)
     return Curve(word, first, values - start, left, right), start
 
@@ -426,6 +425,7 @@ class Function:
         self.terms = [_stairs(t) if t.word.shift > word.shift else t for t in terms]
         self.steps = [t.word.shift - word.shift for t in self.terms]
         self.shifts = [(t.word.offset - word.offset) >> word.shift for t in self.terms]
+        _fits(abs(constant) + sum(max(map(abs, t.ends)) for t in self.terms))
 
     def on(self, word: Word) -> "Function":
         return Function(word, self.constant, self.terms)
@@ -1010,7 +1010,10 @@ class Space:
         """The choice code by code; each branch is looked at only where it is chosen."""
         word = c.word
         a, b = c.window()
-        a, b = max(a - 1, word.low), min(b + 1, word.high)
+        # Outside its window the choice is constant, unless it is no step function there.
+        left, right = c.slopes()
+        a = word.low if left != 0 else max(a - 1, word.low)
+        b = word.high if right != 0 else min(b + 1, word.high)
         slopes = []
         for side, code in ((0, a), (1, b)):
             branch = x if c.at(code, code)[0] else y

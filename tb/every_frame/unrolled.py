@@ -34,7 +34,9 @@ class Unrolled:
         self.hardware = hardware
         self.now: list[Bits] = [X] * len(hardware.widths)
         self.words: list[Any] = [
-            [X if w is None else w for w in m.start] for m in hardware.memories
+            # What a memory that is written held at the start is not known.
+            [X if w is None or m.writes else w for w in m.start]
+            for m in hardware.memories
         ]
         self.made: dict[Any, Expression] = {}
         self.tables: dict[int, tuple[list[Bits], Table]] = {}
