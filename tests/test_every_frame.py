@@ -160,6 +160,20 @@ def test_a_difference_is_shown_as_a_frame_that_icarus_plays(
     assert shown[1] != shown[2]
 
 
+def test_a_difference_of_vhdl_is_shown_as_a_frame(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = load_scene("digit-single-thesis")
+    export(scene, "vhdl", tmp_path)
+    folder, given = tmp_path / scene.name / "vhdl", description(scene)
+    _weight(given)
+    assert not prove_export(given, hardware(folder, given["entity"], "vhdl"), folder)
+    said = capsys.readouterr().out
+    shown = re.search(r"GHDL's netlist gives (-?\d+) for output \d, the network (-?\d+)", said)
+    assert shown, said
+    assert shown[1] != shown[2]
+
+
 # Values of three values, a number of bits and a factor.
 Operation = Callable[[Space, Value, Value, Value, int, int], Value]
 OPERATIONS: list[Operation] = [

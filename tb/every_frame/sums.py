@@ -124,7 +124,7 @@ class Curve:
     It is 0 at the lowest code, and as short as it can be, so that equal functions have equal parts.
     """
 
-    __slots__ = ("__weakref__", "_ends", "first", "left", "right", "values", "word")
+    __slots__ = ("_ends", "first", "left", "right", "values", "word")
 
     def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
         self.word, self.first, self.values, self.left, self.right = word, first, values, left, right
@@ -926,19 +926,11 @@ class Space:
         assert isinstance(known, int)
         return np.int64(known)
 
-    def _made(
-        self,
-        word: Word,
-        low: int,
-        high: int,
-        f: Callable[[int, int], Any],
-        left: int = 0,
-        right: int = 0,
-    ) -> Value:
+    def _made(self, word: Word, low: int, high: int, f: Callable[[int, int], Any]) -> Value:
         if high - low >= LONGEST:
             raise UnsupportedError(f"a function of a word that takes {high - low} values")
         values = np.broadcast_to(np.asarray(f(low, high), dtype=np.int64), high - low + 1)
-        made, start = curve(word, low, values, left, right)
+        made, start = curve(word, low, values, 0, 0)
         return value(start, {} if made is None else {word: made})
 
     def _together(self, *values: Value) -> list[Function | None]:
