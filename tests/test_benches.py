@@ -131,7 +131,7 @@ PAIRS = [
 
 
 def one_of_each(jobs: list[Job]) -> list[Job]:
-    """The first entity of each block, which has its faults. Others differ only in constants."""
+    """The first entity of each block. Others differ only in constants."""
     return list({job.block: job for job in jobs}.values())
 
 
@@ -169,10 +169,8 @@ def check_clocks(outcomes: list[Outcome]) -> None:
 
 
 @pytest.mark.parametrize("block", BENCHES)
-def test_a_bench_has_cases_and_faults(block: str) -> None:
-    for name in ("CASES", "FAULTS"):
-        assert getattr(BENCHES[block], name, None), f"tb_{block}.py: {name}: got none"
-    assert set(CASES_OF[block]) <= set(CASES)
+def test_a_bench_has_cases(block: str) -> None:
+    assert CASES_OF[block], f"tb_{block}.py: CASES: got none"
 
 
 def test_every_bench_has_a_case_in_every_run() -> None:

@@ -49,7 +49,6 @@ def item(file: str, function: object = calls_another, **parameters: object) -> S
     "chosen",
     [
         item("test_benches", block="comparator_bank", case="rails"),
-        item("test_benches_can_fail", fault=("comparator_bank", 0)),
         item("test_docs", sheet=ROOT / "docs" / "blocks" / "comparator_bank.md"),
         item("test_census", path=ROOT / "tb" / "activation" / "tb_comparator_bank.py"),
         item(

@@ -44,7 +44,7 @@ def test_the_record_is_of_this_source(pair: Callable[[str], Pair], block: str) -
 
 
 @pytest.mark.parametrize("block", QUICK)
-def test_equal_and_faults_differ(pair: Callable[[str], Pair], block: str) -> None:
+def test_equal(pair: Callable[[str], Pair], block: str) -> None:
     (result,) = settle([pair(block)])
     assert result.complaints == []
     facts = record.read_record(equal.KIND, block)

@@ -40,10 +40,6 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     simulated = run("tb.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
-    verilog = (copy / "build" / "digit-relu" / "verilog" / "relu.v").read_text()
-    faults = re.findall(r'^    \(r"(.*?)", ', dict(files)["tb/activation/tb_relu.py"], re.M)
-    assert faults
-    assert all(re.search(pattern, verilog) for pattern in faults)
     hardware = copy / "hdl" / "activation" / "relu.py"
     hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
     broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")

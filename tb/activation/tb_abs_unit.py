@@ -17,10 +17,6 @@ from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS
-FAULTS = [
-    (r"opposite\[\(?(13|17|14 - 1|18 - 1)\)?\]", "0"),
-    (r"out_negative <= in_data\[.*\]", "out_negative <= 0"),
-]
 
 OUTPUTS = {"out_mag": UNSIGNED, "out_negative": UNSIGNED}
 

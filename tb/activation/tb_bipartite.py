@@ -18,16 +18,6 @@ from tb.common.small import BIPARTITE
 from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = BIPARTITE
-FAULTS = [
-    (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
-    (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
-    (r"(corrections\[40\]) <= (\d+)", r"\1 <= \2 ^ 1"),
-    (r"lower \^ \d+", "lower"),
-    (r"upper \^ \d+", "upper"),
-    (r"base_word \^ \d+", "base_word"),
-    (r"is_wide <= [^;]+", "is_wide <= 0"),
-    (r"(\w+)negative_late <= [^;]+", r"\1negative_late <= \1negative"),
-]
 
 
 def codes(bench):

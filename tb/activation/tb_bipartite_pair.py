@@ -15,13 +15,6 @@ from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
 
 CASES = {name: case for name, case in BIPARTITE.items() if name != "bipartite-logic"}
-FAULTS = [
-    (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
-    (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
-    (r"(corrections\[40\]) <= (\d+)", r"\1 <= \2 ^ 1"),
-    (r"bases\[node1_base_addr\]", "bases[node0_base_addr]"),
-    (r"corrections\[node0_slope_addr\]", "corrections[node1_slope_addr]"),
-]
 
 INPUTS = {"in_data_0": SIGNED, "in_data_1": SIGNED}
 OUTPUTS = {"out_data_0": SIGNED, "out_data_1": SIGNED}

@@ -19,10 +19,6 @@ from tb.common.stimulus import all_codes
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS | both_precisions("gradient_parallel")
-FAULTS = [
-    (r"in_mag > (\d+)", r"in_mag >= \1"),
-    (r"out_mag <= in_mag", "out_mag <= in_mag + 1"),
-]
 
 OUTPUTS = {"out_addr": UNSIGNED, "out_mag": UNSIGNED}
 

@@ -15,9 +15,6 @@ from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 
 CASES = PARTS
-FAULTS = [
-    (r"(\d+): word = (\d+)", r"\1: word = \2 ^ 1"),
-]
 
 
 @cocotb.test()

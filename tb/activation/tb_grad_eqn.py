@@ -18,10 +18,6 @@ from tb.common.small import PARTS
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS
-FAULTS = [
-    (r"product \+ aligned", "product - aligned"),
-    (r"total \+ (\d+)", "total + 0"),
-]
 
 INPUTS = {"in_mag": UNSIGNED, "in_coeff": UNSIGNED, "in_intercept": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

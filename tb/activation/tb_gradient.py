@@ -18,9 +18,6 @@ from tb.common.recorded_frames import check_recorded
 from tb.common.small import FOLDED
 
 CASES = FOLDED
-FAULTS = [
-    (r"negative_late <= [^;]+", "negative_late <= negative"),
-]
 
 
 @cocotb.test()

@@ -15,9 +15,6 @@ from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 
 CASES = PARTS
-FAULTS = [
-    (r"default: word = (\d+)", r"default: word = \1 - 1"),
-]
 
 
 @cocotb.test()

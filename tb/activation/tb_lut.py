@@ -19,11 +19,6 @@ CASES = {
     **both_precisions("lut"),
     "lut-short": Case([(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
 }
-FAULTS = [
-    (r"word = (\d+)", r"word = \1 ^ 1"),
-    (r"beyond == 1", "beyond == 2"),
-    (r"negative_late <= [^;]+", "negative_late <= negative"),
-]
 
 
 @cocotb.test()

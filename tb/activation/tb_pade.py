@@ -19,14 +19,6 @@ from tb.common.stimulus import spread
 from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = rails("pade") | both_precisions("pade")
-FAULTS = [
-    (r"remaining <= \(3 - 1\)", "remaining <= 1"),
-    (r"regression0_following > \d+", "regression0_following > 900000"),
-    (r"regression0_kept - \d+", "regression0_kept"),
-    (r"~regression0_whole", "-regression0_whole"),
-    (r"beyond_late == 1", "beyond_late == 2"),
-    (r"(if \(start\) begin\s+negative_held <= )negative_start", r"\1negative"),
-]
 
 # How many codes are played at a time, so that the recording stays small.
 CHUNK = 2048

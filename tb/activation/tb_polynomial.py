@@ -23,12 +23,6 @@ CASES = {
     **both_precisions("polynomial"),
     "polynomial-short": Case([(2, 1, 2)], "exact", spread=2.0, activation="polynomial"),
 }
-FAULTS = [
-    (r"products \+ aligned", "products - aligned"),
-    (r"kept < 0", "kept < -9000"),
-    (r"segment_late == (\d+)", r"segment_late == \1 + 1"),
-    (r"negative_late <= [^;]+", "negative_late <= negative"),
-]
 
 # The closest of 57344 magnitudes lie within a two-thousandth of the last bit of a border.
 CLOSEST = 32

@@ -13,16 +13,6 @@ from tb.common import activation
 from tb.common.small import PRECISE, rails
 
 CASES = rails("precise") | PRECISE
-FAULTS = [
-    (r"(0): word = (\S+);", r"\1: word = \2 ^ 1;"),
-    (r"default: word = (\S+);", r"default: word = \1 ^ 4096;"),
-    (r"gated_row0_row <= 0", "gated_row0_row <= top"),
-    (r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
-    (r"low \^ (\d+)", "low"),
-    (r"wide_gradient - wide_high", "wide_gradient"),
-    (r"wide_distance - (\d+)", "wide_distance"),
-    (r"negative_late <= [^;]+", "negative_late <= negative"),
-]
 
 
 @cocotb.test()

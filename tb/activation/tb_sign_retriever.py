@@ -16,10 +16,6 @@ from tb.common.small import PARTS
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS
-FAULTS = [
-    (r"if \(in_negative\)", "if (!in_negative)"),
-    (r"out_valid <= in_valid", "out_valid <= 1"),
-]
 
 INPUTS = {"in_mag": UNSIGNED, "in_negative": UNSIGNED}
 OUTPUTS = {"out_data": SIGNED}

@@ -1,8 +1,7 @@
 """Cases of a bench: small scenes with random networks, whose shapes no shipped scene has.
 
 A bench names its cases in ``CASES``, by the name of the scene. Benches that name the same case run
-on the same export. The ``FAULTS`` of a bench must make it fail: each is a pattern in the Verilog of
-its block in the first case, and the text that replaces it.
+on the same export.
 """
 
 from __future__ import annotations

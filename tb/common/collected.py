@@ -1,4 +1,4 @@
-"""The benches of ``tb``, and the cases and faults that they name."""
+"""The benches of ``tb``, and the cases that they name."""
 
 from __future__ import annotations
 
@@ -14,12 +14,9 @@ BENCHES = {
     path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
 }
-# For each block: the names of its cases, and its faults.
+# For each block: the names of its cases.
 CASES_OF: dict[str, list[str]] = {
     block: list(getattr(bench, "CASES", {})) for block, bench in BENCHES.items()
-}
-FAULTS: dict[str, list[tuple[str, str]]] = {
-    block: getattr(bench, "FAULTS", []) for block, bench in BENCHES.items()
 }
 
 

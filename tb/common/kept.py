@@ -34,7 +34,7 @@ BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
 # The effect of these modules is in the exported files.
 ELSEWHERE = ("tb.common.cases", "tb.common.small")
-NAMES = ("CASES", "FAULTS")
+NAMES = ("CASES",)
 SCENE = "golden.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.
 REGISTRIES = ("golden.activation.schemes", "golden.networks.designs")

@@ -21,13 +21,6 @@ from tb.common.stimulus import random_resets, spread
 CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
 # These count samples alone. In the second one there are addresses that no sample has.
 CASES |= {name: OVERLAPPED[name] for name in ("rails-loop", "chain-loop")}
-FAULTS = [
-    (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
-    (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
-    (r"if \(\(finish \|\| broken\)\)", "if (finish)"),
-    (r"write <= \(accept \|\| store\)", "write <= accept"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-]
 
 SAMPLES = 1000
 # By how many clocks a frame comes later than the last clock that is too early.

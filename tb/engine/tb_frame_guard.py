@@ -22,14 +22,6 @@ from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, spread
 
 CASES = RELOADED | RELOADED_LANES
-FAULTS = [
-    (r"\(halt && \(in_valid \|\| started\)\)", "(halt && in_valid)"),
-    (r"finish \|\| broken \|\| halt", "finish || broken"),
-    (r"closed \|\| halt \|\| dropping", "closed || dropping"),
-    (r"frame_error <= \(refused \|\| broken\)", "frame_error <= broken"),
-    (r"addr == before_last", "addr == before_last + 1"),
-    (r"if \(rst == 1\)", "if (0)"),
-]
 
 SAMPLES = 1500
 INPUTS = ("in_valid", "in_last", "halt", "before_last", "store", "finish", "rst")

@@ -28,23 +28,6 @@ from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets
 
 CASES = RELOADED | RELOADED_LANES
-FAULTS = [
-    (r"check_byte0_spread\[0\]", "check_byte0_spread[1]"),
-    (r"accept = \(load_valid && \(!busy\)\)", "accept = load_valid"),
-    (r"&& \(place == 1\)", ""),
-    (r"good = \(headed && ended", "good = (ended"),
-    (r"check\[8-1:0\] == 0\)", "1'b1)"),
-    (r"good = \(headed && ended", "good = (headed"),
-    (r"&& headed && \(!ended\)", "&& headed"),
-    # The first three faults: every header fits; only the lowest bits of the number of words are
-    # compared; after a header that does not fit, the next word counts as a header.
-    (r"fits = \(named < \d+\)", "fits = 1'b1"),
-    (r"fits = \(named < ", "fits = (named[9:0] < "),
-    (r"ended <= \(!fits\)", "ended <= 1'b0"),
-    (r"\(addr - 1\)", "(addr + 1)"),
-    (r"failed <= \(!good\)", "failed <= failed | (!good)"),
-    (r"halt = \(accept \|\| ", "halt = ("),
-]
 
 
 def random_image(bench, words):

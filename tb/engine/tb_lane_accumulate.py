@@ -23,12 +23,6 @@ from tb.common.small import LANES
 CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes")}
 # It has no table, and the sums of three lanes to add.
 ALSO = ("relu-lanes",)
-FAULTS = [
-    (r"start = 131072", "start = 8192"),
-    (r"gathered0_takes <= \(gather != 0\)", "gathered0_takes <= 0"),
-    (r"above != 0\)", "above != 1)"),
-    (r"above != 127", "above != 126"),
-]
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
 PRODUCTS = 8000

@@ -20,12 +20,6 @@ from tb.common.small import LANES, RELOADED_LANES
 # The first has weights alone, the second smaller segments, and the others several blocks.
 ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes")
 CASES = {name: LANES[name] for name in ("rails-lanes", *ALSO)} | RELOADED_LANES
-FAULTS = [
-    (r"(memory\[1\] <= \S+);", r"\1 ^ 1;"),
-    (r"segment = \(~part\)", "segment = part"),
-    (r"looked = \{kind\[1\]", "looked = {kind[0]"),
-    (r"address = \{1'b1, placed\}", "address = 0"),
-]
 
 
 def timeline(bench):

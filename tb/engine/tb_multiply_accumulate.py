@@ -18,12 +18,6 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "huge-engine")}
-FAULTS = [
-    (r"weight \| chosen", "weight"),
-    (r"table_word\[36-1:18\]", "table_word[17:0]"),
-    (r"base = 131072", "base = 8192"),
-    (r"base = 8192", "base = 0"),
-]
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
 PRODUCTS = 8000

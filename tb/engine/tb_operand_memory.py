@@ -17,13 +17,6 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "deep-engine")}
-FAULTS = [
-    (r"if \(write\)", "if (1)"),
-    (
-        r"found <= memory",
-        "if (write && write_addr == read_addr) found <= data; else found <= memory",
-    ),
-]
 
 
 @cocotb.test()

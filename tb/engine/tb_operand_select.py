@@ -20,11 +20,6 @@ from tb.common.stimulus import all_codes
 CASES = ENGINE_PARTS
 # It has registers behind the choice.
 ALSO = ("deep-engine",)
-FAULTS = [
-    (r"below = \(!word\[(\d+)\]\)", r"below = word[\1]"),
-    (r"\(kind == 1\) && word\[17\]", "(kind == 1)"),
-    (r"kind == 2", "kind == 3"),
-]
 
 
 @cocotb.test()

@@ -17,12 +17,6 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import SERIAL_PARTS
 
 CASES = SERIAL_PARTS
-FAULTS = [
-    (r"in_sign <= plane\[17\]", "in_sign <= 1'b0"),
-    (r"low != in_middle", "low == in_middle"),
-    (r"negative <= bits\[17\]", "negative <= bits[16]"),
-    (r"late == 3", "late == 2"),
-]
 
 
 @cocotb.test()

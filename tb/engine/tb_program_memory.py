@@ -20,12 +20,6 @@ CASES = ENGINE_PARTS | {"tables-engine": TABLES["tables-engine"]}
 CASES |= {name: LANES[name] for name in ("rails-lanes", "deep-lanes")}
 # The first has registers behind the memory; the second has tables of several functions.
 ALSO = ("deep-engine", "tables-engine")
-FAULTS = [
-    (r"(memory\[\d+\] <= \S+);", r"\1 ^ 1;"),
-    (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (!run)"),
-    (r"if \(rst == 1\)", "if (0)"),
-    (r"if \(look_up\)", "if (1)"),
-]
 
 
 async def check(bench, start, run, finish, resets):

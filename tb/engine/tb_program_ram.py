@@ -21,14 +21,6 @@ from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, random_runs
 
 CASES = RELOADED | RELOADED_LANES
-FAULTS = [
-    (r"stands = \(finish \|\| ", "stands = ("),
-    (r"if \(rst == 1\)", "if (0)"),
-    (r"asked = \(look_up && \(!write\)\)", "asked = look_up"),
-    (r"addr = write_addr", "addr = counter"),
-    (r"(memory\[addr\] <= \S+);", r"\1 ^ 1;"),
-    (r"(fetched <= memory\[addr\];)", r"\1 memory[addr][19] <= data[19];"),
-]
 
 
 # With resets, so many words on either side of the first word of the program are used.

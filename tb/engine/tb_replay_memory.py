@@ -19,15 +19,6 @@ from tb.common.small import SERIAL_PARTS
 from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = SERIAL_PARTS
-FAULTS = [
-    (r"place\[15\]", "place[14]"),
-    (r"place\[4-1:0\]", "{1'b0, place[2:0]}"),
-    (r"\(end_field == 3\)", "end_field[1]"),
-    (r"base <= following", "base <= counter"),
-    (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
-    (r"if \(rst == 1\)", "if (0)"),
-    (r"if \(look_up\)", "if (1)"),
-]
 
 
 async def check(bench, run, finish, resets):

@@ -22,12 +22,6 @@ CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for nam
 # The hardware of these cases has ReLU. The last two also drop bits: one rounds halves to even, and
 # the other rounds down.
 ALSO = WITH_RELU
-FAULTS = [
-    (r"above != 0\)", "above != 1)"),
-    (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
-    (r"wide << 3", "wide << 2"),
-    (r"if \(run\)", "if (1)"),
-]
 
 
 @cocotb.test()

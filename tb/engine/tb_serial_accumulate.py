@@ -20,14 +20,6 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import SERIAL_PARTS
 
 CASES = SERIAL_PARTS
-FAULTS = [
-    (r"kept \| table_word", "kept"),
-    (r"plane\[17\]", "plane[16]"),
-    (r"plane\[13\]", "plane[12]"),
-    (r"if \(clears_late\)", "if (0)"),
-    (r"if \(take_weight\)", "if (1)"),
-    (r"right = \{base, minus_late\}", "right = {base, 1'b0}"),
-]
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
 WORDS = 8000

@@ -19,10 +19,6 @@ CASES = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
 CASES |= {name: TABLES[name] for name in ("tables-engine", "deep-tables-engine")}
 # Their addresses have the number of a block, of several bits or of one.
 ALSO = ("tables-engine", "deep-tables-engine")
-FAULTS = [
-    (r"high = \(~part\)", "high = part"),
-    (r"top > (\d+)", r"top > \1 + 1"),
-]
 
 
 @cocotb.test()

@@ -27,11 +27,6 @@ DECIDES = "clock_mhz = 4.0\nargmax = true"
 CASES = CONVERTERS | {
     "winner-converter": replace(CONVERTERS["converter"], hardware=DECIDES, seed=12)
 }
-FAULTS = [
-    (r"\.miso\(miso\)", ".miso(1)"),
-    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
-    (r"\.converter_error\(converter_error\)", ".converter_error(cs_n)"),
-]
 
 CLOCKS = 1_500
 WATCH = [*PINS, "converter_error", "out_valid", "out_data", "out_last"]

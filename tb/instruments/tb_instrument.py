@@ -24,10 +24,6 @@ from tb.common.stimulus import resets_before
 
 LEAST = INSTRUMENTS["least-instrument"]
 CASES = INSTRUMENTS | {"winner-instrument": replace(LEAST, hardware="argmax = true", seed=14)}
-FAULTS = [
-    (r"\.adc\(adc\)", ".adc(0)"),
-    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
-]
 
 CLOCKS = 10_000
 WATCH = ["address", "out_valid", "out_data", "out_last"]

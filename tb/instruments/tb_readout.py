@@ -41,11 +41,6 @@ LOADED = {name: UART_INSTRUMENTS[name] for name in ("reload-uart", "learn-uart")
 CASES = OTHER_PROFILES | LOADED | READ_WINNERS
 # It has the ports of the largest output too.
 ALSO = ("winner",)
-FAULTS = [
-    (r"count == 1", "count == 2"),
-    (r"result_valid && result_last", "result_last && 0"),
-    (r"held_1 = word\w*", "held_1 = 0"),
-]
 
 __all__ = [
     "corners_and_random",

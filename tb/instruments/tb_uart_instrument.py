@@ -44,17 +44,6 @@ DECIDES = "clock_mhz = 4.0\nargmax = true"
 CASES = UART_INSTRUMENTS | {
     "winner-uart": replace(UART_INSTRUMENTS["plain-uart"], hardware=DECIDES, seed=12)
 }
-FAULTS = [
-    (r"\.mosi\(mosi\)", ".mosi()"),
-    (r"\.rx\(rx\)", ".rx(1'b1)"),
-    (r"\.miso\(miso\)", ".miso(1)"),
-    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
-    (r"(?s)(packet_sender u_.*?\.frame_error)\(\w+\)", r"\1(1'b0)"),
-    (r"(?s)(packet_sender u_.*?\.line_error)\(\w+\)", r"\1(1'b0)"),
-    (r"(?s)(packet_sender u_.*?\.image_error)\(\w+\)", r"\1(1'b0)"),
-    (r"\.out_bit\(dac_y\)", ".out_bit(dac_x)"),
-    (r"\.in_ready\((\w+)\)", ".in_ready()"),
-]
 
 # How many scans are played with traffic on the line, and after an image.
 SCANS = 12

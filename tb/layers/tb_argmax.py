@@ -21,11 +21,6 @@ from tb.common.small import WINNERS
 from tb.common.stimulus import random_resets, spread
 
 CASES = WINNERS
-FAULTS = [
-    (r"low < margin", "low <= margin + 1"),
-    (r"first \|\| leads\)", "leads)"),
-    (r"<= in_data", "<= -in_data"),
-]
 
 FRAMES = 400
 

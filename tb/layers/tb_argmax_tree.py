@@ -18,13 +18,6 @@ from tb.common.small import TREES
 from tb.layers.tb_argmax import frames_of
 
 CASES = TREES
-FAULTS = [
-    (r"(pair0_loses = \(\S+) <", r"\1 <="),
-    (r"(pair0_winner_index <=) 1", r"\1 0"),
-    (r"(meet0_closer = \(\S+) <", r"\1 >"),
-    (r"alone0_winner_second <= \(?-8192\)?", "alone0_winner_second <= 0"),
-    (r"pair1_winner_index \|", "pair1_winner_index &"),
-]
 
 
 def rival_frames(bench):

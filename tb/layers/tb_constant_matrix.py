@@ -17,12 +17,6 @@ from tb.common.small import ADDER_GRAPHS
 from tb.common.stimulus import corner_frames, extreme_frames
 
 CASES = ADDER_GRAPHS
-FAULTS = [
-    (r"turned = \(one \+ other\)", "turned = (one - other)"),
-    (r"turned = \(one - other\)", "turned = (one - other - 64)"),
-    (r"turned = \((\(?-?\d+\)?) \+ one\)", r"turned = (\1 + one + 64)"),
-    (r"top == 0\)", "top == 1)"),
-]
 # ReLUs, and halves that go to the even code; sums of three operands.
 ALSO = ("exact-graph", "operands-graph")
 RANDOM = 1000

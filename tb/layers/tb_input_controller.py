@@ -18,11 +18,6 @@ from tb.common.small import FOLDED, both_precisions
 from tb.common.stimulus import random_resets, spread
 
 CASES = FOLDED | both_precisions("pade")
-FAULTS = [
-    (r"frame_error <= broken", "frame_error <= 0"),
-    (r"dropping <= \(!in_last\)", "dropping <= 0"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-]
 
 RECORDED = 1000
 OUTPUTS = ["addr", "preset", "accumulate", "capture", "out_valid", "frame_error"]

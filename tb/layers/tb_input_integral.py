@@ -20,9 +20,6 @@ from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS
-FAULTS = [
-    (r"out_q_0\b(?=\))", "out_q_1"),
-]
 
 
 def stimuli(bench):

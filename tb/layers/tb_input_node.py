@@ -26,15 +26,6 @@ from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS
-FAULTS = [
-    (r"if \(capture\)", "if (1)"),
-    (r"result = 131071|result = 8191", "result = 0"),
-    (r"acc \+ (\d+)", "acc + 0"),
-    (r"bias_word = bias", "bias_word = 0"),
-    (r"factor <= weight", "factor <= bias"),
-    (r"kept > 131071", "kept > 131072"),
-    (r"kept < \(-131072\)", "kept < (-131073)"),
-]
 RANDOM = 500
 # At most so many sums of recorded frames are compared, over all nodes of a layer.
 RECORDED = 1000

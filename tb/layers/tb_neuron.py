@@ -16,14 +16,6 @@ from tb.common.small import PARALLEL
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARALLEL
-FAULTS = [
-    (r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
-    (r"word <= (\S+);", "word <= 0;"),
-    (r"wide \* (\d+)", r"wide * (\1 + 64)"),
-    (r"scale0_wide \* (\d+)", r"scale0_wide * (\1 + 1)"),
-    # The sums of this case are multiples of 5.
-    (r"data_late < \(-8192\)", "data_late < (-8195)"),
-]
 
 
 def stimuli(bench):

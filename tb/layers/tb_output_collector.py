@@ -16,10 +16,6 @@ from tb.common.small import CASCADES, MULTIPLES
 from tb.common.stimulus import random_resets, spread
 
 CASES = CASCADES | MULTIPLES
-FAULTS = [
-    (r"remaining == 1", "remaining == 2"),
-    (r"<= in_data_1", "<= in_data_0"),
-]
 
 
 async def check(bench, gap, resets):

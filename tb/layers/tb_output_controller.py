@@ -19,9 +19,6 @@ from tb.common.small import FOLDED
 from tb.common.stimulus import LONG_IDLE, random_resets
 
 CASES = FOLDED
-FAULTS = [
-    (r"\((\d+) - 1\)", r"(\1)"),
-]
 
 RECORDED = 1000
 

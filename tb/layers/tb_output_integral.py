@@ -19,15 +19,6 @@ from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rou
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
 
 CASES = FOLDED
-FAULTS = [
-    (r"left \+ right|(\w+_term) \+ (\w+_term)", r"\1 - \2"),
-    (r"out_last <= [a-z][^;]+", "out_last <= 0"),
-    (r"kept > 8191", "kept > 8192"),
-    (r"kept < \(-8192\)", "kept < (-8193)"),
-    (r"out_last <= 0;", "out_last <= in_last;"),
-    (r"(delay3_taps\[4\]) <= 0", r"\1 <= \1"),
-    (r"(delay2_taps\[0\]) <= 0", r"\1 <= in_valid"),
-]
 
 OUTPUTS = {"out_data": SIGNED, "out_last": UNSIGNED}
 

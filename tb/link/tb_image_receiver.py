@@ -19,18 +19,6 @@ from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}
-FAULTS = [
-    (r"idle == \d+", "idle == 5"),
-    (r"in_data != 165", "in_data == 165"),
-    (r"in_data == 18", "in_data[3:0] == 2"),
-    (r"named == 0", "named[7:0] == 0"),
-    (r"over \|\| \(length == 1\)", "length == 1"),
-    (r"filling && \(in_valid \|\| over\)", "filling && in_valid"),
-    (r"length <= \(length - 1\)", "length <= length"),
-    (r"byte_in = 0", "byte_in = 1"),
-    (r"queue0_some && load_ready", "queue0_some"),
-    (r"if \(rst == 1\) begin\s+place", "if (0) begin place"),
-]
 LONG = 0xA9D6
 WATCH = ["load_valid", "load_data", "load_last"]
 

@@ -26,25 +26,6 @@ from tb.common.small import LEARN_UART
 from tb.common.stimulus import random_resets
 
 CASES = {"learn-uart": LEARN_UART}
-FAULTS = [
-    (r"idle == \d+", "idle == 5"),
-    (r"in_data != 165", "in_data == 165"),
-    (r"in_data == 19", "in_data[3:0] == 3"),
-    (r"following == 0", "1"),
-    (r"place > 1", "place > 2"),
-    (r"place >= 3", "place >= 9"),
-    (r"mode <= learns", "mode <= 1"),
-    (r"armed <= knows", "armed <= 1"),
-    (r"putting <= puts", "putting <= 0"),
-    (r"if \(putting\) begin", "if (0) begin"),
-    (r"frame_end && armed", "armed"),
-    (r"sending && target_ready", "sending"),
-    # Not that of the reset: a packet begins with this one too.
-    (r"check <= 65535;(?=\s+end\s+else begin\s+check)", "check <= 0;"),
-    (r"lesson_error <= wrong", "lesson_error <= 0"),
-    (r"if \(rst == 1\) begin\s+armed", "if (0) begin armed"),
-    (r"frame_end \|\| \(in_valid && \(place == 3\)\)", "frame_end"),
-]
 OFFERED = ("target_data", "target_last", "target_theta")
 WATCH = ["target_valid", *OFFERED, "learn", "lesson_error"]
 

@@ -20,28 +20,6 @@ from tb.common.small import LEARN_UART, UARTS, WINNER_UART
 CASES = UARTS | {"winner-line": WINNER_UART, "learn-uart": LEARN_UART}
 # Its packets carry the largest output too.
 ALSO = ("winner-line",)
-FAULTS = [
-    (r"\(complete \|\| \(waited == \d+\)\)", "(complete)"),
-    (r"waited == \d+", "waited == 20"),
-    (
-        r"check <= 65535;\s+end\s+else begin\s+check <= following",
-        "check <= following; end else begin check <= following",
-    ),
-    (r"complete <= \(result_valid && result_last\)", "complete <= result_valid"),
-    (r"count <= \(count \+ 1\)", "count <= (count + 2)"),
-    (r"number <= \(number \+ 1\)", "number <= number"),
-    (r"flags\[1\] = refused", "flags[1] = 0"),
-    (r"refused <= \(\(!complete\) && ", "refused <= ("),
-    (r"since_packet1_seen <= \(images && \(!begins\)\)", "since_packet1_seen <= images"),
-    (r"next_point0_place == next_point0_wanted", "1"),
-    (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
-    (r"two_bytes\d+_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
-    (r"out_ready && \(!sending\)", "(!sending)"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-    (r"complete <= \(result_valid && result_last\)", "complete <= result_last"),
-    (r"waited <= 0;(\s+end\s+else begin\s+if \(\(free)", r"waited <= waited;\1"),
-    (r"(keep_frame1_\w*word\d*_word) <= 0", r"\1 <= \1"),
-]
 
 
 def frames_of(rng, length, right, chance):

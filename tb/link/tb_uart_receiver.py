@@ -23,16 +23,6 @@ from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}
-FAULTS = [
-    (r"earlier && \(!line\)", "(!line)"),
-    (r"tick <= 2;", "tick <= 0;"),
-    (r"\(place == 0\) && line", "(place == 0) && 0"),
-    (r"place == 9", "place == 8"),
-    (r"\{line, kept", "{earlier, kept"),
-    (r"out_valid <= \(ends && line\)", "out_valid <= ends"),
-    (r"line_error <= \(ends && \(!line\)\)", "line_error <= 0"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-]
 CLOCK_NS = 10
 
 

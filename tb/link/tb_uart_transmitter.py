@@ -20,14 +20,6 @@ from tb.common.small import UARTS
 from tb.common.stimulus import random_resets
 
 CASES = UARTS
-FAULTS = [
-    (r"tick == \d+", "tick == 0"),
-    (r"\(left == 1\) && ends", "(left == 1)"),
-    (r"left <= 10", "left <= 9"),
-    (r"\{1'b1, in_data, 1'b0\}", "{1'b1, ~in_data, 1'b0}"),
-    (r"\{1'b1, line", "{1'b0, line"),
-    (r"if \(rst == 1\) begin\s+line", "if (0) begin line"),
-]
 CLOCK_NS = 10
 
 

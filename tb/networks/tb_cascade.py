@@ -21,11 +21,6 @@ from tb.common.network import (
 from tb.common.small import CASCADES
 
 CASES = CASCADES
-FAULTS = [
-    (r"\.in_data\(data_0\)", ".in_data(in_data)"),
-    (r"\.result\(stage1_result\)", ".result(stage0_result)"),
-    (r"\.in_data_0\(gathered_0\)", ".in_data_0(gathered_1)"),
-]
 
 __all__ = [
     "corners_and_random",

@@ -51,12 +51,6 @@ CASES = RELOADED | ENGINES | LAYERED | TABLES | LEARNED | SERIAL
 # the second name the tables of two functions. What quantised networks add is in round_saturate
 # alone, which has records of these.
 ALSO = ("steep-engine", "small-tables-engine")
-FAULTS = [
-    (r"first_bit|word\[31\]", "word[30]"),
-    (r"out_valid <= .*;", "out_valid <= leaves;"),
-    (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
-    (r"\.busy\(busy\)", ".busy(1'b0)"),
-]
 # How many intervals of frames are left behind the last image at least.
 BEHIND = 20
 # These have other arrangements, and another number of samples.

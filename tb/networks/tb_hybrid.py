@@ -27,10 +27,6 @@ CASES = {
     **both_precisions("pade"),
     **both_precisions("polynomial"),
 }
-FAULTS = [
-    (r"\.capture\(capture\)", ".capture(accumulate)"),
-    (r"\.in_r_1\(r_1\)", ".in_r_1(r_0)"),
-]
 
 __all__ = [
     "corners_and_random",

@@ -37,11 +37,6 @@ CASES = LANES | OVERLAPPED | RELOADED_LANES
 # The first has a table, and this one has ReLU and none. What quantised networks and functions add
 # is in lane_round and lane_memory alone, which have records of these.
 ALSO = ("relu-lanes",)
-FAULTS = [
-    (r"out_valid <= .*;", "out_valid <= leaves;"),
-    (r"own = .*;", "own = 0;"),
-    (r"together <= word\[32\]", "together <= word[31]"),
-]
 
 __all__ = [
     "corners_and_random",

@@ -24,20 +24,6 @@ from tb.common.network import random_elements, recorded_frames
 from tb.common.small import LESSONS
 
 CASES = LESSONS
-FAULTS = [
-    (r"bank <= \(!bank\)", "bank <= 1"),
-    (r"\(frame_run && \(!stepped\)\)", "1'b0"),
-    (r"lesson_control0_passed && \(!bad\)", "lesson_control0_passed"),
-    (r"\(arrives \|\| \(!fresh\)\)", "arrives"),
-    (r"arrives && keep_busy && \(!finish\)", "arrives && keep_busy"),
-    (r"written == \d+", "written == 0"),
-    (r"if \(\(stops \|\| ", "if ((1'b0 || "),
-    (r"\{second\[17\], ", "{1'b0, "),
-    (r"spoiled <= 1'b1", "spoiled <= 1'b0"),
-    (r"jump <= \(", "jump <= !("),
-    (r"frame_run \|\| keep_run \|\| studying", "1'b1"),
-    (r"clipped && continues", "clipped"),
-]
 
 
 @cocotb.test()

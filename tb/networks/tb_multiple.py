@@ -30,10 +30,6 @@ from tb.common.network import (
 from tb.common.small import MULTIPLES
 
 CASES = MULTIPLES
-FAULTS = [
-    (r"\.in_data_1\(aligned_1\)", ".in_data_1(aligned_0)"),
-    (r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
-]
 
 # How many frames are searched for the least and the largest outputs, and how many of each are
 # played.

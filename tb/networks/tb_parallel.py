@@ -19,12 +19,6 @@ from tb.common.small import PARALLEL
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 CASES = PARALLEL
-FAULTS = [
-    (r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
-    (r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
-    (r"out_valid <= delay[^;]+", "out_valid <= q_valid"),
-    (r"\.in_last\(last\)", ".in_last(q_valid)"),
-]
 
 
 def ports(name, count):

@@ -30,11 +30,6 @@ from tb.networks.tb_adder_graph import (
 __all__ = ["recorded", "reset_at_every_clock", "resets_among_frames"]
 
 CASES = TABLE_GRAPHS
-FAULTS = [
-    (r"\.in_data_1\(words_1\)", ".in_data_1(words_0)"),
-    (r"\.in_data_1\(later_1\)", ".in_data_1(later_0)"),
-    (r"(delay0_taps\[0\]) <= in_valid", r"\1 <= (in_valid && !\1)"),
-]
 
 
 def every_code(bench):

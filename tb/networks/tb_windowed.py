@@ -23,11 +23,6 @@ from tb.common.small import WINDOWS
 
 # The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
 CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}
-FAULTS = [
-    (r"\.in_valid\(valid\)", ".in_valid(in_valid)"),
-    (r"\.in_data\(data\)", ".in_data(in_data)"),
-    (r"\.frame_error\(broken\)", ".frame_error(frame_error)"),
-]
 
 __all__ = [
     "corners_and_random",

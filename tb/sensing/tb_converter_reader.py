@@ -22,28 +22,6 @@ from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
 
 CASES = CONVERTERS
-FAULTS = [
-    (r"cs_n <= \(!running\)", "cs_n <= 0"),
-    (r"sclk <= \(running && half\[0\]\)", "sclk <= running && half[1]"),
-    (r"order <= \{order", "order <= {~order"),
-    (r"scan0_clock == 1\)", "scan0_clock == 0)"),
-    (r"mosi <= order\[4\]", "mosi <= order[3]"),
-    (r"default: command = 25", "default: command = 24"),
-    (r"\(!received\[30\]\) \|\| ", ""),
-    (r"\(judge0_driven != 0\) \|\| ", ""),
-    (r"\|\| judge0_other", ""),
-    (r"wide << 2", "wide << 1"),
-    (r"failed <= spoilt", "failed <= 0"),
-    (r"&& \(!spoilt\)", ""),
-    (r"place == 3", "place == 1"),
-    (r"out_last <= closing", "out_last <= sending"),
-    (r"converter_error <= 1'b0", "converter_error <= converter_error"),
-    (r"ring\[0\] <= entering", "ring[0] <= sample"),
-    (r"done <= 0", "done <= done"),
-    (r"done <= 0", "done <= (read && (half == 60))"),
-    (r"out_valid <= 0", "out_valid <= sending"),
-    (r"out_last <= 0", "out_last <= closing"),
-]
 
 WATCH = [*PINS, "out_valid", "out_data", "out_last", "converter_error"]
 # How many scans a test plays, if they fit into so many clocks.

@@ -20,17 +20,6 @@ from tb.common.small import WINDOWS
 from tb.common.stimulus import corner_frames, random_resets, spread
 
 CASES = WINDOWS
-FAULTS = [
-    (r"place <= start;", "place <= place;"),
-    (r"past_whole0_known == (\d+)", r"past_whole0_known == \1 - 1"),
-    (r"read_addr <= \(start - offset\)", "read_addr <= (place - offset)"),
-    (r"&& \(!judge0_early\)", "&& (!judge0_early || 1)"),
-    (r"judge0_dropping <= \(!in_last\)", "judge0_dropping <= 0"),
-    (r"(?s)(past_whole0_count.*?)if \(rst == 1\)", r"\1if (0)"),
-    (r"1: offset = \d+", "1: offset = 0"),
-    (r"turn == (\d+)", r"turn == \1 - 1"),
-    (r"if \(accept\) begin\s+ring", "if (good) begin ring"),
-]
 
 
 # About how many clocks a test plays.

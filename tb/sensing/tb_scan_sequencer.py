@@ -19,17 +19,6 @@ from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
 CASES = {"past-instrument": INSTRUMENTS["past-instrument"], **INSTRUMENTS}
-FAULTS = [
-    (r"slot == 1", "slot == 0"),
-    (r"clock == (\d+)", r"clock == \1 - 1"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-    (r"(0): turn = 0", r"\1: turn = 1"),
-    (r"pausing = .*;", "pausing = 0;"),
-    (r"if \(pausing\)", "if (0)"),
-    (r"if \(take\) begin", "if (1) begin"),
-    (r"(out_last <= 0;\s+out_valid <= )0", r"\1take"),
-    (r"out_last <= 0;", "out_last <= take && slot == 1;"),
-]
 
 # The clocks from the one in which a code is taken to a reset.
 ABOUT = range(-2, 4)

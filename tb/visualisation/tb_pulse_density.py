@@ -14,12 +14,6 @@ from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}
-FAULTS = [
-    (r"asked\[13\] = \(!in_data\[13\]\)", "asked[13] = in_data[13]"),
-    (r"\(remainder \+ asked\)", "(remainder | asked)"),
-    (r"given <= total\[14\]", "given <= total[13]"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-]
 
 
 async def check(bench, length, chance, resets=False):

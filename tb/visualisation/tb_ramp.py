@@ -15,11 +15,6 @@ from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import LONG_IDLE, random_resets
 
 CASES = OTHER_PROFILES
-FAULTS = [
-    (r"following = \((acc \+ \d+)\)", r"following = (\1 + 2048)"),
-    (r"out_last <= \(acc == (\S+)\)", "out_last <= 0"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
-]
 
 
 async def check(bench, chance, resets=False):
