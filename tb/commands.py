@@ -435,11 +435,10 @@ COMMANDS = (
     Command(
         "certify",
         "Writes a folder that shows that the export of a scene computes its network: frames in "
-        "both simulators, proofs, mutants, digests, and a script that checks all of it again "
-        "without tactus. FRAMES= is the number of random frames, RECORDED= that of recorded ones, "
-        "and PARTS= that of the entities whose benches run and of which mutants are made; without "
-        "the last two it is all. NETLIST= adds the mapped cells of a family, BITS= changes so many "
-        "single bits, which the script must find, and PICTURE= draws the top of the page.",
+        "both simulators, a proof for every frame, digests, and a script that checks all of it "
+        "again without tactus. FRAMES= is the number of random frames, RECORDED= that of recorded "
+        "ones, and PARTS= that of the entities whose benches run; without the last two it is all. "
+        "NETLIST= adds the mapped cells of a family, and PICTURE= draws the top of the page.",
         (
             SCENE,
             FRAMES,
@@ -447,7 +446,6 @@ COMMANDS = (
             option("NETLIST", "1|virtex-2|series-7|ecp5|ice40"),
             option("RECORDED"),
             option("PARTS"),
-            option("BITS"),
             option("PICTURE", "page.png"),
             FORCE,
         ),

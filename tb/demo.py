@@ -46,7 +46,8 @@ from golden.training.split import unused_text
 from tb.common.results import left_texts, simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
-from tb.prove import WRONG, proof_line
+from tb.every_frame.verdict import DIFFERS, SAID
+from tb.prove import proof_line
 from tb.report.page.build import build_report
 from tb.report.side_by_side import side_by_side
 
@@ -219,7 +220,7 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
         with stage(f"{scene.name}: proving every frame"):
             proof = proof_line(scene)
         print(f"Verilog, {proof}")
-        if proof.startswith(WRONG):
+        if proof.startswith(SAID[DIFFERS]):
             return 1
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")

@@ -14,31 +14,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from golden.cli import run, would
 from golden.folders import BUILD
 from golden.hold import held
 from golden.input_error import InputError
-from golden.progress import stage
+from golden.progress import PAUSE, Heartbeat, duration, stage
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import compile_order
 from hdl.synth.tools import run_tool
 from tb.common.runner import export
 from tb.common.tools import check_simulator
-from tb.every_frame.counterexample import Evaluated, bench, differing_frame
+from tb.every_frame.counterexample import bench
 from tb.every_frame.netlist import Netlist, NotReadableError, read_verilog
-from tb.every_frame.sequences import DiffersError, RefusedError, Sequences
 from tb.every_frame.specify import description
-from tb.every_frame.sums import UnsupportedError
+from tb.every_frame.verdict import PROVED, UNKNOWN, Verdict, judge
 from tb.sign_off import prove as blocks
 from tb.sign_off.equal_gates import dump, read_dump
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
-
-# What begins the line about a netlist that is not proved.
-UNKNOWN, WRONG = "NOT SHOWN", "DIFFERS"
-# What begins the line of a claim.
-PROVED, TRIED = "  proved", "  tried "
 
 
 def yosys(arguments: list[str], folder: Path) -> str:
@@ -70,47 +62,32 @@ def hardware(folder: Path, entity: str, language: str) -> Netlist:
         raise InputError(f"{folder}: {error}") from None
 
 
-def prove_export(given: dict[str, Any], netlist: Netlist, folder: Path) -> bool:
-    """Prove a netlist and print each claim; False where one fails."""
-    begun = time.process_time()
-    found = fault(given, netlist, folder, print)
-    if found:
-        print(f"  {found}")
-        return False
-    print(f"  {time.process_time() - begun:.1f} s of processor time", flush=True)
-    return True
+def prove_netlist(
+    given: dict[str, Any], netlist: Netlist, folder: Path, tell: Callable[[str], None] = print
+) -> Verdict:
+    """Prove a netlist of an export in a folder. Icarus plays a frame at which Verilog differs."""
+    clocks, began, printed = 0, time.monotonic(), time.monotonic()
+
+    def ran(count: int) -> None:
+        nonlocal clocks
+        clocks = count
+
+    def beat() -> None:
+        nonlocal printed
+        now = time.monotonic()
+        if now - printed >= PAUSE:
+            printed = now
+            print(f"  {clocks} clocks are run, {duration(now - began)}", flush=True)
+
+    with Heartbeat(beat):
+        found = judge(given, netlist, tell, ran)
+    if found.frame and compile_order(folder)[0].endswith(".v"):
+        found.reason += f"; Icarus gives {_played(given, found.frame, found.output, folder)}"
+    return found
 
 
-def fault(
-    given: dict[str, Any], netlist: Netlist, folder: Path, tell: Callable[[str], None]
-) -> str:
-    """Why a netlist is not proved; empty if it is. `tell` gets a line for each claim."""
-    proof = Sequences(netlist, given)
-    try:
-        for claim in proof.prove():
-            tell(f"{PROVED if claim.shown else TRIED}  {claim.text}")
-    except DiffersError as found:
-        frame = differing_frame(proof.samples, found.got, found.expected)
-        where = f"output {found.output}, {found.clock} clocks after the last sample"
-        if frame is None:
-            # Two forms of one value may look different; only a frame shows that they are.
-            return f"{UNKNOWN}  {where}: no frame is found at which it differs"
-        return f"{WRONG}  {where}, {frame}: {_played(given, frame, found, proof, folder)}"
-    except (RefusedError, UnsupportedError) as reason:
-        return f"{UNKNOWN}  {reason}"
-    return ""
-
-
-def _played(
-    given: dict[str, Any], frame: list[int], found: DiffersError, proof: Sequences, folder: Path
-) -> str:
-    """What the hardware gives for a frame, and what the network gives; Icarus plays Verilog."""
-    words = [w for v in proof.samples for w in v.terms]  # type: ignore[union-attr]
-    now, output = Evaluated(words, np.array([frame])), found.output
-    expected = int(now.value(found.expected)[0])
-    if not compile_order(folder)[0].endswith(".v"):
-        got = int(now.value(found.got)[0])
-        return f"GHDL's netlist gives {got} for output {output}, the network {expected}"
+def _played(given: dict[str, Any], frame: list[int], output: int, folder: Path) -> str:
+    """What Icarus gives for an output of a frame."""
     with tempfile.TemporaryDirectory() as made:
         test = Path(made) / "bench.v"
         test.write_text(bench(given, frame), encoding="ascii")
@@ -125,41 +102,35 @@ def _played(
         ).stdout
     rows = [line.split() for line in said.splitlines() if line.split()[0].isdigit()]
     values = [x for row in rows for x in row[1:]]
-    shown = values[output] if output < len(values) else "nothing"
-    return f"Icarus gives {shown} for output {output}, the network {expected}"
+    return values[output] if output < len(values) else "nothing"
 
 
-def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) -> bool:
-    """Export a scene and prove it in each language; whether all is shown."""
+def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) -> int:
+    """Export a scene and prove it in each language; the code of the worst that is found."""
     given = description(scene)
-    bits = given["bits"] * given["samples"]
-    sound = True
+    codes = set()
     for language in languages:
         folder = BUILD / scene.name / language
         with stage(f"{scene.name}: exporting and reading {language}", quick=True):
             export(scene, language)
             netlist = hardware(folder, given["entity"], language)
-        print(
-            f"{scene.name}, {language}, {given['entity']}{given['around']}: every frame of "
-            f"2^{bits}",
-            flush=True,
-        )
-        sound = prove_export(given, netlist, folder) and sound
-    return sound
+        begun = time.process_time()
+        print(f"{scene.name}, {language}:", flush=True)
+        found = prove_netlist(given, netlist, folder)
+        print(f"{found}; {time.process_time() - begun:.1f} s of processor time", flush=True)
+        codes.add(found.code)
+    return min(codes - {PROVED}, default=PROVED)
 
 
 def proof_line(scene: Scene) -> str:
     """A line about the exported Verilog of a scene, which stands below build."""
-    folder, lines = BUILD / scene.name / "verilog", list[str]()
+    folder = BUILD / scene.name / "verilog"
     try:
         given = description(scene)
         netlist = hardware(folder, given["entity"], "verilog")
     except InputError as reason:
-        return f"not proved for every frame: {reason}"
-    found = fault(given, netlist, folder, lines.append)
-    frames = f"2^{given['bits'] * given['samples']}"
-    gaps = "; gaps are tried" if any(line.startswith(TRIED) for line in lines) else ""
-    return found or f"proved for every frame: {frames}, {given['entity']}{given['around']}{gaps}"
+        return str(Verdict(UNKNOWN, str(reason)))
+    return str(prove_netlist(given, netlist, folder, lambda _: None))
 
 
 def main() -> int:
@@ -178,9 +149,7 @@ def main() -> int:
     scene = load_scene(arguments.scene)
     would(f"export {scene.name} and prove it for every frame")
     with held([BUILD / scene.name]):
-        sound = prove_scene(scene)
-    print("proved for every frame" if sound else "not proved")
-    return 0 if sound else 1
+        return prove_scene(scene)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,6 @@ from golden.input_error import InputError
 from golden.progress import Heartbeat, duration, stage
 from golden.scene import Scene
 from tb.certify.benches import bench_result
-from tb.certify.bits import Fate, try_bits
 from tb.certify.delivered import (
     CELLS,
     LANGUAGES,
@@ -36,7 +35,7 @@ from tb.certify.delivered import (
     deliver,
     write_digests,
 )
-from tb.certify.page import bits_line, write_page
+from tb.certify.page import write_page
 from tb.certify.picture import draw_page, picture_file
 from tb.certify.results import OUTPUT, StepResult, read_results
 from tb.common.runner import export, ready_scene
@@ -49,11 +48,8 @@ MOST = 100_000
 SILENCE = 15.0
 
 
-def certify(
-    scene: Scene, wanted: Wanted, build: Path = BUILD
-) -> tuple[list[StepResult], list[Fate]]:
-    """Write the certificate of a scene; return what its script and the benches found, and of
-    the changed bits."""
+def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[StepResult]:
+    """Write the certificate of a scene; return what its script and the benches found."""
     with (
         stage(f"{scene.name}: exporting"),
         ThreadPoolExecutor() as pool,
@@ -70,15 +66,11 @@ def certify(
             with Told(lambda: _running(folder, wanted)):
                 check(folder)
         results = [*read_results(folder), bench_result(made.benches, len(made.jobs))]
-        fates = []
-        if wanted.bits:
-            with stage(f"{scene.name}: changing {wanted.bits} bits"):
-                fates = try_bits(folder, wanted.bits, wanted.seed, _tell)
-        write_page(made, results, fates, digests, folder)
+        write_page(made, results, digests, folder)
         if all(result.colour != "red" for result in results):
             shutil.rmtree(folder / OUTPUT)
         write_digests(folder)
-    return results, fates
+    return results
 
 
 def _tell(text: str) -> None:
@@ -149,7 +141,6 @@ def main() -> int:
     parser.add_argument("--frames", type=whole("FRAMES", 0, MOST))
     parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
     parser.add_argument("--netlist")
-    parser.add_argument("--bits", type=whole("BITS", 0, MOST), default=0)
     parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
     parser.add_argument("--parts", type=whole("PARTS", 1, MOST))
     parser.add_argument("--picture", type=picture_file)
@@ -165,20 +156,16 @@ def main() -> int:
         arguments.frames,
         arguments.seed,
         tuple(name for name in families if name != UNKNOWN),
-        arguments.bits,
         arguments.recorded,
         arguments.parts,
     )
     with held([BUILD / scene.name]):
-        results, fates = certify(scene, wanted)
+        results = certify(scene, wanted)
     if arguments.picture:
         draw_page(folder / "certificate.html", arguments.picture)
-    if fates:
-        print(bits_line(fates))
     print(f"wrote {folder / 'certificate.html'}")
     print(processor_line(processor_minutes()))
-    red = any(result.colour == "red" for result in results)
-    return 1 if red or any(fate.survives for fate in fates) else 0
+    return int(any(result.colour == "red" for result in results))
 
 
 if __name__ == "__main__":

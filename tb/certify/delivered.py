@@ -8,9 +8,9 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import sysconfig
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,18 +24,19 @@ from hdl.export.exporter import compile_order
 from tb.certify.benches import Benched, run_benches
 from tb.certify.cells import write_cells
 from tb.certify.equality import write_equality
+from tb.certify.every_frame import write_every_frame
 from tb.certify.formulas import write_formulas
-from tb.certify.mutants import OF_FIRST, OF_OTHERS, Mutants, write_mutants
 from tb.certify.recordings import PlayedFrames, frames_of, write_recordings
 from tb.certify.results import OUTPUT
-from tb.certify.sums import write_sums
 from tb.common.runner import Job, jobs
+from tb.every_frame.netlist import READ
 from tb.sign_off.properties import Property
 
 SCRIPT = "check.sh"
 DIGESTS = "SHA256SUMS"
 # The only step that need not be delivered.
 CELLS = "cells"
+EVERY_FRAME = "every_frame"
 STEPS = (
     "digests",
     "vhdl",
@@ -43,8 +44,7 @@ STEPS = (
     "netlist",
     "equality",
     "properties",
-    "sums",
-    "mutants",
+    EVERY_FRAME,
     CELLS,
 )
 LANGUAGES = ("vhdl", "verilog")
@@ -59,22 +59,18 @@ class Wanted:
     frames : int or None
         The number of random frames; None for the usual one.
     seed : int
-        The seed of random frames, mutants and changed bits.
+        The seed of random frames, and of the entities that are drawn.
     families : tuple of str
         The families on whose cells the frames are played.
-    bits : int
-        The number of single bits of the design that are changed, to see that the script finds it.
     recorded : int or None
         The number of recorded frames; None for all.
     parts : int or None
-        The number of entities whose benches run and of which mutants are made, drawn by ``seed``;
-        None for all.
+        The number of entities whose benches run, drawn by ``seed``; None for all.
     """
 
     frames: int | None
     seed: int
     families: tuple[str, ...] = ()
-    bits: int = 0
     recorded: int | None = None
     parts: int | None = None
 
@@ -92,7 +88,6 @@ class Delivered:
     frames : PlayedFrames
     properties : list of (Job, Property)
     benches : list of Benched
-    mutants : list of (Job, Mutants)
     families : tuple of str
         Those on whose cells the frames are played.
     """
@@ -103,7 +98,6 @@ class Delivered:
     frames: PlayedFrames
     properties: list[tuple[Job, Property]]
     benches: list[Benched]
-    mutants: list[tuple[Job, Mutants]]
     families: tuple[str, ...]
 
 
@@ -133,36 +127,15 @@ def deliver(
     entities = jobs(scene, "icarus", build=build)
     tell("properties")
     properties = write_formulas(entities, folder)
-    write_sums(design, folder)
+    write_every_frame(scene, folder)
     count = len(entities) if wanted.parts is None else min(wanted.parts, len(entities))
     drawn = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
     benches = run_benches(entities, [entities[place] for place in drawn], tell)
-    mutants = _write_mutants(entities, drawn, folder, wanted.seed, tell)
     for family in wanted.families:
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Delivered(scene, design, entities, frames, properties, benches, mutants, wanted.families)
-
-
-def _write_mutants(
-    entities: list[Job], drawn: list[int], folder: Path, seed: int, tell: Callable[[str], None]
-) -> list[tuple[Job, Mutants]]:
-    """Write mutants of the entities at ``drawn`` places.
-
-    Of those that differ from another in constants alone there are fewer.
-    """
-    blocks = [job.block for job in entities]
-
-    def write(place: int) -> tuple[Job, Mutants]:
-        job = entities[place]
-        tell(f"mutants of {job.entity}")
-        count = OF_OTHERS if job.block in blocks[:place] else OF_FIRST
-        return job, write_mutants(job, folder, count, seed)
-
-    # Of one entity, tools wait for each other, and then only one processor works.
-    with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(write, drawn))
+    return Delivered(scene, design, entities, frames, properties, benches, wanted.families)
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
@@ -187,6 +160,7 @@ def _write_script(
         scene=scene.name,
         top=design.entity,
         steps=STEPS,
+        read=READ.format(top=design.core.entity),
         given=given_text(frames, design.past),
         left=frames.left,
         entities=len(proved),
@@ -223,7 +197,7 @@ def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) ->
     """
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
     command = ["sh", str(folder / SCRIPT), *steps]
-    settings = {**os.environ, "PATH": path, **environment}
+    settings = {**os.environ, "PATH": path, "PYTHON": sys.executable, **environment}
     printed = subprocess.DEVNULL if quiet else None
     # In a session of its own the script can be ended together with the tools that it runs.
     with subprocess.Popen(command, env=settings, stdout=printed, start_new_session=True) as script:

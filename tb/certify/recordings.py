@@ -23,9 +23,6 @@ from hdl.export.ports import read_ports
 # Random frames, where no number is given; fewer where a frame takes thousands of clocks.
 RANDOM = 200
 LEAST_RANDOM = 5
-# What a mutant plays: so many frames, and fewer where a frame takes thousands of clocks.
-SHORT = "short"
-SHORT_FRAMES, SHORT_CLOCKS = 12, 8_000
 
 
 @dataclass(frozen=True)
@@ -57,13 +54,6 @@ class PlayedFrames:
         step = FRAMES - past
         for start in range(0, max(1, len(frames) - past), step):
             yield frames[start : start + step + past]
-
-    def short(self, design: Network) -> Codes:
-        """A few frames: recorded ones from all of the recording, and random ones."""
-        count = max(1, min(SHORT_FRAMES, SHORT_CLOCKS // design.interval) // 2)
-        past = design.past
-        some = thinned(self.recorded, count)
-        return np.concatenate([self.recorded[:past], some, self.random[:count]])
 
 
 def frames_of(
@@ -106,7 +96,6 @@ def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder
             vectors(name, top, samples, results, design.past, design.image, winners),
             encoding="utf-8",
         )
-    _write_verilog(design, frames.short(design), folder / "bench" / SHORT)
     exported = folder / "design" / "verilog"
     last = compile_order(exported)[-1]
     ports = read_ports(design, (exported / last).read_text(encoding="utf-8"), "verilog")

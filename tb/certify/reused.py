@@ -25,22 +25,3 @@ def _records(block: str, kind: str) -> Iterator[dict[str, Any]]:
     for name in recorded_cases(block):
         if record_path(kind, name).exists():
             yield read_record(kind, name)
-
-
-def sentence(job: Job) -> str:
-    """What is known of an entity by its digest, in words."""
-    parts = []
-    mutation = same_bytes(job, "mutation")
-    if mutation:
-        parts.append(
-            f"score {100 * mutation['score']:.1f} % of {mutation['mutants']} mutants in the "
-            "library's bench"
-        )
-    coverage = same_bytes(job, "coverage")
-    if coverage:
-        parts.append("its bench reaches every border and state")
-    if same_bytes(job, "unknown"):
-        parts.append("bench passed with unknown registers")
-    if not parts:
-        return "new: no record has these bytes"
-    return f"{'; '.join(parts)} (Verilog {verilog(job)[:12]})"

@@ -12,9 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-READ = (
-    "hierarchy -check -top {top}; proc; flatten; memory_collect; opt_clean; write_json netlist.json"
-)
+READ = "hierarchy -check -top {top}; proc; flatten; memory_collect; opt_clean"
 REGISTERS = "$dff", "$dffe", "$sdff", "$sdffe", "$sdffce"
 # What these say concerns simulation and properties, not what the hardware does.
 SILENT = "$scopeinfo", "$print", "$check", "$assert", "$assume", "$cover"
@@ -84,7 +82,8 @@ def read_verilog(
         folder, names = Path(made), [f"{k}.v" for k in range(len(files))]
         for name, file in zip(names, files, strict=True):
             shutil.copyfile(file, folder / name)
-        yosys(["-q", "-p", f"read_verilog {' '.join(names)}; {READ.format(top=top)}"], folder)
+        read = f"read_verilog {' '.join(names)}; {READ.format(top=top)}; write_json netlist.json"
+        yosys(["-q", "-p", read], folder)
         text = (folder / "netlist.json").read_text(encoding="utf-8")
         return netlist(json.loads(text)["modules"][top])
 

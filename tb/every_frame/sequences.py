@@ -5,7 +5,7 @@ value, so what is shown with it holds whatever a register held before.
 """
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,10 @@ class RefusedError(Exception):
     """What cannot be shown, with the reason; it is not known to be wrong."""
 
 
+class WrongError(Exception):
+    """Control that is wrong, whatever the samples are."""
+
+
 @dataclass
 class DiffersError(Exception):
     """An output that is not what the network says: its number, its clock, and both values."""
@@ -47,10 +51,16 @@ class Claim:
 
 
 class Sequences:
-    def __init__(self, hardware: Netlist, description: dict[str, Any]):
+    def __init__(
+        self,
+        hardware: Netlist,
+        description: dict[str, Any],
+        clock: Callable[[int], None] = lambda _: None,
+    ):
         sys.setrecursionlimit(1 << 20)
         self.given, self.network = description, Network(description)
         self.run = Unrolled(hardware)
+        self.told = clock
         self.bits: int = description["bits"]
         self.count: int = description["samples"]
         self.words = description["stream"] == "words"
@@ -102,6 +112,7 @@ class Sequences:
                     )
             found.append(out)
             self.run.clock()
+            self.told(self.run.clocks)
         return found
 
     # Checking.
@@ -117,15 +128,15 @@ class Sequences:
                 due.setdefault(clock + after, []).append((number, k))
         for clock, out in enumerate(found):
             if out.get("frame_error", 0):
-                raise RefusedError(f"frame_error in clock {clock} of good frames")
+                raise WrongError(f"frame_error in clock {clock} of good frames")
             expected = int(clock in due)
             if out["out_valid"] != expected:
-                raise RefusedError(
+                raise WrongError(
                     f"out_valid is {out['out_valid']} in clock {clock}, expected {expected}"
                 )
             for number, k in due.get(clock, []):
                 if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
-                    raise RefusedError(f"out_last is {out['out_last']} at output {k}")
+                    raise WrongError(f"out_last is {out['out_last']} at output {k}")
                 if number == watched:
                     self._compare(
                         k, clock - ended[number], out[f"out_data_{k}" if self.words else "out_data"]
@@ -165,8 +176,7 @@ class Sequences:
     # The claims.
 
     def prove(self) -> Iterator[Claim]:
-        """The claims in their order; `RefusedError`, `DiffersError` or `UnsupportedError` where
-        one fails."""
+        """The claims in their order; an error where one fails."""
         run = self.run
         self._clock({"rst": 1})
         run.clock()

@@ -42,14 +42,18 @@ class Words:
         return self.samples + len(self.words) - 1
 
     def table(self, first: int, values: Iterable[Any]) -> str:
-        made = {"first": first, "values": [int(v) for v in values]}
-        name = next((n for n, t in self.tables.items() if t == made), f"table {len(self.tables)}")
-        self.tables[name] = made
-        return name
+        return self._named("table", {"first": first, "values": [int(v) for v in values]})
+
+    def _named(self, name: str, table: dict[str, Any]) -> str:
+        found = next((n for n, t in self.tables.items() if t == table), "")
+        if not found:
+            found = f"{len(self.tables)}: {name}"
+            self.tables[found] = table
+        return found
 
     def lines(self, function: Function, segment: int, clipped: bool) -> str:
-        table, name = table_of(function, segment), f"{function} {'result' if clipped else 'line'}"
-        self.tables[name] = {
+        table, kind = table_of(function, segment), "result" if clipped else "line"
+        made = {
             "intercepts": [int(v) for v in table.intercepts],
             "slopes": [int(v) for v in table.slopes],
             "both": bool(table.both),
@@ -58,7 +62,7 @@ class Words:
             "shift": DROPPED,
             **({"clip": [RESULT.low, RESULT.high]} if clipped else {}),
         }
-        return name
+        return self._named(f"{function.name} {kind}", made)
 
 
 def description(scene: Scene) -> dict[str, Any]:

@@ -19,7 +19,7 @@ import numpy as np
 LONGEST = 1 << 24
 MOST = 1 << 62
 # The most bits that a floor drops of a sum of which it is a floor of a floor.
-SHIFTS = 50
+MOST_DROPPED = 50
 # A straight line at the end of a function is written as one if it has so many codes.
 LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
@@ -63,7 +63,9 @@ class Word:
     @property
     def moves(self) -> bool:
         """Whether it is a floor of a sum that is the floor of another, in numbers that fit."""
-        return bool(self.base and self.base.parent and self.shift + self.base.parent[1] < SHIFTS)
+        return bool(
+            self.base and self.base.parent and self.shift + self.base.parent[1] < MOST_DROPPED
+        )
 
     def flat(self) -> tuple["Curve | None", int]:
         """It as a function of its root, less its lowest code."""
