@@ -46,7 +46,7 @@ def window(twin, part, out, wrong=(), lost=()):
                 f"told_skipping == {judge}dropping",
                 f"told_place < {sensors}",
                 "!told_skipping || told_place == 0",
-                *((f"told_closed == {judge}remaining",) if apart else ()),
+                f"told_closed == {f'{judge}remaining' if apart else 0}",
             ),
             reached=("frame_error", "told_skipping && in_valid", "was_good"),
             refuted_by=(
