@@ -14,6 +14,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from golden.cli import run, would
 from golden.folders import BUILD
 from golden.hold import held
@@ -82,27 +84,27 @@ def prove_netlist(
     with Heartbeat(beat):
         found = judge(given, netlist, tell, ran)
     if found.frame and compile_order(folder)[0].endswith(".v"):
-        found.reason += f"; Icarus gives {_played(given, found.frame, found.output, folder)}"
+        shown = play(given, np.array([found.frame]), folder)
+        gives = "other clocks or X" if shown is None else shown[0, found.output]
+        found.reason += f"; Icarus gives {gives}"
     return found
 
 
-def _played(given: dict[str, Any], frame: list[int], output: int, folder: Path) -> str:
-    """What Icarus gives for an output of a frame."""
+def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
+    """The outputs that Icarus gives for frames, shape (frames, outputs), or None where it gives
+    more, fewer, or what is not known."""
     with tempfile.TemporaryDirectory() as made:
-        test = Path(made) / "bench.v"
-        test.write_text(bench(given, frame), encoding="ascii")
-        files = [str(folder / name) for name in compile_order(folder)]
-        subprocess.run(
-            ["iverilog", "-g2001", "-o", f"{made}/run", str(test), *files],
-            check=True,
-            capture_output=True,
-        )
-        said = subprocess.run(
-            ["vvp", f"{made}/run"], check=True, capture_output=True, text=True
-        ).stdout
-    rows = [line.split() for line in said.splitlines() if line.split()[0].isdigit()]
-    values = [x for row in rows for x in row[1:]]
-    return values[output] if output < len(values) else "nothing"
+        test, mask = Path(made) / "bench.v", (1 << given["bits"]) - 1
+        test.write_text(bench(given, len(frames)), encoding="ascii")
+        samples = "\n".join(f"{x & mask:x}" for x in frames.flat)
+        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
+        files = [str((folder / name).resolve()) for name in compile_order(folder)]
+        for command in (["iverilog", "-g2001", "-o", "run", str(test), *files], ["vvp", "run"]):
+            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
+    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.stdout.split()])
+    outputs = len(given["outputs"])
+    whole = len(values) == len(frames) * outputs and -mask not in values
+    return values.reshape(-1, outputs) if whole else None
 
 
 def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) -> int:

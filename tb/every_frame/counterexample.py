@@ -5,12 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from tb.every_frame.sequences import Sequences
 from tb.every_frame.sums import Sum, Value, Word
 
 BATCH = 4096
 SEED = 1
 # Frames from which the search climbs.
 STARTS = 20
+# Frames by which words are told apart, and the most bits of a word that is looked at.
+FEW, WIDEST = 100, 60
 
 
 class Evaluated:
@@ -70,49 +73,71 @@ def differing_frame(samples: Sequence[Value], got: Value, expected: Value) -> li
     return None
 
 
-def bench(description: dict[str, Any], frame: Sequence[int]) -> str:
-    """A Verilog bench that plays the frame and prints the outputs in the clocks in which they
-    come."""
-    words, bits = description["stream"] == "words", description["bits"]
-    ports = [f"in_data_{k}" for k in range(len(frame))] if words else ["in_data"]
-    outs = [f"out_data_{k}" for k in range(len(description["outputs"]))] if words else ["out_data"]
-    elements = (
-        [list(frame)]
-        if words
-        else [[x] for x in [*frame, *[0] * (description["elements"] - len(frame))]]
+def first_apart(proof: Sequences, frame: Sequence[int]) -> str:
+    """The place of the network's first word that no word of the hardware is, in this frame and in
+    some others.
+
+    A word that makes up one that is found need not be found itself.
+    """
+    words = [w for v in proof.samples if isinstance(v, Sum) for w in v.terms]
+    low, high = words[0].low, words[0].high
+    others = np.random.default_rng(SEED).integers(low, high + 1, (FEW, len(words)))
+    now = Evaluated(words, np.concatenate([[frame], others]))
+    held = set()
+    for e in proof.run.made.values():
+        if e.result is not None and e.width < WIDEST:
+            half = 1 << e.width - 1
+            held.add((((now.value(e.result) + half) % (2 * half)) - half).tobytes())
+    given, sound = proof.given["words"], set[int]()
+    for k in reversed(range(len(given))):
+        if k in sound or now.value(proof.inner[len(words) + k]).tobytes() in held:
+            used = [i for i, _ in given[k].get("sum", [])] + [given[k].get("of", 0)]
+            sound |= {k, *(i - len(words) for i in [*used, *given[k].get("largest", [])])}
+    apart = next((k for k in range(len(given)) if k not in sound), None)
+    if apart is None:
+        return "an output"
+    return "network {}, layer {}, node {}".format(*given[apart]["place"])
+
+
+def bench(description: dict[str, Any], frames: int) -> str:
+    """A Verilog bench that plays frames, whose samples are numbers in frames.txt, one after
+    another, and prints the outputs of each."""
+    words, bits, count = (
+        description["stream"] == "words",
+        description["bits"],
+        description["samples"],
     )
-    lines = [
-        "module bench;",
-        "reg clk = 0, rst = 1, in_valid = 0;",
-        "wire out_valid;",
-        "integer clock = 0;",
-    ]
-    lines += [f"reg signed [{bits - 1}:0] {p} = 0;" for p in ports] + [
-        f"wire signed [{bits - 1}:0] {p};" for p in outs
-    ]
+    ports = [f"in_data_{k}" for k in range(count)] if words else ["in_data"]
+    outs = [f"out_data_{k}" for k in range(len(description["outputs"]))] if words else ["out_data"]
     named = ["clk", "rst", "in_valid", "out_valid", *ports, *outs]
-    if not words:
-        lines += ["reg in_last = 0;", "wire out_last;"]
-        named += ["in_last", "out_last"]
-    lines += [
-        f"{description['entity']} dut (" + ", ".join(f".{n}({n})" for n in named) + ");",
-        "always #1 clk = !clk;",
-    ]
-    shown = " ".join(["%0d"] * len(outs))
-    lines += [
-        "always @(negedge clk) begin clock = clock + 1;",
-        f'if (out_valid) $display("%0d {shown}", clock, {", ".join(outs)}); end',
-    ]
-    lines += ["initial begin", "repeat (4) @(negedge clk); rst = 0; #0 clock = 0;"]
-    for k, one in enumerate(elements):
-        lines += [f"{p} = {x};" for p, x in zip(ports, one, strict=True)] + ["in_valid = 1;"]
-        lines += [f"in_last = {int(k == len(elements) - 1)};"] * (not words) + [
-            "@(negedge clk); #0 clock = 0;"
-        ]
-    lines += [
-        "in_valid = 0;",
-        f"repeat ({max(description['output_clocks']) + 3}) @(negedge clk); $finish;",
-        "end",
-        "endmodule",
-    ]
-    return "\n".join(lines) + "\n"
+    named += [] if words else ["in_last", "out_last"]
+    shown = f'$display("{"%0d " * len(outs)}", {", ".join(outs)})'
+    drive = [f"{p} = samples[f * {count} + {k if words else 'k'}];" for k, p in enumerate(ports)]
+    wait = max(max(description["output_clocks"]) + 3, description["interval"])
+    return (
+        "\n".join(
+            [
+                "module bench;",
+                "reg clk = 0, rst = 1, in_valid = 0, in_last = 0;",
+                "wire out_valid, out_last;",
+                "integer f, k;",
+                f"reg signed [{bits - 1}:0] samples [0:{frames * count - 1}];",
+                *[f"reg signed [{bits - 1}:0] {p} = 0;" for p in ports],
+                *[f"wire signed [{bits - 1}:0] {p};" for p in outs],
+                f"{description['entity']} dut (" + ", ".join(f".{n}({n})" for n in named) + ");",
+                "always #1 clk = !clk;",
+                f"always @(negedge clk) if (out_valid) {shown};",
+                'initial begin $readmemh("frames.txt", samples);',
+                "repeat (4) @(negedge clk); rst = 0;",
+                f"for (f = 0; f < {frames}; f = f + 1) begin",
+                f"for (k = 0; k < {description['elements']}; k = k + 1) begin",
+                f"in_valid = 1; in_last = k == {description['elements'] - 1};",
+                *(drive if words else [f"if (k < {count})", *drive]),
+                "@(negedge clk); end",
+                f"in_valid = 0; repeat ({wait}) @(negedge clk);",
+                "end $finish; end",
+                "endmodule",
+            ]
+        )
+        + "\n"
+    )

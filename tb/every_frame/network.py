@@ -9,6 +9,8 @@
 - a look-up: `table` names one of `tables`, `of` the word;
 - `largest`: the number of the largest of these words, the first of equal ones.
 
+`place` names network, layer and node to which a word belongs, for messages alone.
+
 A table lists `values` from the code `first` on, or is one of lines: `intercepts` and `slopes` of
 segments of 2^`segment` codes (`both`: behind those of q >= 0 come those of q < 0; otherwise the
 function is odd), of which the value, after 2^`shift` is divided out and halves are rounded up, is

@@ -70,6 +70,8 @@ class Sequences:
         self.symbols = [self.run.sample(f"x{k}", self.bits) for k in range(self.count)]
         self.samples = [self.space.sample(f"x{k}", -top, top - 1) for k in range(self.count)]
         self.values = Values(self.space, {f"x{k}": v for k, v in enumerate(self.samples)})
+        # Every word of the network, and those of the outputs, once they are needed.
+        self.inner: list[Value] = []
         self.expected: list[Value] | None = None
 
     # Driving.
@@ -144,8 +146,8 @@ class Sequences:
 
     def _compare(self, k: int, clock: int, bits: Bits) -> None:
         if self.expected is None:
-            words = self.network.words(self.space, self.samples)
-            self.expected = self.network.outputs(words)
+            self.inner = self.network.words(self.space, self.samples)
+            self.expected = self.network.outputs(self.inner)
         try:
             got = self.values.number(bits, self.bits, True)
         except UnsupportedError as reason:

@@ -36,9 +36,19 @@ class Words:
     def __init__(self, samples: int):
         self.samples, self.words = samples, list[dict[str, Any]]()
         self.tables: dict[str, dict[str, Any]] = {}
+        # Network, layer and node of the words that are added.
+        self.place = [-1, 0, 0]
+
+    def begin(self) -> None:
+        """What follows is the next network."""
+        self.place = [self.place[0] + 1, 0, 0]
+
+    def at(self, layer: int, node: int) -> "Words":
+        self.place = [self.place[0], layer, node]
+        return self
 
     def add(self, **word: Any) -> int:
-        self.words.append(word)
+        self.words.append({**word, "place": self.place})
         return self.samples + len(self.words) - 1
 
     def table(self, first: int, values: Iterable[Any]) -> str:
@@ -110,10 +120,11 @@ def _(network: Engine, words: Words, samples: list[int]) -> list[int]:
 
 
 def _integer(network: IntegerNetwork, words: Words, now: list[int]) -> list[int]:
-    for layer in network.layers:
+    words.begin()
+    for n, layer in enumerate(network.layers):
         following = []
         for j in range(layer.nodes):
-            code = _node(network, layer, j, words, now)
+            code = _node(network, layer, j, words.at(n, j), now)
             following.append(code)
             if layer.leaky:
                 following.append(words.add(sum=[[code, 1]], clip=[0, RESULT.high]))
@@ -180,23 +191,32 @@ def _activated(activation: Any, words: Words, code: int) -> int:
 @of.register
 def _(network: Hybrid, words: Words, samples: list[int]) -> list[int]:
     first, second = network.input_integral, network.output_integral
+    words.begin()
+    rows = zip(first.weights, first.biases, network.activations, strict=True)
     nodes = [
-        _sum(first, row, bias, 1, words, samples)
-        for row, bias in zip(first.weights, first.biases, strict=True)
+        _activated(a, words, _sum(first, row, bias, 1, words.at(0, j), samples))
+        for j, (row, bias, a) in enumerate(rows)
     ]
-    nodes = [_activated(a, words, q) for a, q in zip(network.activations, nodes, strict=True)]
     factors = second.factors or (1,) * second.outputs
+    last = zip(second.weights, second.biases, factors, strict=True)
     return [
-        _sum(second, row, bias, int(f), words, nodes)
-        for row, bias, f in zip(second.weights, second.biases, factors, strict=True)
+        _sum(second, row, bias, int(f), words.at(1, j), nodes)
+        for j, (row, bias, f) in enumerate(last)
     ]
 
 
 @of.register
 def _(network: Parallel, words: Words, samples: list[int]) -> list[int]:
-    nodes = [_sum(n, n.weights, n.bias, 1, words, samples) for n in network.hidden_neurons]
-    nodes = [_activated(a, words, q) for a, q in zip(network.activations, nodes, strict=True)]
-    return [_sum(n, n.weights, n.bias, n.factor or 1, words, nodes) for n in network.output_neurons]
+    words.begin()
+    hidden = zip(network.hidden_neurons, network.activations, strict=True)
+    nodes = [
+        _activated(a, words, _sum(n, n.weights, n.bias, 1, words.at(0, j), samples))
+        for j, (n, a) in enumerate(hidden)
+    ]
+    return [
+        _sum(n, n.weights, n.bias, n.factor or 1, words.at(1, j), nodes)
+        for j, n in enumerate(network.output_neurons)
+    ]
 
 
 @of.register
@@ -215,22 +235,29 @@ def _(network: Cascade, words: Words, samples: list[int]) -> list[int]:
 @of.register
 def _(network: AdderGraph, words: Words, samples: list[int]) -> list[int]:
     now = samples
+    words.begin()
     for n, matrix in enumerate(network.layers):
-        now = _matrix(matrix, words, now)
+        now = _matrix(matrix, words, now, n)
         tables = network.activations[n] if n < len(network.activations) else ()
         if tables:
-            now = [_activated(table, words, q) for table, q in zip(tables, now, strict=True)]
+            now = [
+                _activated(table, words.at(n, j), q)
+                for j, (table, q) in enumerate(zip(tables, now, strict=True))
+            ]
     return now
 
 
 @of.register
 def _(network: TableGraph, words: Words, samples: list[int]) -> list[int]:
     fmt = network.sample_fmt
+    words.begin()
     now = [words.add(sum=[[k, 1]], shift=SIGNAL.width - fmt.width) for k in samples]
-    for tables, matrix, form in (
+    parts = (
         (network.first, network.hidden, fmt),
         (network.second, network.output, network.hidden.out_fmt),
-    ):
+    )
+    for n, (tables, matrix, form) in enumerate(parts):
+        words.at(n, 0)
         codes = np.arange(form.low, form.high + 1)
         columns = np.repeat(codes[:, np.newaxis], 1 + max(t.source for t in tables), axis=1)
         read = [
@@ -239,12 +266,16 @@ def _(network: TableGraph, words: Words, samples: list[int]) -> list[int]:
             )
             for t in tables
         ]
-        now = _matrix(matrix, words, read)
+        now = _matrix(matrix, words, read, n)
     return now
 
 
-def _matrix(matrix: ConstantMatrix, words: Words, samples: list[int]) -> list[int]:
-    """The sums of a graph of adders, with the bits that each operand loses."""
+def _matrix(matrix: ConstantMatrix, words: Words, samples: list[int], layer: int) -> list[int]:
+    """The sums of a graph of adders, with the bits that each operand loses.
+
+    What several rows share counts as part of the first.
+    """
+    words.at(layer, 0)
     graph, found = matrix.graph, list[Any]()
     for place, node in enumerate(graph.nodes):
         if isinstance(node, Input):
@@ -260,7 +291,9 @@ def _matrix(matrix: ConstantMatrix, words: Words, samples: list[int]) -> list[in
                 terms.append([k, operand.sign << step.move])
             found.append(words.add(sum=terms))
     results = []
-    for row, finish, low in zip(graph.rows, matrix.row_finishes, matrix.result_lows, strict=True):
+    finished = zip(graph.rows, matrix.row_finishes, matrix.result_lows, strict=True)
+    for j, (row, finish, low) in enumerate(finished):
+        words.at(layer, j)
         drop, clip = matrix.drop(row), [int(low), int(matrix.out_fmt.high)]
         sign, start = (-1, -1) if row.minus else (1, 0)
         if finish.even:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from tb.every_frame.counterexample import Evaluated, differing_frame
+from tb.every_frame.counterexample import Evaluated, differing_frame, first_apart
 from tb.every_frame.netlist import Netlist, NotReadableError, netlist
 from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tb.every_frame.sums import UnsupportedError
@@ -72,6 +72,7 @@ def _differing(proof: Sequences, found: DiffersError) -> Verdict:
     now = Evaluated(words, np.array([frame]))
     got, expected = (int(now.value(v)[0]) for v in (found.got, found.expected))
     said = f"{where}, frame {frame}: the hardware gives {got}, the network {expected}"
+    said += f"; the first word that differs: {first_apart(proof, frame)} (each from 0)"
     return Verdict(DIFFERS, said, frame, found.output)
 
 

@@ -88,7 +88,7 @@ def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:
         for n in numbers
     ]
     work = f"strash;fraig,-C,1000;write_aiger,{{0}}.left.aig;dsat,-C,{CONFLICTS}"
-    verdicts = _ask(prepared, [f"within{n}" for n in numbers], work, folder)
+    verdicts = ask(prepared, [f"within{n}" for n in numbers], work, folder)
     return dict(zip(numbers, verdicts, strict=True))
 
 
@@ -122,7 +122,7 @@ class Question:
         if self.prepared is None:
             return OPEN
         work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
-        return _ask([self.prepared], [self.name], work, self.folder, seconds)[0]
+        return ask([self.prepared], [self.name], work, self.folder, seconds)[0]
 
 
 def _over_clocks(states: Question, outputs: Question) -> str:
@@ -146,7 +146,7 @@ def _write(module: Netlist, folder: Path, name: str, steps: list[str]) -> list[s
     return [*read, *steps, "setundef -zero", "aigmap", "opt_clean", f"write_aiger {name}.aig"]
 
 
-def _ask(
+def ask(
     prepared: list[list[str]], names: list[str], work: str, folder: Path, seconds: int | None = None
 ) -> list[str]:
     """Whether ``trigger`` can rise in each AIG; ``work`` is what ABC does with it.
