@@ -20,10 +20,7 @@ class Block:
     constants as fields. Its ``process`` computes values, never cycles. It also publishes the ports
     and the clocks of its hardware, and a bench checks that the hardware has them.
 
-    Parameters
-    ----------
-    variant : str
-        Distinguishes instances with different constants; it is part of the entity's name.
+    variant: Distinguishes instances with different constants; it is part of the entity's name.
     """
 
     block: ClassVar[str] = ""
@@ -86,14 +83,7 @@ class Block:
 
 
 def walk(top: Block) -> Iterator[Block]:
-    """Every distinct block under ``top``, the leaves first and ``top`` last.
-
-    Raises
-    ------
-    InputError
-        When two blocks share an entity name but not their constants, since one would overwrite the
-        other on export.
-    """
+    """Every distinct block under ``top``, the leaves first and ``top`` last."""
     seen: dict[str, Block] = {}
 
     def visit(block: Block) -> Iterator[Block]:

@@ -1,7 +1,5 @@
 """The values of numbers inside a block at which the block's behaviour changes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.fixed import Codes
@@ -13,19 +11,12 @@ class Border:
 
     A bench has to drive both sides of it.
 
-    Parameters
-    ----------
-    name : str
-        The behaviour that begins or ends there.
-    quantity : str
-        The number that is compared, such as the exact sum before it is rounded.
-    at : int
-        The least value on the upper side.
-    within : int
-        The largest distance at which a value counts as next to the border. With 1 only ``at`` and
-        ``at - 1`` do.
-    unreachable : str
-        Why no input brings the quantity to both sides; empty if some input does.
+    name: The behaviour that begins or ends there.
+    quantity: The number that is compared, such as the exact sum before it is rounded.
+    at: The least value on the upper side.
+    within: The largest distance at which a value counts as next to the border. With 1 only ``at``
+        and ``at - 1`` do.
+    unreachable: Why no input brings the quantity to both sides; empty if some input does.
     """
 
     name: str
@@ -37,13 +28,7 @@ class Border:
 
 @dataclass(frozen=True)
 class State:
-    """A number that a block holds, such as a counter; a bench reaches each of its values.
-
-    Parameters
-    ----------
-    name : str
-    values : range
-    """
+    """A number that a block holds, such as a counter; a bench reaches each of its values."""
 
     name: str
     values: range

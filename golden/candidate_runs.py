@@ -1,7 +1,5 @@
 """Measures the candidates of a training on several processors."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
@@ -23,15 +21,9 @@ def in_order(
 ) -> Iterator[T]:
     """The results of all candidates, in order, each as soon as it is known.
 
-    Parameters
-    ----------
-    measured : callable
-        Trains and measures one candidate of a task.
-    task : Task
-    candidates : iterable of tuples
-        What ``measured`` gets beside the task.
-    workers : int
-        The number of processes; -1 for one on each core.
+    measured: Trains and measures one candidate of a task.
+    candidates: What ``measured`` gets beside the task.
+    workers: The number of processes; -1 for one on each core.
     """
     jobs = (delayed(measured)(task, *candidate) for candidate in candidates)
     yield from Parallel(n_jobs=workers, return_as="generator")(jobs)
@@ -47,12 +39,8 @@ def continued(
 ) -> Iterator[R]:
     """The results of all candidates, as ``in_order``, of a search that can be interrupted.
 
-    Parameters
-    ----------
-    kind : type
-        What ``measured`` returns.
-    record : Path
-        A line for each result, in the order of the candidates. Those that an earlier search has
+    kind: What ``measured`` returns.
+    record: A line for each result, in the order of the candidates. Those that an earlier search has
         left are not computed again.
     """
     known = list(_read(record, kind))

@@ -11,8 +11,6 @@ The damping follows K. Madsen, H. B. Nielsen and O. Tingleff, "Methods for non-l
 problems", Technical University of Denmark, second edition, 2004, algorithm 3.16.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.layer_objective import ClassObjective

@@ -1,7 +1,5 @@
 """How every command ends: bad input prints one line and exits with 2, never with a traceback."""
 
-from __future__ import annotations
-
 import errno
 import os
 import shlex
@@ -33,13 +31,7 @@ REPORT = (
 
 
 def whole(name: str, least: int, most: int) -> Callable[[str], int]:
-    """A function for argparse that reads a whole number from a command's variable.
-
-    Raises
-    ------
-    InputError
-        The function raises it for another text, or for a number outside ``least`` to ``most``.
-    """
+    """A function for argparse that reads a whole number from a command's variable."""
 
     def number(text: str) -> int:
         with suppress(ValueError):
@@ -51,13 +43,7 @@ def whole(name: str, least: int, most: int) -> Callable[[str], int]:
 
 
 def numbers(name: str, text: str, count: int, most: float) -> list[float]:
-    """The numbers in a command's variable, from 0 to ``most``; none if it is empty.
-
-    Raises
-    ------
-    InputError
-        For another number of them, or for one outside the range.
-    """
+    """The numbers in a command's variable, from 0 to ``most``; none if it is empty."""
     if not text:
         return []
     with suppress(ValueError):
@@ -69,13 +55,7 @@ def numbers(name: str, text: str, count: int, most: float) -> list[float]:
 
 
 def words(name: str, text: str) -> list[str]:
-    """The words in a command's variable that may hold several; quotes keep blanks together.
-
-    Raises
-    ------
-    InputError
-        For a quote that is not closed.
-    """
+    """The words in a command's variable that may hold several; quotes keep blanks together."""
     try:
         return shlex.split(text)
     except ValueError as error:
@@ -92,10 +72,7 @@ def would(work: str) -> None:
 
     A command calls this as soon as it has checked everything that it was given.
 
-    Parameters
-    ----------
-    work : str
-        The work that the command would do now, such as "simulate 12 benches".
+    work: The work that the command would do now, such as "simulate 12 benches".
     """
     if dry():
         print(f"DRY=1: nothing done; would {work}")

@@ -4,8 +4,6 @@ A key of the store (``golden/store.py``) holds a digest of the code that found t
 docstrings and imports are no part of this digest, so a change of these computes nothing again.
 """
 
-from __future__ import annotations
-
 import re
 import tokenize
 from collections.abc import Callable, Iterable, Sequence
@@ -52,17 +50,9 @@ def closure(
 ) -> dict[str, Path]:
     """Some modules of tactus, and all modules of tactus that they import, with their files.
 
-    Parameters
-    ----------
-    modules : iterable of str
-        Names of modules. The name of a package stands for its ``__init__``.
-    follow : callable
-        Says, for the names of an importing and an imported module, whether the second takes part.
-
-    Raises
-    ------
-    ValueError
-        For a name that is no module of tactus, such as ``__main__``.
+    modules: Names of modules. The name of a package stands for its ``__init__``.
+    follow: Says, for the names of an importing and an imported module, whether the second takes
+        part.
     """
     found: dict[str, Path] = {}
     waiting = list(modules)
@@ -107,11 +97,7 @@ def code_of(path: Path, without: tuple[str, ...] = ()) -> str:
     by token, because ``ast.parse`` of Python 3.11 fails at times when two threads call it: "AST
     constructor recursion depth mismatch", https://github.com/python/cpython/issues/106905.
 
-    Parameters
-    ----------
-    path : Path
-    without : tuple of str
-        Names of constants that are left out as well.
+    without: Names of constants that are left out as well.
     """
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()

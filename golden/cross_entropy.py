@@ -4,8 +4,6 @@ The probability of a class is its part of the sum of exp(output) over all classe
 cross-entropy of a row is the negative logarithm of the probability of its own class.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.real import Real

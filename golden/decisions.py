@@ -19,13 +19,10 @@ Numbers = NDArray[np.int64]
 class Decisions:
     """The classes of recorded rows, as numbers of labels.
 
-    Attributes
-    ----------
-    labels : tuple of str
-    actual, real, bit_true : int arrays, shape (rows,)
-        The recorded class, that of the network in floating point, and that of the hardware.
-    margins : int array, shape (rows,)
-        By how many codes the largest output of the hardware exceeds the second largest.
+    actual, real, bit_true, shape (rows,): The recorded class, that of the network in floating
+        point, and that of the hardware.
+    margins, shape (rows,): By how many codes the largest output of the hardware exceeds the second
+        largest.
     """
 
     labels: tuple[str, ...]

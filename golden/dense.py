@@ -1,7 +1,5 @@
 """Networks of any depth in floating point, made of dense layers with an activation each."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar, cast
@@ -51,24 +49,12 @@ ACTIVATIONS: dict[str, Activation] = {
 class Quantiser:
     """A quantiser, which rounds values to the grid ``(code - zero) * scale``.
 
-    Parameters
-    ----------
-    scale : float
-    zero : int
-    low, high : int
-        The lowest and the highest code.
-    rounding : str
-        "even" rounds halves to the even code, "away" rounds halves away from 0, and "floor" rounds
-        down.
-    before_zero : bool
-        Whether a value is rounded before the zero is added, as in ONNX, or after, as in QONNX.
-    nearest : bool
-        Whether hardware that cannot hold the weights of its layer exactly may round them.
-
-    Raises
-    ------
-    InputError
-        For a scale that is not above 0, or when ``low`` is not below ``high``.
+    low, high: The lowest and the highest code.
+    rounding: "even" rounds halves to the even code, "away" rounds halves away from 0, and "floor"
+        rounds down.
+    before_zero: Whether a value is rounded before the zero is added, as in ONNX, or after, as in
+        QONNX.
+    nearest: Whether hardware that cannot hold the weights of its layer exactly may round them.
     """
 
     scale: float
@@ -105,24 +91,12 @@ class Quantiser:
 class Dense:
     """One layer: ``activation(weights @ x + biases)``.
 
-    Parameters
-    ----------
-    weights : float array, shape (nodes, inputs)
-    biases : float array, shape (nodes,)
-    activation : str
-        A name of ``ACTIVATIONS``, or "table:" and the names of ``functions``.
-    leak : float
-        The slope of "leaky_relu" below 0, from 0 to 1. Other activations ignore it.
-    quantiser : Quantiser or None
-        The quantiser behind the activation, in a quantised network.
-    functions : tuple of Function
-        The function of each node, where the activation is a table.
-
-    Raises
-    ------
-    InputError
-        When shapes do not fit each other, a value is not finite, the activation is not known, or a
-        table has no function for each node.
+    weights: shape (nodes, inputs).
+    biases: shape (nodes,).
+    activation: A name of ``ACTIVATIONS``, or "table:" and the names of ``functions``.
+    leak: The slope of "leaky_relu" below 0, from 0 to 1. Other activations ignore it.
+    quantiser: The quantiser behind the activation, in a quantised network.
+    functions: The function of each node, where the activation is a table.
     """
 
     weights: Real
@@ -190,16 +164,7 @@ class Dense:
 class DenseNetwork:
     """A network of dense layers, the last of which is linear.
 
-    Parameters
-    ----------
-    layers : tuple of Dense
-        One or more layers.
-
-    Raises
-    ------
-    InputError
-        When a layer has another number of inputs than the layer before has nodes, or when the last
-        layer is not linear.
+    layers: One or more layers.
     """
 
     layers: tuple[Dense, ...]
@@ -256,11 +221,6 @@ def network_of(layers: list[Dense]) -> Trained:
 
     If there is one hidden layer of tanh, the result is an ``Mlp``, which every design takes. If the
     last layer is not linear, a linear layer that does not change its values is added.
-
-    Raises
-    ------
-    InputError
-        See ``DenseNetwork``.
     """
     if layers[-1].activation != "linear" or layers[-1].quantiser:
         nodes = layers[-1].nodes
@@ -283,14 +243,8 @@ def layers_of(network: Trained) -> tuple[Dense, ...]:
 class Pass:
     """What frames become in one layer; every array has the shape (..., nodes).
 
-    Attributes
-    ----------
-    layer : Dense
-    sums : float array
-    values : float array
-        The activation of the sums.
-    outputs : float array
-        The values behind the quantiser, if the layer has one.
+    values: The activation of the sums.
+    outputs: The values behind the quantiser, if the layer has one.
     """
 
     layer: Dense

@@ -1,7 +1,5 @@
 """The disturbance of readings by the sensors: noise and drift."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,19 +18,9 @@ class Disturbance:
     Equation: ``reading * (1 + g) + o + e``, where g and o are drawn once for each sensor and e for
     each reading, all three from normal distributions with mean 0.
 
-    Parameters
-    ----------
-    noise : float
-        Standard deviation of e, in the unit of the readings, 0 to 100.
-    gain : float
-        Standard deviation of g, as a part of the reading: 0.01 is one per cent; 0 to 100.
-    offset : float
-        Standard deviation of o, in the unit of the readings, 0 to 100.
-
-    Raises
-    ------
-    InputError
-        For a number outside its range.
+    noise: Standard deviation of e, in the unit of the readings, 0 to 100.
+    gain: Standard deviation of g, as a part of the reading: 0.01 is one per cent; 0 to 100.
+    offset: Standard deviation of o, in the unit of the readings, 0 to 100.
     """
 
     noise: float = 0.0
@@ -54,14 +42,10 @@ class Disturbance:
     ) -> Real:
         """A recording as disturbed sensors might give it.
 
-        Parameters
-        ----------
-        readings : float array, shape (rows, columns)
-        rng : numpy Generator
-            The random numbers do not depend on the three standard deviations, so results for
+        readings: shape (rows, columns).
+        rng: The random numbers do not depend on the three standard deviations, so results for
             different ones are comparable.
-        sensors : array_like of int, optional
-            The sensor of each column, from 0; by default each column has its own sensor.
+        sensors: The sensor of each column, from 0; by default each column has its own sensor.
         """
         rows, columns = readings.shape
         which = np.arange(columns) if sensors is None else np.asarray(sensors)

@@ -1,7 +1,5 @@
 """Checks that the arguments of floating-point models are inside their ranges."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,13 +8,7 @@ from golden.real import Real
 
 
 def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
-    """Each argument as a float array, after a check against its least and largest value.
-
-    Raises
-    ------
-    InputError
-        For a value outside, which includes NaN; the message names argument, value and range.
-    """
+    """Each argument as a float array, after a check against its least and largest value."""
     arrays = []
     for name, (value, low, high) in arguments.items():
         array = np.asarray(value, dtype=np.float64)

@@ -3,8 +3,6 @@
 An expression is read into a tree, whose nodes are evaluated with numpy. No text is ever executed.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 import operator
@@ -57,13 +55,7 @@ ALLOWED = f"numbers, x, pi, e, + - * / **, brackets, a if x < b else c, and {_CA
 
 
 def evaluate(text: str, x: Real) -> Real:
-    """The values of an expression at ``x``. Where it is not defined they are NaN or infinity.
-
-    Raises
-    ------
-    InputError
-        For a text that is no expression, or that holds something else than ``ALLOWED``.
-    """
+    """The values of an expression at ``x``. Where it is not defined they are NaN or infinity."""
     if len(text) > MOST_CHARACTERS:
         raise InputError(f"got {len(text)} characters, expected {MOST_CHARACTERS} at most")
     try:

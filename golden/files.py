@@ -3,8 +3,6 @@
 Files and folders get the permissions that the umask leaves, as if they were written in place.
 """
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -26,20 +24,14 @@ from golden.input_error import InputError, MissingFileError
 Made = TypeVar("Made")
 # With less than this left on a disk, something may not have been written.
 ROOM = 1 << 20
+# A recorded object that is longer takes a line for each key.
+WIDTH = 100
 # No command takes so many seconds for one folder.
 LONGEST = 7 * 86400
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
-    """Refuse a path that is no file: nothing, a folder, a device, or an impossible name.
-
-    Raises
-    ------
-    MissingFileError
-        If nothing is there; the message says ``missing``.
-    InputError
-        For anything else that is no file.
-    """
+    """Refuse a path that is no file: nothing, a folder, a device, or an impossible name."""
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
@@ -81,16 +73,7 @@ def reading(path: Path, form: str) -> Iterator[None]:
 
     The block must contain nothing else, because every error in it is taken as a fault of the file.
 
-    Parameters
-    ----------
-    path : Path
-    form : str
-        The expected contents of the file, such as "TOML".
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, or when it holds something else.
+    form: The expected contents of the file, such as "TOML".
     """
     try:
         yield
@@ -113,20 +96,9 @@ def read_json(
 ) -> Made:
     """Read the contents of a recorded file.
 
-    Parameters
-    ----------
-    path : Path
-    form : str
-        The expected contents, such as "a recorded clock".
-    missing : str
-        Text of the message if there is no such file.
-    make : callable, optional
-        Turns the JSON value into the result.
-
-    Raises
-    ------
-    InputError
-        When nothing was recorded, or when the file holds something else.
+    form: The expected contents, such as "a recorded clock".
+    missing: Text of the message if there is no such file.
+    make: Turns the JSON value into the result.
     """
     check_file(path, missing)
     with reading(path, form):
@@ -134,10 +106,24 @@ def read_json(
 
 
 def write_json(path: Path, facts: Any, *, sort_keys: bool = False) -> None:
-    """Record ``facts`` with one value per line, so that a difference shows what has changed."""
-    text = json.dumps(facts, indent=1, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    """Record ``facts``, each row of a table and each small object on a line of its own."""
     with replace_file(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+        temporary.write_text(_laid_out(facts, sort_keys) + "\n", encoding="utf-8")
+
+
+def _laid_out(facts: Any, sort_keys: bool, margin: str = "\n") -> str:
+    flat = json.dumps(facts, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    deeper = f"{margin} "
+    if isinstance(facts, dict) and len(flat) > WIDTH:
+        lines = [
+            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(facts[key], sort_keys, deeper)}"
+            for key in (sorted(facts) if sort_keys else facts)
+        ]
+        return f"{{{deeper}{f',{deeper}'.join(lines)}{margin}}}"
+    if isinstance(facts, (list, tuple)) and any(isinstance(v, (dict, list, tuple)) for v in facts):
+        lines = [_laid_out(value, sort_keys, deeper) for value in facts]
+        return f"[{deeper}{f',{deeper}'.join(lines)}{margin}]"
+    return flat
 
 
 def write_kept(path: Path, answer: Any) -> None:
@@ -158,16 +144,8 @@ def read_kept(path: Path) -> Any:
 def writing(path: Path, through: Path | None = None) -> Iterator[None]:
     """Surround code that writes ``path``; an error of the machine becomes a message.
 
-    Parameters
-    ----------
-    path : Path
-    through : Path, optional
-        The temporary file that is written instead. In this case only errors of this file and of the
-        disk become messages, because the block may contain other work.
-
-    Raises
-    ------
-    InputError
+    through: The temporary file that is written instead. In this case only errors of this file and
+        of the disk become messages, because the block may contain other work.
     """
     try:
         yield
@@ -208,12 +186,7 @@ def _beside(path: Path) -> Path:
 
 
 def check_writable(paths: Sequence[Path]) -> None:
-    """Refuse paths where no file can be written, before the work whose result goes there.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse paths where no file can be written, before the work whose result goes there."""
     for path in paths:
         missing = [folder for folder in path.parents if not _exists(folder)]
         try:
@@ -238,21 +211,10 @@ def check_output(
 ) -> None:
     """Refuse a path at which a command must not write the file that a user names.
 
-    Parameters
-    ----------
-    path : Path
-    read : sequence of Path
-        Files that are never replaced, because the command or the scene reads them.
-    own : callable
-        Recognises a file that the same command wrote earlier, which may be replaced.
-    force : bool
-        Whether a file that ``own`` does not recognise may be replaced too.
-    key : str
-        The variable that names the path.
-
-    Raises
-    ------
-    InputError
+    read: Files that are never replaced, because the command or the scene reads them.
+    own: Recognises a file that the same command wrote earlier, which may be replaced.
+    force: Whether a file that ``own`` does not recognise may be replaced too.
+    key: The variable that names the path.
     """
     if any(same_file(path, file) for file in read):
         raise InputError(f"{key}={path}: is read by this command, expected another file")
@@ -266,12 +228,7 @@ def check_output(
 
 
 def check_folder(path: Path, key: str = "TO") -> None:
-    """Refuse a path whose folder is missing, because it may be misspelt.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a path whose folder is missing, because it may be misspelt."""
     if not os.path.lexists(path.parent):
         raise InputError(f"{key}={path}: got no folder {path.parent}, expected one that is there")
 
@@ -305,10 +262,6 @@ def check_room(folder: Path, what: str) -> None:
     """Refuse to tell ``what``, if the disk is so full that tools may have failed for this reason.
 
     Tools do not always say so, or in many lines.
-
-    Raises
-    ------
-    InputError
     """
     for place in (folder, Path(tempfile.gettempdir())):
         if shutil.disk_usage(place).free < ROOM:
@@ -327,13 +280,7 @@ def replace_file(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
-    """Yield a temporary path beside each path, and rename all or none when the block ends.
-
-    Raises
-    ------
-    InputError
-        When one of the files cannot be written; then all files are as they were before.
-    """
+    """Yield a temporary path beside each path, and rename all or none when the block ends."""
     temporaries: list[Path] = []
     try:
         with ExitStack() as stack:
@@ -387,13 +334,7 @@ def _remove_left(path: Path) -> None:
 
 @contextmanager
 def replace_folder(path: Path) -> Iterator[Path]:
-    """Yield a temporary folder beside ``path``, and put it in place if the block succeeds.
-
-    Raises
-    ------
-    InputError
-        When the folder cannot be written.
-    """
+    """Yield a temporary folder beside ``path``, and put it in place if the block succeeds."""
     with writing(path):
         if path.exists() and not path.is_dir():
             raise NotADirectoryError(errno.ENOTDIR, "got a file, expected a folder")

@@ -1,7 +1,5 @@
 """The findings of a check, one line each, and whether work can go on in spite of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,14 +16,9 @@ MOST_NAMES = 5
 class Finding:
     """One finding of a check.
 
-    Parameters
-    ----------
-    verdict : str
-        ``ok``; ``note``, which is worth knowing; ``warning``, with which the result is worse than
-        it seems; ``fault``, with which nothing can be done.
-    subject : str
-        The subject of the check, such as a file or a column.
-    text : str
+    verdict: ``ok``; ``note``, which is worth knowing; ``warning``, with which the result is worse
+        than it seems; ``fault``, with which nothing can be done.
+    subject: The subject of the check, such as a file or a column.
     """
 
     verdict: str
@@ -57,12 +50,7 @@ def faults(findings: Iterable[Finding]) -> list[str]:
 
 
 def refuse(findings: Sequence[Finding]) -> None:
-    """Stop if there are faults, with all of them in one message.
-
-    Raises
-    ------
-    InputError
-    """
+    """Stop if there are faults, with all of them in one message."""
     found = faults(findings)
     if found:
         raise InputError(BETWEEN.join(found))

@@ -1,7 +1,5 @@
 """Digests of contents, so that a job whose inputs have not changed need not run again."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterable
 from pathlib import Path

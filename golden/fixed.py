@@ -38,17 +38,8 @@ class Overflow(Enum):
 class Fix:
     """A signed two's complement format.
 
-    Parameters
-    ----------
-    width : int
-        Number of bits including the sign, 2 to 62, so that codes and their sums fit in int64.
-    frac : int
-        Number of fraction bits, 0 or more; it may exceed ``width``.
-
-    Raises
-    ------
-    InputError
-        When width or frac is outside its range.
+    width: Number of bits including the sign, 2 to 62, so that codes and their sums fit in int64.
+    frac: Number of fraction bits, 0 or more; it may exceed ``width``.
     """
 
     width: int
@@ -76,20 +67,9 @@ class Fix:
     def check(self, codes: ArrayLike, name: str = "codes", columns: int | None = None) -> Codes:
         """Return ``codes`` as int64 after checking type, shape and range.
 
-        Parameters
-        ----------
-        codes : array_like of int
-            Codes of this format.
-        name : str
-            Name of the codes in an error message.
-        columns : int, optional
-            Required length of the last axis.
-
-        Raises
-        ------
-        InputError
-            When codes are not integers, the last axis is not ``columns`` long, or a code lies
-            outside the format; the message names what was got and what was expected.
+        codes: Codes of this format.
+        name: Name of the codes in an error message.
+        columns: Required length of the last axis.
         """
         array = np.asarray(codes)
         if array.dtype.kind not in "iu":
@@ -109,16 +89,9 @@ class Fix:
     def quantise(self, values: ArrayLike, name: str = "values") -> tuple[Codes, int]:
         """The codes nearest to real ``values`` (halves up), saturated to the format.
 
-        Returns
-        -------
-        codes : int64 array, the shape of ``values``
-        saturated : int
-            How many values were outside the format and were replaced by its nearest end.
-
-        Raises
-        ------
-        InputError
-            For NaN or infinity; the message names the value and its index.
+        Returns codes: the shape of ``values``.
+        Returns saturated: How many values were outside the format and were replaced by its nearest
+            end.
         """
         real = np.asarray(values, dtype=np.float64)
         bad = ~np.isfinite(real)
@@ -142,13 +115,7 @@ class Fix:
 
     @classmethod
     def largest_frac(cls, width: int, values: Any, name: str = "values") -> Fix:
-        """The format of ``width`` bits with the most fraction bits that still holds every value.
-
-        Raises
-        ------
-        InputError
-            When the values need more than ``width`` bits even without fraction bits.
-        """
+        """The format of ``width`` bits with the most fraction bits that still holds every value."""
         real = np.asarray(values, dtype=np.float64)
         for frac in range(width - 1, -1, -1):
             fmt = cls(width, frac)
@@ -166,13 +133,7 @@ def real_texts(codes: Iterable[int], frac: int) -> list[str]:
 
 
 def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
-    """Return ``codes`` as int64 after checking that they are unsigned numbers of ``width`` bits.
-
-    Raises
-    ------
-    InputError
-        When they are not integers or one lies outside 0 to 2**width - 1.
-    """
+    """Return ``codes`` as int64 after checking that they are unsigned numbers of ``width`` bits."""
     array = np.asarray(codes)
     if array.dtype.kind not in "iu":
         raise InputError(f"{name}: got dtype {array.dtype}, expected unsigned codes")
@@ -183,13 +144,7 @@ def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
 
 
 def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
-    """Drop ``shift`` fraction bits of exact codes; the result may have any width.
-
-    Raises
-    ------
-    InputError
-        When ``shift`` is below 0.
-    """
+    """Drop ``shift`` fraction bits of exact codes; the result may have any width."""
     if shift < 0:
         raise InputError(f"cut: shift={shift}, expected 0 or more")
     exact = np.asarray(codes, dtype=np.int64)
@@ -208,16 +163,10 @@ def requantise(
 ) -> Codes:
     """Drop ``shift`` fraction bits and fit the result into ``target``.
 
-    Parameters
-    ----------
-    codes : array_like of int
-        Exact codes with ``target.frac + shift`` fraction bits.
-    shift : int
-        Fraction bits to drop, 0 or more.
-    target : Fix
-        Format of the result.
-    rounding, overflow : Rounding, Overflow
-        Both policies must always be stated.
+    codes: Exact codes with ``target.frac + shift`` fraction bits.
+    shift: Fraction bits to drop, 0 or more.
+    target: Format of the result.
+    rounding, overflow: Both policies must always be stated.
     """
     kept = cut(codes, shift, rounding)
     if overflow is Overflow.SATURATE:

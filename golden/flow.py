@@ -1,7 +1,5 @@
 """The relations between the parts of a block, for the picture of its datapath."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.block import Block
@@ -46,13 +44,8 @@ Step = Carried | Block | Alike | Beside | Controlled | None
 class Flow:
     """The steps of data through a block; parts that are no step are drawn below them.
 
-    Attributes
-    ----------
-    steps : tuple of Step
-    across : bool
-        Whether it is drawn from left to right; otherwise from top to bottom.
-    watcher : Block or None
-        A part that observes the frames and is no part of the flow.
+    across: Whether it is drawn from left to right; otherwise from top to bottom.
+    watcher: A part that observes the frames and is no part of the flow.
     """
 
     steps: tuple[Step, ...]

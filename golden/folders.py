@@ -6,8 +6,6 @@ block. Files that pip has installed are not written, because an update would del
 several users may share these files.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -32,12 +30,7 @@ def is_installed(path: Path) -> bool:
 
 
 def refuse_installed(path: Path) -> None:
-    """Refuse to write a file that pip has installed.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse to write a file that pip has installed."""
     if is_installed(path):
         raise InputError(
             f"{path}: cannot be written: it belongs to the installed package; expected a file of "

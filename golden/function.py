@@ -1,7 +1,5 @@
 """Functions of one variable that a scene defines, for activations that are tables."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,30 +34,17 @@ class Function:
     Sums saturate at the ends of their format, -8 and 8. Beyond these ends the function keeps the
     value that it has there.
 
-    Parameters
-    ----------
-    name : str
-        Letters, digits and underscores.
-    expression : str
-        An expression of x; see ``golden.expression``. Empty where there are points or a spline.
-    points : tuple of pairs of float
-        Points that are joined by straight lines, from left to right. Beyond the first and the last
-        of them the function is level.
-    spline : tuple of float
-        The ends of a range of equal intervals, the largest magnitude of a value, and then the
+    name: Letters, digits and underscores.
+    expression: An expression of x; see ``golden.expression``. Empty where there are points or a
+        spline.
+    points: Points that are joined by straight lines, from left to right. Beyond the first and the
+        last of them the function is level.
+    spline: The ends of a range of equal intervals, the largest magnitude of a value, and then the
         coefficients of the cubic B-splines of the intervals; see ``golden.spline_basis``. Beyond
-        its range the function goes straight on. Where it would exceed its largest magnitude, it
-        is level.
-    frac : int or None
-        Fraction bits of the function's values in hardware; None for those with the least error.
-    end : float
-        Beyond -end and end the function keeps its value; 8 at most.
-
-    Raises
-    ------
-    InputError
-        For an invalid name or expression, for points that do not go from left to right, and for a
-        function that is not finite everywhere.
+        its range the function goes straight on. Where it would exceed its largest magnitude, it is
+        level.
+    frac: Fraction bits of the function's values in hardware; None for those with the least error.
+    end: Beyond -end and end the function keeps its value; 8 at most.
     """
 
     name: str
@@ -137,17 +122,7 @@ def functions_of(
 ) -> tuple[Function, ...]:
     """The function of each node of a layer; none where the activation is no table.
 
-    Parameters
-    ----------
-    activation : str
-    nodes : int
-    known : mapping of str to Function
-        The functions that there are, by name.
-
-    Raises
-    ------
-    InputError
-        For a name that is not known, and for another number of names than one or ``nodes``.
+    known: The functions that there are, by name.
     """
     names = table_names(activation)
     for name in names:
@@ -176,13 +151,7 @@ def by_name(functions: tuple[Function, ...]) -> dict[str, Function]:
 
 
 def read_function(name: str, given: object) -> Function:
-    """A function as a scene gives it: the text of an expression, or a table of ``x`` and ``y``.
-
-    Raises
-    ------
-    InputError
-        See ``Function``; and for other keys, or lists of different length.
-    """
+    """A function as a scene gives it: the text of an expression, or a table of ``x`` and ``y``."""
     with naming(f"network.functions.{name}"):
         if isinstance(given, str):
             if not given.strip():

@@ -8,8 +8,6 @@ program that takes a network of layers takes this one. An engine recognises it a
 functions up without words between (``golden.engine.sums_of_functions``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -41,22 +39,13 @@ Edge = tuple[float, ...] | float | None
 class FunctionNetwork:
     """A network of learned functions.
 
-    Attributes
-    ----------
-    first : sequence of sequences of Edge
-        For each hidden sum an edge for each input.
-    second : sequence of sequences of Edge
-        For each output an edge for each hidden sum.
-    biases : sequence of float
-        The constants of the outputs.
-    scales : sequence of float
-        By what each hidden sum is multiplied in hardware, where sums from -8 to 8 have room.
-    earlier : int
-        How many of the inputs, at the end, are outputs of earlier networks.
-    offsets : sequence of float
-        The constants of the hidden sums; empty where there are none.
-    products : bool
-        Whether hardware multiplies, so that a straight line takes less than a table. Then a
+    first: For each hidden sum an edge for each input.
+    second: For each output an edge for each hidden sum.
+    biases: The constants of the outputs.
+    scales: By what each hidden sum is multiplied in hardware, where sums from -8 to 8 have room.
+    earlier: How many of the inputs, at the end, are outputs of earlier networks.
+    offsets: The constants of the hidden sums; empty where there are none.
+    products: Whether hardware multiplies, so that a straight line takes less than a table. Then a
         function that is larger than a word may become a line and what is left of it.
     """
 

@@ -4,8 +4,6 @@ Two commands on one scene, or on scenes of one name in different folders, would 
 the exported files and the builds of each other's benches.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shlex

@@ -14,8 +14,6 @@ Networks of several layers may be large, and the time grows with the cube of the
 orders of the weights are tried, and several weights are rounded at once.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The functions that training minimises for networks of any depth, and for classes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +15,8 @@ from golden.training.objective import Objective, Rows
 class LayeredObjective(Objective):
     """The function that a descent minimises; see ``Objective``.
 
-    Parameters
-    ----------
-    like : Mlp or DenseNetwork
-        A network with the layers that are trained.
-    **settings
-        The parameters of ``Objective``, except the shape and the activation.
+    like: A network with the layers that are trained.
+    **settings: The parameters of ``Objective``, except the shape and the activation.
     """
 
     def __init__(self, like: Trained, **settings: Any):

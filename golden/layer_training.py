@@ -7,8 +7,6 @@ with ``training.layers``. The search tries every number of layers, with some num
 (``widths``), which all hidden layers of a candidate share.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -38,12 +36,8 @@ CLASS_OPTIMISERS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_de
 class LayersResult(Result):
     """The result of one candidate of several layers.
 
-    Attributes
-    ----------
-    layers : tuple of int
-        The nodes of each hidden layer.
-    weights : int
-        How many weights the network has, without the biases.
+    layers: The nodes of each hidden layer.
+    weights: How many weights the network has, without the biases.
     """
 
     layers: tuple[int, ...] = ()
@@ -80,11 +74,6 @@ def descended(task: Task, start: Trained, training: Frames, validation: Frames) 
 
     Its output biases are shifted. If the scene has classes, its outputs are logits, which nothing
     shifts.
-
-    Raises
-    ------
-    InputError
-        When the hardware's formats cannot hold its weights.
     """
     settings = task.scene.training
     outputs = start.shape[-1]
@@ -137,13 +126,7 @@ def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
 
 
 def train(task: Task, hidden: tuple[int, ...], restart: int) -> Trained:
-    """The network of one candidate, with the nodes ``hidden`` in its hidden layers.
-
-    Raises
-    ------
-    InputError
-        When the hardware's formats cannot hold its weights.
-    """
+    """The network of one candidate, with the nodes ``hidden`` in its hidden layers."""
     member = task.scene.members[task.number]
     shape = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
     settings = task.scene.training
@@ -191,13 +174,7 @@ class LayerStages:
         return task_for(self.scene, self.scene.vectors(), [])
 
     def add(self, hidden: tuple[int, ...], restart: int) -> None:
-        """Add the network of the chosen candidate, with the nodes ``hidden`` in its layers.
-
-        Raises
-        ------
-        InputError
-            When the hardware's formats cannot hold its weights.
-        """
+        """Add the network of the chosen candidate, with the nodes ``hidden`` in its layers."""
         task = self.task([], 0)
         chosen = as_read(task, train(task, hidden, restart))
         tested = written = chosen

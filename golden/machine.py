@@ -4,8 +4,6 @@ The last bit of a floating-point result depends on the instructions that numpy a
 when they are loaded, so a result from elsewhere can be understood only with these facts.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """Errors as the thesis reports them: in percent, in millimetres, of motions and activations."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,15 +14,10 @@ from golden.input_error import InputError
 class OutputError:
     """Error of one output over a set of frames, in percent.
 
-    Attributes
-    ----------
-    mean : float
-        Mean error over all frames.
-    largest_mean : float
-        Largest of the mean errors at each position (equation 3.15), which is the thesis' "better
-        than" figure.
-    worst : float
-        Largest error of a single frame.
+    mean: Mean error over all frames.
+    largest_mean: Largest of the mean errors at each position (equation 3.15), which is the thesis'
+        "better than" figure.
+    worst: Largest error of a single frame.
     """
 
     mean: float
@@ -37,13 +30,10 @@ def error_scale(
 ) -> NDArray[np.float64]:
     """The divisor of each error: the full scale of its output, or the target's magnitude.
 
-    Parameters
-    ----------
-    targets : float array, shape (frames, outputs)
-    outputs : sequence of str
-        Names of the columns.
-    full_scale : dict
-        Scales of the outputs whose error is divided by a constant (position and width: 0.9).
+    targets: shape (frames, outputs).
+    outputs: Names of the columns.
+    full_scale: Scales of the outputs whose error is divided by a constant (position and width:
+        0.9).
     """
     scale = np.abs(np.asarray(targets, dtype=np.float64))
     for c, name in enumerate(outputs):
@@ -60,11 +50,8 @@ def percent_errors(
 ) -> NDArray[np.float64]:
     """Equation 3.16: ``|t - y|`` in percent of the target, or of a full scale if there is one.
 
-    Parameters
-    ----------
-    results, targets : float arrays, shape (frames, outputs)
-    outputs, full_scale
-        See ``error_scale``.
+    results, targets: shape (frames, outputs).
+    outputs, full_scale: See ``error_scale``.
     """
     miss = np.abs(np.asarray(targets, dtype=np.float64) - np.asarray(results))
     return np.asarray(100 * miss / error_scale(targets, outputs, full_scale))
@@ -96,17 +83,8 @@ def millimetres(error: OutputError, length: float) -> LengthError:
     width are divided by a constant). ``golden/data/appendix2.toml`` holds the lengths of the
     flexible digit and describes how they were checked.
 
-    Parameters
-    ----------
-    error : OutputError
-        Error of an output that is divided by a full scale, not by the target.
-    length : float
-        The full scale in millimetres: 127 for position, 50.8 for width.
-
-    Raises
-    ------
-    InputError
-        When the length is not a finite number above 0.
+    error: Error of an output that is divided by a full scale, not by the target.
+    length: The full scale in millimetres: 127 for position, 50.8 for width.
     """
     if not 0 < length < math.inf:
         raise InputError(f"length: got {length}, expected millimetres above 0")
@@ -118,14 +96,9 @@ def millimetres(error: OutputError, length: float) -> LengthError:
 class DisplacementError:
     """Error of one coordinate of a motion, as thesis Table 6.2 lists it.
 
-    Attributes
-    ----------
-    mean : float
-        Mean of the magnitude of the error, in the unit of the coordinate.
-    displacement : float
-        Mean distance from end to end of the actual motion, in the same unit.
-    percent : float
-        The mean error in percent of this distance.
+    mean: Mean of the magnitude of the error, in the unit of the coordinate.
+    displacement: Mean distance from end to end of the actual motion, in the same unit.
+    percent: The mean error in percent of this distance.
     """
 
     mean: float
@@ -141,16 +114,7 @@ def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[Displacem
     troughs. Table 6.2 of the thesis has 330 mm for an arm of 480 mm, which cannot be a mean
     distance from rest.
 
-    Parameters
-    ----------
-    results, actual : float arrays, shape (samples, coordinates)
-        Both in the same unit.
-
-    Raises
-    ------
-    InputError
-        When the shapes differ, or when a coordinate has no peak or no trough, because its
-        percentage is then not defined.
+    results, actual, shape (samples, coordinates): Both in the same unit.
     """
     found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
     if found.shape != moved.shape or found.ndim != 2 or not found.size:
@@ -185,16 +149,11 @@ def _way(motion: NDArray[np.float64], number: int) -> float:
 class ActivationError:
     """Error of an approximation over [-3, 3], against the exact activation.
 
-    Attributes
-    ----------
-    mean_percent : float
-        Equation 4.32 as printed: 100 / 6 times the integral of the error's magnitude.
-    mean_percent_thesis : float
-        Twice that, (100 / 3) times the integral. The factor is a fit and not a derivation: with it
-        the schemes come close to the figures that the thesis prints (Gradient 0.41, printed 0.40);
-        with equation 4.32 as printed they come to half of these figures.
-    largest : float
-        Largest magnitude of the error, in units of 2**-13.
+    mean_percent: Equation 4.32 as printed: 100 / 6 times the integral of the error's magnitude.
+    mean_percent_thesis: Twice that, (100 / 3) times the integral. The factor is a fit and not a
+        derivation: with it the schemes come close to the figures that the thesis prints (Gradient
+        0.41, printed 0.40); with equation 4.32 as printed they come to half of these figures.
+    largest: Largest magnitude of the error, in units of 2**-13.
     """
 
     mean_percent: float
@@ -208,19 +167,9 @@ ACTIVATION_RANGE = 3.0
 def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
     """Equation 4.32 for the errors of an approximation on a grid, by the trapezoidal rule.
 
-    Parameters
-    ----------
-    errors : float array, shape (points,)
-        Approximation minus exact value, at each ``q``.
-    q : float array, shape (points,)
-        Rising; values outside [-3, 3] are ignored. A grid of codes may end one step short of 3, so
-        the integral is divided by the length of the grid and not by 6.
-
-    Raises
-    ------
-    InputError
-        When the shapes differ, a number is not finite, ``q`` does not rise, or more than one step
-        of [-3, 3] is not covered at either end.
+    errors, shape (points,): Approximation minus exact value, at each ``q``.
+    q, shape (points,): Rising; values outside [-3, 3] are ignored. A grid of codes may end one step
+        short of 3, so the integral is divided by the length of the grid and not by 6.
     """
     miss, at = np.asarray(errors, dtype=np.float64), np.asarray(q, dtype=np.float64)
     if miss.shape != at.shape or miss.ndim != 1:

@@ -1,7 +1,5 @@
 """The network in floating point, with which every bit-true network is compared."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -27,12 +25,9 @@ def shifted(biases: Real, weights: Real, shift: Real) -> Real:
 
     So the order of addition cannot change any bit of the hardware.
 
-    Parameters
-    ----------
-    biases : float array, shape (neurons,)
-    weights : float array, shape (neurons, inputs)
-    shift : float array, shape (inputs,)
-        Number that is added to each input.
+    biases: shape (neurons,).
+    weights: shape (neurons, inputs).
+    shift, shape (inputs,): Number that is added to each input.
     """
     terms = np.concatenate([biases[:, np.newaxis], weights * shift], axis=1)
     sums: Real = terms.sum(axis=1)
@@ -45,17 +40,10 @@ def shifted(biases: Real, weights: Real, shift: Real) -> Real:
 class Mlp:
     """y = w2 f(w1 x + b1) + b2 (thesis equation 3.11).
 
-    Parameters
-    ----------
-    w1 : float array, shape (hidden, inputs)
-    b1 : float array, shape (hidden,)
-    w2 : float array, shape (outputs, hidden)
-    b2 : float array, shape (outputs,)
-
-    Raises
-    ------
-    InputError
-        When the shapes do not fit each other, or when a value is not finite.
+    w1: shape (hidden, inputs).
+    b1: shape (hidden,).
+    w2: shape (outputs, hidden).
+    b2: shape (outputs,).
     """
 
     w1: Real

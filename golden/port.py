@@ -1,7 +1,5 @@
 """The ports of a block, as its twin publishes them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 from golden.fixed import Fix
@@ -11,14 +9,9 @@ from golden.fixed import Fix
 class Unsigned:
     """Format of an unsigned port.
 
-    Parameters
-    ----------
-    width : int
-        Number of bits.
-    frac : int, optional
-        Fraction bits; None for a count or an address, and if the block does not know them.
-    last : int
-        The largest code that occurs; by default the largest of the format.
+    width: Number of bits.
+    frac: Fraction bits; None for a count or an address, and if the block does not know them.
+    last: The largest code that occurs; by default the largest of the format.
     """
 
     width: int
@@ -38,20 +31,13 @@ class Unsigned:
 class Port:
     """One port of an entity.
 
-    Parameters
-    ----------
-    name : str
-        Name in the exported files.
-    direction : str
-        "in" or "out".
-    meaning : str
-        Description in one line. For a group, ``*`` stands for the number of the port.
-    kind : Fix, Unsigned or None
-        Format of the codes; None is a single bit.
-    constant : str
-        The constant of the twin that gives the format; empty if the format is always the same.
-    number : int, optional
-        The port's number in its group.
+    name: Name in the exported files.
+    direction: "in" or "out".
+    meaning: Description in one line. For a group, ``*`` stands for the number of the port.
+    kind: Format of the codes; None is a single bit.
+    constant: The constant of the twin that gives the format; empty if the format is always the
+        same.
+    number: The port's number in its group.
     """
 
     name: str

@@ -5,8 +5,6 @@ uses 14 bits everywhere. ``exact`` keeps the weights unchanged in 18 bits, compu
 rounds once per layer.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,25 +23,14 @@ FACTOR_LIMIT = 1 << 30
 class Precision:
     """Formats and policies of one precision.
 
-    Parameters
-    ----------
-    name : str
-    normalise : bool
-        Whether to divide weights by Q_j and Y_i, and to multiply the outputs by Y_i again.
-    coeff_width : int
-        Number of signed bits of a weight, a bias or a gradient.
-    coeff_frac : int, or None
-        Fraction bits of weights and biases; with None, the most with which the layer fits.
-    product_shift : int
-        Number of fraction bits that are dropped from each product before it is added.
-    hidden_fmt : Fix
-        Format of q, the input of the activation.
-    gradient_frac_limit, intercept_frac : int
-        Formats of the Gradient scheme's constants.
-    rounding : Rounding
-        How the gradient activation drops its last bits.
-    activation : str
-        The activation of a scene that names none.
+    normalise: Whether to divide weights by Q_j and Y_i, and to multiply the outputs by Y_i again.
+    coeff_width: Number of signed bits of a weight, a bias or a gradient.
+    coeff_frac: Fraction bits of weights and biases; with None, the most with which the layer fits.
+    product_shift: Number of fraction bits that are dropped from each product before it is added.
+    hidden_fmt: Format of q, the input of the activation.
+    gradient_frac_limit, intercept_frac: Formats of the Gradient scheme's constants.
+    rounding: How the gradient activation drops its last bits.
+    activation: The activation of a scene that names none.
     """
 
     name: str
@@ -76,17 +63,9 @@ def normalisation(weights: Real, biases: Real, layer: str = "weights") -> Codes:
 
     Equations 4.16 and 4.17. A neuron whose weights are all zero gets 1.
 
-    Parameters
-    ----------
-    weights : float array, shape (neurons, inputs)
-    biases : float array, shape (neurons,)
-    layer : str
-        Name of the weights in an error message.
-
-    Raises
-    ------
-    InputError
-        When a sum is ``FACTOR_LIMIT`` or more.
+    weights: shape (neurons, inputs).
+    biases: shape (neurons,).
+    layer: Name of the weights in an error message.
     """
     # All summands are whole numbers, so below 2**53 the sum is exact in any order.
     with np.errstate(over="ignore"):

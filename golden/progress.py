@@ -33,12 +33,7 @@ def duration(seconds: float) -> str:
 
 
 class Heartbeat:
-    """Calls a function again and again in a thread of its own, while a block runs.
-
-    Parameters
-    ----------
-    call : callable
-    """
+    """Calls a function again and again in a thread of its own, while a block runs."""
 
     def __init__(self, call: Callable[[], None]) -> None:
         self._call = call
@@ -62,15 +57,10 @@ class Heartbeat:
 def stage(what: str, stream: TextIO | None = None, quick: bool = False) -> Iterator[None]:
     """Print what the block does, and every few seconds that it is still running.
 
-    Parameters
-    ----------
-    what : str
-        Description of the work, such as ``digit: exporting``.
-    stream : file, optional
-        Standard output by default.
-    quick : bool
-        Whether the work is usually done before the first of these lines, so that nothing is printed
-        at its beginning.
+    what: Description of the work, such as ``digit: exporting``.
+    stream: Standard output by default.
+    quick: Whether the work is usually done before the first of these lines, so that nothing is
+        printed at its beginning.
     """
     out = stream or sys.stdout
     began = printed = time.monotonic()
@@ -94,28 +84,17 @@ class Progress:
     On a terminal one line is written again and again. Elsewhere there is a line every few seconds,
     and one at the end. If no part ends for this long, the line names the parts that are running.
 
-    Parameters
-    ----------
-    what : str
-        Description of the job, such as ``digit: simulating``.
-    total : int
-    parts : str
-        Name of the parts, such as ``benches``.
-    stream : file, optional
-        Standard output by default.
-    clock : callable
-        Returns seconds since some moment.
-    alike : bool
-        Whether all parts take about the same time, so that the time for the remaining ones can be
-        estimated. Otherwise nothing is estimated, and each part is named when it begins.
-    costs : sequence of float
-        Of parts that are not alike, about how long each takes compared with the others, in the
+    what: Description of the job, such as ``digit: simulating``.
+    parts: Name of the parts, such as ``benches``.
+    stream: Standard output by default.
+    clock: Returns seconds since some moment.
+    alike: Whether all parts take about the same time, so that the time for the remaining ones can
+        be estimated. Otherwise nothing is estimated, and each part is named when it begins.
+    costs: Of parts that are not alike, about how long each takes compared with the others, in the
         order in which they end. The first one counts for nothing, because processes start in its
         time.
-    behind : float
-        By the same measure, all jobs that follow this one, for which the time is estimated too.
-    known : int
-        How many parts an earlier run has done, which take no time.
+    behind: By the same measure, all jobs that follow this one, for which the time is estimated too.
+    known: How many parts an earlier run has done, which take no time.
     """
 
     def __init__(

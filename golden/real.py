@@ -1,7 +1,5 @@
 """The type of real numbers in all floating-point models."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

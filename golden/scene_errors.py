@@ -1,7 +1,5 @@
 """Errors of a scene's networks on its recorded vectors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -36,11 +34,6 @@ def provenances(scene: Scene) -> list[dict[str, Any]] | None:
     """The provenance of each network of the scene.
 
     It is None if a network came from elsewhere, or was trained on other data or with another split.
-
-    Raises
-    ------
-    InputError
-        See ``read_provenance``.
     """
     expected = {"window": ""} | split_story(scene)
     stories = []

@@ -1,7 +1,5 @@
 """Finds the inputs that a block inside a design gets while frames run through the twins."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -18,24 +16,11 @@ from golden.networks.network import Network
 def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
     """The inputs of a block's ``process``, in the order in which the twins compute it.
 
-    Parameters
-    ----------
-    design : Network
-    part : Block
-        A block to which ``compute`` of the design, or of an activation in it, passes its inputs.
-    frames : Codes, shape (frames, inputs)
-        Sample codes, as ``design.process`` takes them.
+    part: A block to which ``compute`` of the design, or of an activation in it, passes its inputs.
+    frames, shape (frames, inputs): Sample codes, as ``design.process`` takes them.
 
-    Returns
-    -------
-    tuple of Codes
-        One for each input, all of equal length. If several networks or neurons have the same block,
-        their inputs follow each other.
-
-    Raises
-    ------
-    InputError
-        When the twins never compute the block by itself.
+    Returns: One for each input, all of equal length. If several networks or neurons have the same
+        block, their inputs follow each other.
     """
     # An activation looks its results up in a table, so only its parts get single codes.
     activations = [b for b in around(design, part) if isinstance(b, ActivationBlock)]

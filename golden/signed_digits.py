@@ -1,7 +1,5 @@
 """Whole numbers as signed digits, which are the cost of a product without a multiplier."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
@@ -13,11 +11,8 @@ from golden.real import Real
 def signed_digits(number: int) -> tuple[tuple[int, int], ...]:
     """The canonical signed digits of a number, from the lowest place upwards.
 
-    Returns
-    -------
-    tuple of (place, sign)
-        ``number`` is the sum of ``sign << place``. No two digits are next to each other, and no
-        other form has fewer digits (Reitwiesner 1960). 0 has no digits.
+    Returns: ``number`` is the sum of ``sign << place``. No two digits are next to each other, and
+        no other form has fewer digits (Reitwiesner 1960). 0 has no digits.
     """
     found = []
     place, rest = 0, number
@@ -61,15 +56,9 @@ def nearest_with(values: Real, most: int) -> Codes:
     They are the sum of the nearest power of two, the power nearest to the rest, and so on. No other
     number with so many digits is nearer.
 
-    Parameters
-    ----------
-    values : float array, shape (values,)
-        Magnitudes below 2**52.
-    most : int
+    values, shape (values,): Magnitudes below 2**52.
 
-    Returns
-    -------
-    int64 array, shape (most + 1, values)
+    Returns: shape (most + 1, values).
     """
     found = np.zeros((most + 1, len(values)), dtype=np.int64)
     for count in range(1, most + 1):

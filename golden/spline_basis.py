@@ -1,7 +1,5 @@
 """Cubic B-splines on equal intervals, which go on straight beyond both ends."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,16 +19,7 @@ class Basis:
     A function is the sum of all splines, each times its coefficient. Coefficients on a straight
     line give a straight function.
 
-    Parameters
-    ----------
-    low, high : float
-    intervals : int
-        1 to 1000.
-
-    Raises
-    ------
-    InputError
-        When ``low`` is not below ``high``, or for another number of intervals.
+    intervals: 1 to 1000.
     """
 
     low: float

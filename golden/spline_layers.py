@@ -1,7 +1,5 @@
 """Networks of learned functions as layers, which every program takes and engines add up."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import floor, log2
 
@@ -41,15 +39,9 @@ def function_network(
     A function goes straight on beyond the range in which it was trained, until it would leave the
     format of its sum; from there it is level.
 
-    Parameters
-    ----------
-    learned : Learned
-    inputs : float array, shape (rows, inputs)
-        The inputs of training.
-    earlier : int
-        How many of the inputs, at the end, are outputs of earlier networks.
-    products : bool
-        Whether hardware multiplies, so that a straight line is no table.
+    inputs, shape (rows, inputs): The inputs of training.
+    earlier: How many of the inputs, at the end, are outputs of earlier networks.
+    products: Whether hardware multiplies, so that a straight line is no table.
     """
     network, edges = learned.network, learned.edges
     sums = network.sums(network.spread(inputs))

@@ -8,8 +8,6 @@ as exact. Then edges become straight, or are left out, where that costs next to 
 ``training.refit`` the network is trained on with more rows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
@@ -78,11 +76,6 @@ def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
     """A network for hardware, with the constants of its outputs as these frames want them.
 
     If the scene has classes, its outputs are logits, which nothing shifts.
-
-    Raises
-    ------
-    InputError
-        When the hardware cannot compute it.
     """
     earlier = frames.inputs.shape[1] - task.scene.members[0].inputs
     # A design for learned functions alone has no multiplier.
@@ -138,13 +131,7 @@ class SplineStages:
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, hidden: int, number: int) -> None:
-        """Add the next network, from the candidate that was chosen.
-
-        Raises
-        ------
-        InputError
-            When the hardware cannot compute it.
-        """
+        """Add the next network, from the candidate that was chosen."""
         task = self.task(self.chosen, len(self.chosen))
         found = train(task, hidden, number)
         found = splines.pruned(found, task.training, task.validation, Learned.error)

@@ -15,8 +15,6 @@ has had no release since 2023. ``joblib.Memory`` makes its key from the text of 
 without the functions that it calls, and empties its folder whenever that text changes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -40,12 +38,8 @@ Part = str | int | Path | Sequence["Part"]
 class Key:
     """The key of an answer.
 
-    Attributes
-    ----------
-    kind : str
-        The folder of the store in which the answer is kept.
-    parts : dict of str
-        Everything on which the answer depends, by name.
+    kind: The folder of the store in which the answer is kept.
+    parts: Everything on which the answer depends, by name.
     """
 
     kind: str
@@ -77,15 +71,7 @@ def read(asked: Key, build: Path = BUILD) -> Any:
 
 
 def write(asked: Key, answer: Any, build: Path = BUILD) -> Any:
-    """Keep an answer, and return it as a later ``read`` will give it.
-
-    Raises
-    ------
-    ValueError
-        For None, which ``read`` gives for a missing answer, and for numbers that JSON cannot hold.
-    InputError
-        When the file cannot be written.
-    """
+    """Keep an answer, and return it as a later ``read`` will give it."""
     if answer is None:
         raise ValueError(f"{asked.kind}: got None, expected an answer")
     kept = json.loads(json.dumps(answer, allow_nan=False))
@@ -105,13 +91,7 @@ def place(asked: Key, build: Path = BUILD, suffix: str = ".json") -> Path:
 
 
 def store(build: Path = BUILD) -> Path:
-    """The folder of the store.
-
-    Raises
-    ------
-    InputError
-        When ``TACTUS_STORE`` is no absolute path, which would mean another folder elsewhere.
-    """
+    """The folder of the store."""
     named = os.environ.get(VARIABLE, "")
     if named and not Path(named).is_absolute():
         raise InputError(f"{VARIABLE}: got {named!r}, expected an absolute path")

@@ -1,7 +1,5 @@
 """Reads and writes CSV files with a header, and says which cell of one is wrong."""
 
-from __future__ import annotations
-
 import csv
 import difflib
 import io
@@ -28,13 +26,8 @@ DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
 class Column:
     """One column.
 
-    Attributes
-    ----------
-    name : str
-    values : float array, shape (rows,)
-        NaN where a cell holds no finite number.
-    odd : tuple of (int, str)
-        Line in the file and text of the cells that hold none.
+    values, shape (rows,): NaN where a cell holds no finite number.
+    odd: Line in the file and text of the cells that hold none.
     """
 
     name: str
@@ -65,14 +58,8 @@ class Column:
 class CsvFile:
     """Every cell of a CSV file.
 
-    Attributes
-    ----------
-    path : Path
-    names : tuple of str
-        The header, without blanks around the names.
-    lines : tuple of int
-        The line of each row in the file.
-    rows : tuple of tuple of str
+    names: The header, without blanks around the names.
+    lines: The line of each row in the file.
     """
 
     path: Path
@@ -95,12 +82,7 @@ class CsvFile:
         return self._columns[name]
 
     def refuse_numbers(self) -> None:
-        """Refuse a first line of numbers.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a first line of numbers."""
         numbers = [_number(name) for name in self.names]
         if all(number is not None and math.isfinite(number) for number in numbers):
             raise InputError(
@@ -109,15 +91,7 @@ class CsvFile:
 
 
 def read_csv_file(path: Path) -> CsvFile:
-    """Read a CSV file in UTF-8 with commas, whose first line names the columns.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or it cannot be read.
-        For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
-        a name that occurs twice, or rows that are longer or shorter than the header.
-    """
+    """Read a CSV file in UTF-8 with commas, whose first line names the columns."""
     found = _read(path)
     found.refuse_numbers()
     return found
@@ -126,22 +100,10 @@ def read_csv_file(path: Path) -> CsvFile:
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     """Read some columns of a CSV file, by their names.
 
-    Parameters
-    ----------
-    path : Path
-        See ``read_csv_file``; a name may be a number.
-    columns : sequence of str
-        Names of the columns, in the order of the result.
+    path: See ``read_csv_file``; a name may be a number.
+    columns: Names of the columns, in the order of the result.
 
-    Returns
-    -------
-    float array, shape (rows, columns)
-
-    Raises
-    ------
-    InputError
-        See ``read_csv_file``; also for a missing column, or a cell that is no number, NaN or
-        infinity; the message names file, line and column.
+    Returns: shape (rows, columns).
     """
     found = _read(path)
     for name in columns:
@@ -154,13 +116,7 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
 
 
 def read_texts(path: Path, column: str) -> tuple[str, ...]:
-    """Read the texts in a column of a CSV file, without blanks around them.
-
-    Raises
-    ------
-    InputError
-        See ``read_csv_file``; also for a missing column, or an empty cell.
-    """
+    """Read the texts in a column of a CSV file, without blanks around them."""
     found = _read(path)
     _refuse_missing(found, column)
     at = found.names.index(column)
@@ -213,13 +169,7 @@ def _parsed(path: Path, data: bytes) -> CsvFile:
 
 
 def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
-    """Numbers, from 0, of the rows of a CSV file whose columns have the values in ``where``.
-
-    Raises
-    ------
-    InputError
-        See ``read_table``. Also when there is no such row.
-    """
+    """Numbers, from 0, of the rows of a CSV file whose columns have the values in ``where``."""
     columns = list(where)
     kept = (read_table(path, columns) == list(where.values())).all(axis=1)
     if not kept.any():
@@ -237,19 +187,9 @@ def write_csv_file(path: Path, rows: Iterable[Iterable[object]]) -> None:
 def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals: int) -> None:
     """Write a CSV file for ``read_table``, with a fixed number of decimals.
 
-    Parameters
-    ----------
-    path : Path
-    columns : sequence of str
-    values : array_like of float, shape (rows, columns)
-    decimals : int
-        Four are enough for a code of Fix(14,13), since rounding then moves a value by less than
-        half an LSB.
-
-    Raises
-    ------
-    InputError
-        For values of another shape, NaN or infinity.
+    values: shape (rows, columns).
+    decimals: Four are enough for a code of Fix(14,13), since rounding then moves a value by less
+        than half an LSB.
     """
     array = np.asarray(values, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != len(columns):

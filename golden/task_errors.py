@@ -3,8 +3,6 @@
 These choose among the candidates of a search, and the provenance of a network names them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.dense import Trained

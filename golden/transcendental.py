@@ -13,8 +13,6 @@ bound, where k grows by two with each step:
 A result is returned only if both bounds agree on it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import accumulate, count, repeat
@@ -37,21 +35,9 @@ def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
     One fraction bit more than needed is enough for rounding to nearest: tanh of a fraction other
     than 0 is irrational, so an exact half cannot occur.
 
-    Parameters
-    ----------
-    step : Fraction
-        Above 0 and at most 1/2.
-    points : int
-        2 or more.
-    frac : int
-        0 to 62.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range.
-    ArithmeticError
-        When ``BITS`` fraction bits are not enough to determine a result.
+    step: Above 0 and at most 1/2.
+    points: 2 or more.
+    frac: 0 to 62.
     """
     # The result is (1 - e) / (1 + e) with e = exp(-2 q), which decreases when e grows.
     values, apart = _decays(2 * step, 2 * step, points - 1)
@@ -66,12 +52,8 @@ def exp_floors(start: Fraction, step: Fraction, points: int, frac: int) -> Codes
 
     As with ``tanh_floors``, one fraction bit more is enough for rounding to nearest.
 
-    Parameters
-    ----------
-    start, step : Fraction
-        Above 0 and at most 1.
-    points, frac
-        See ``tanh_floors``, also for the errors; one point is enough here.
+    start, step: Above 0 and at most 1.
+    points, frac: See ``tanh_floors``, also for the errors; one point is enough here.
     """
     values, apart = _decays(start, step, points)
     drop = BITS - frac

@@ -1,7 +1,5 @@
 """The coded targets of the recorded vectors in grams and millimetres."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

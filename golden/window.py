@@ -1,7 +1,5 @@
 """Past frames as inputs: the sensor of each sample, and how many frames back it is."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -24,13 +22,9 @@ class Tap:
 class Window:
     """The samples that a network reads, of the newest frame and of past frames.
 
-    Parameters
-    ----------
-    delays : tuple of tuple of int
-        For each sensor, how many frames before the newest its samples are, ascending, each once.
+    delays: For each sensor, how many frames before the newest its samples are, ascending, each
+        once.
 
-    Notes
-    -----
     The network reads the samples by delay, the newest frame first, and within a frame by sensor.
     Without a past this is the frame itself.
     """
@@ -56,15 +50,9 @@ class Window:
     def frames(self, samples: NDArray[Number]) -> NDArray[Number]:
         """The inputs of the network for each frame that has a complete past.
 
-        Parameters
-        ----------
-        samples : array, shape (frames, sensors)
-            Frames in the order of time.
+        samples, shape (frames, sensors): Frames in the order of time.
 
-        Returns
-        -------
-        array, shape (frames - past, taps)
-            Empty if there are not more frames than ``past``.
+        Returns, shape (frames - past, taps): Empty if there are not more frames than ``past``.
         """
         count = max(0, len(samples) - self.past)
         columns = [

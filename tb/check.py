@@ -1,7 +1,5 @@
 """``make check``: looks for everything that can be wrong with a scene, and prints each check."""
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys

@@ -6,8 +6,6 @@ tests know about commands. ``make help`` must work before anything is installed,
 imports nothing but the standard library.
 """
 
-from __future__ import annotations
-
 import difflib
 import os
 import sys
@@ -29,21 +27,13 @@ INDENT = 10
 class Argument:
     """A variable that a command of make accepts.
 
-    Attributes
-    ----------
-    name : str
-        The name of the variable, such as ``BLOCK``.
-    example : str
-        What the help shows after ``=``.
-    option : str
-        What precedes the value when the module is called, such as ``--block=``. It is empty if the
-        value is a word by itself.
-    flag : bool
-        Whether the module is called with ``option`` alone, if the value is 1.
-    default : str or None
-        The word if the variable is not set; None for no word.
-    needed : bool
-        Whether the command requires the variable.
+    name: The name of the variable, such as ``BLOCK``.
+    example: What the help shows after ``=``.
+    option: What precedes the value when the module is called, such as ``--block=``. It is empty if
+        the value is a word by itself.
+    flag: Whether the module is called with ``option`` alone, if the value is 1.
+    default: The word if the variable is not set; None for no word.
+    needed: Whether the command requires the variable.
     """
 
     name: str
@@ -91,18 +81,11 @@ def flag(name: str) -> Argument:
 class Command:
     """A command of make.
 
-    Attributes
-    ----------
-    name : str
-        The name of the target.
-    purpose : str
-        One sentence that says what the command does.
-    arguments : tuple of Argument
-        The variables, in the order in which the module takes them.
-    module : str
-        The module that does the work. It is empty if the Makefile does it itself.
-    last : tuple of str
-        Words that always end the call of the module.
+    name: The name of the target.
+    purpose: One sentence that says what the command does.
+    arguments: The variables, in the order in which the module takes them.
+    module: The module that does the work. It is empty if the Makefile does it itself.
+    last: Words that always end the call of the module.
     """
 
     name: str
@@ -517,19 +500,9 @@ def start(command: Command, given: Mapping[str, str]) -> NoReturn:
 def refuse_unknown(goals: Sequence[str], names: Sequence[str], given: Mapping[str, str]) -> None:
     """Refuse what make would ignore, or take for a 1.
 
-    Parameters
-    ----------
-    goals : sequence of str
-        The targets of the call.
-    names : sequence of str
-        The variables that its command line names.
-    given : mapping
-        The values of all variables.
-
-    Raises
-    ------
-    InputError
-        For a variable that none of the targets takes, and for a flag that is neither 0 nor 1.
+    goals: The targets of the call.
+    names: The variables that its command line names.
+    given: The values of all variables.
     """
     arguments = [a for goal in goals if goal in BY_NAME for a in BY_NAME[goal].arguments]
     taken = [*dict.fromkeys(argument.name for argument in arguments), *EVERYWHERE]

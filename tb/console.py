@@ -5,8 +5,6 @@ variable ``NAME=1`` of make is a flag ``--name``, and any other ``NAME=x`` is an
 ``--name=x``. The values then go to the same module as from make.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys
@@ -179,13 +177,7 @@ def _call(command: Command, /, **given: str | bool | None) -> None:
 
 
 def _parsed() -> int:
-    """Read the command line and run its command.
-
-    Raises
-    ------
-    InputError
-        For a command line that no command accepts.
-    """
+    """Read the command line and run its command."""
     try:
         code = front().main(sys.argv[1:] or ["--help"], prog_name=NAME, standalone_mode=False)
     except click.UsageError as error:

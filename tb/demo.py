@@ -9,8 +9,6 @@ by itself. A bench that has passed and has not changed since is not run again, e
 demo was interrupted.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import textwrap

@@ -40,13 +40,7 @@ def yosys(arguments: list[str], folder: Path) -> str:
 
 
 def hardware(folder: Path, entity: str, language: str) -> Netlist:
-    """The netlist of an entity of an export.
-
-    Raises
-    ------
-    InputError
-        Where Yosys or GHDL cannot read it, with what they say.
-    """
+    """The netlist of an entity of an export."""
     files = [folder / name for name in compile_order(folder)]
     try:
         if language == "verilog":

@@ -4,8 +4,6 @@ It runs before anything is installed, so it imports only the standard library an
 the same. It prints what pip prints, and a line every few seconds while pip is silent.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

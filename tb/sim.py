@@ -5,8 +5,6 @@ searched elsewhere (``tb/common/where.py``), and a line says where it was found.
 exported VHDL and Verilog, or on the netlist that ``--netlist`` names (``tb/sign_off/netlist.py``).
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Simulates a whole board as cells of its device beside its Verilog, from converter to line."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -82,13 +80,9 @@ Change = Callable[[str], str]
 class Played:
     """What a simulation has shown.
 
-    Attributes
-    ----------
-    line : bytes
-        The bytes that the cells sent.
-    compared, differ, unknown : int
-        The numbers of compared clocks, of clocks in which an output of the cells differs from the
-        Verilog, and of clocks in which an output is unknown.
+    line: The bytes that the cells sent.
+    compared, differ, unknown: The numbers of compared clocks, of clocks in which an output of the
+        cells differs from the Verilog, and of clocks in which an output is unknown.
     """
 
     line: bytes

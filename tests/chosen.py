@@ -1,7 +1,5 @@
 """``make test``: runs pytest on all cores, for named tests, for those of a block, or for all."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

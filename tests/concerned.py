@@ -6,8 +6,6 @@ they simulate or synthesise whatever there is. The site, which takes longer than
 left to ``make docs``.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Collection, Iterator
 from functools import cache

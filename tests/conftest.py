@@ -1,7 +1,5 @@
 """The two tiers of tests, what the tests of a run share, and small scenes."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

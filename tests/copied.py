@@ -1,7 +1,5 @@
 """Copies for tests: of the project, in which a test types what a page says, and of scenes."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

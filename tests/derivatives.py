@@ -1,7 +1,5 @@
 """Checks the derivatives of an objective against differences."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

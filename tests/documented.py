@@ -1,7 +1,5 @@
 """Finds the commands of make, tactus and Python that the pages name, in code or in a line."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import shutil

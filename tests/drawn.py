@@ -1,7 +1,5 @@
 """Draws random scenes with any allowed choice of keys, and with small random networks."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

@@ -5,8 +5,6 @@ every activation with some other factors. With ``--defined-only``, those functio
 raise whose rounding differs between machines.
 """
 
-from __future__ import annotations
-
 import hashlib
 import sys
 import warnings

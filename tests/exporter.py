@@ -6,8 +6,6 @@ input. Each line of the input names a scene, a language and the folder of the bu
 each is a line too: an empty text, or the traceback of the error.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

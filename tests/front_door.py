@@ -1,7 +1,5 @@
 """The variables that the Makefile accepts from a user."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The groups of tests: what each kind of machine may change, and which tests it runs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.input_error import InputError
@@ -11,12 +9,8 @@ from golden.input_error import InputError
 class Rest:
     """A set of tests that some machines leave out.
 
-    Parameters
-    ----------
-    why : str
-        A sentence that says why they may be left out.
-    tests : tuple of str
-        Files, or a file and a function of it.
+    why: A sentence that says why they may be left out.
+    tests: Files, or a file and a function of it.
     """
 
     why: str
@@ -29,13 +23,8 @@ class Group:
 
     So a new test runs on every machine until a rest names it.
 
-    Parameters
-    ----------
-    name : str
-    changes : str
-        Says what these machines may change.
-    rests : tuple of Rest
-        The tests whose result these machines cannot change.
+    changes: Says what these machines may change.
+    rests: The tests whose result these machines cannot change.
     """
 
     name: str
@@ -148,13 +137,7 @@ GROUPS = {group.name: group for group in (EVERYTHING, VERSIONS, FILES, ORDER, NU
 
 
 def group_of(name: str) -> Group:
-    """The group of that name.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """The group of that name."""
     if name not in GROUPS:
         raise InputError(f"GROUP={name}: no such group, expected {', '.join(GROUPS)}")
     return GROUPS[name]

@@ -4,8 +4,6 @@ A machine of the matrix is this computer with other variables, another place of 
 another user, or other versions.
 """
 
-from __future__ import annotations
-
 import locale
 import os
 import platform
@@ -34,24 +32,14 @@ OLDER_NAMES = {"X86_V3": "AVX2", "X86_V4": "AVX512"}
 class Machine:
     """An entry of the matrix.
 
-    Parameters
-    ----------
-    machine : str
-        The name.
-    what : str
-        What is other.
-    group : str
-        The group of tests.
-    env : mapping
-        Variables of the environment.
-    folder : str
-        The folder for a copy of the checkout with its own environment, or empty for no copy.
-    run : str
-        Commands of the shell that run the tests.
-    image : str
-        The container of the nightly workflow, which alone reads this and the next one.
-    may_fail : bool
-        Whether the workflow passes even if this machine fails.
+    machine: The name.
+    what: What is other.
+    group: The group of tests.
+    env: Variables of the environment.
+    folder: The folder for a copy of the checkout with its own environment, or empty for no copy.
+    run: Commands of the shell that run the tests.
+    image: The container of the nightly workflow, which alone reads this and the next one.
+    may_fail: Whether the workflow passes even if this machine fails.
     """
 
     machine: str
@@ -72,13 +60,7 @@ def machines() -> dict[str, Machine]:
 
 
 def machine_of(name: str) -> Machine:
-    """The machine of that name.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """The machine of that name."""
     known = machines()
     if name not in known:
         raise InputError(f"MACHINE={name}: no such machine, expected {', '.join(known)}")
@@ -89,11 +71,6 @@ def run_on(machine: Machine, group: str) -> int:
     """Run the tests of a group as that machine, and return the exit code.
 
     What a user gave to make stands in the environment, where the make of the machine finds it.
-
-    Raises
-    ------
-    InputError
-        If this computer cannot imitate the machine.
     """
     for name, value in machine.env.items():
         # A library reads its variables once, so another process must say what they do.

@@ -19,8 +19,6 @@ page shows. The second bound is one and a half times the largest change. So the 
 of three digits that is ten percent off, and a figure of another row.
 """
 
-from __future__ import annotations
-
 import re
 from decimal import Decimal
 from pathlib import Path
@@ -69,14 +67,8 @@ def cells(page: str, *start: str) -> list[str]:
 def shows(text: str, measured: float, bound: float, digits: int | None = None) -> bool:
     """Whether the figure or the range ("3 to 4") that a page shows agrees with the measured one.
 
-    Parameters
-    ----------
-    text : str
-    measured : float
-    bound : float
-        The allowed relative difference of another machine, which is one of the bounds above.
-    digits : int
-        To how many digits the page rounds. The default is the last digit that is written.
+    bound: The allowed relative difference of another machine, which is one of the bounds above.
+    digits: To how many digits the page rounds. The default is the last digit that is written.
     """
     assert FIGURE.fullmatch(text), f"got {text!r}, expected a number, or two with 'to' between"
     ends = text.split(" to ")

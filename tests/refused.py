@@ -1,7 +1,5 @@
 """How commands must refuse bad input: one line, exit code 2, no files written, no traceback."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import sys

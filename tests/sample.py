@@ -7,8 +7,6 @@ its time. A test that takes longer than the whole sample is never drawn, and is 
 run.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import subprocess
@@ -24,13 +22,7 @@ UNTIMED = 180.0
 
 
 def tree() -> str:
-    """The digest of the committed tree.
-
-    Raises
-    ------
-    subprocess.CalledProcessError
-        Outside a git repository.
-    """
+    """The digest of the committed tree."""
     command = ["git", "-C", str(ROOT), "rev-parse", "HEAD^{tree}"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -57,16 +49,10 @@ def draw(
 ) -> list[str]:
     """The tests that fit into ``budget`` seconds, in an order that the digest shuffles.
 
-    Parameters
-    ----------
-    names : iterable of str
-        All tests that could be drawn, and the units of those that are drawn together.
-    seconds : mapping
-        For each test or unit, how long it takes.
-    budget : float
-        The time for the sample, in seconds of one processor.
-    digest : str
-        The digest of the tree.
+    names: All tests that could be drawn, and the units of those that are drawn together.
+    seconds: For each test or unit, how long it takes.
+    budget: The time for the sample, in seconds of one processor.
+    digest: The digest of the tree.
     """
     order = sorted(names, key=lambda name: hashlib.sha256(f"{digest} {name}".encode()).digest())
     drawn, left = [], budget

@@ -1,7 +1,5 @@
 """Tests make activations: its figures, its files, and the documentation of them."""
 
-from __future__ import annotations
-
 import csv
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """The approximations of chapter 4 in floating point, against closed forms and their own limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

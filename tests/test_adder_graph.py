@@ -1,7 +1,5 @@
 """Compares the design without a multiplier with real arithmetic, also for parallel networks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

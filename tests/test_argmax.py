@@ -1,7 +1,5 @@
 """Tests the winner of a frame: its twin, and the option ``argmax`` of a scene."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

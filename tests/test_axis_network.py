@@ -1,7 +1,5 @@
 """Tests the twin of axis_network, and the memory that it relies on."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

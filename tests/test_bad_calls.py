@@ -1,7 +1,5 @@
 """Commands with wrong arguments, or that cannot write, print one line and leave no files."""
 
-from __future__ import annotations
-
 import os
 import secrets
 import shlex

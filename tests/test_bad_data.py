@@ -1,7 +1,5 @@
 """Invalid recorded vectors are refused by one line with file, line and column."""
 
-from __future__ import annotations
-
 import pytest
 from refused import Desk
 

@@ -1,7 +1,5 @@
 """An invalid network file is refused by one line that names it, whatever its parser says."""
 
-from __future__ import annotations
-
 import io
 import struct
 import zipfile

@@ -1,7 +1,5 @@
 """An invalid scene is refused by a line with file, key, the value and what was expected."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests the cantilever and its gauges: equations 3.1 to 3.5 and 3.7 to 3.9, and generated data."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

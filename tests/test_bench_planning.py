@@ -5,8 +5,6 @@ must fit its ports. If its stimuli come from a function, the twin must accept th
 reach every border. For some scenes the benches are run completely, which only ALL=1 does.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path

@@ -6,8 +6,6 @@ other cases that drive something else it simulates in one of them, and ALL=1 in 
 ReLU and a program that can be reloaded, every run has each of them in another case.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests the activation bipartite over all of its 262144 codes."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Tests boards: their files, their clocks, what is around a design, and bitstreams."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

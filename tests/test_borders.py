@@ -1,7 +1,5 @@
 """Tests the borders that twins publish, and the samples that reach them."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests the bound of Cramer and Rao for a load, and what prior knowledge adds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import least_squares

@@ -1,7 +1,5 @@
 """The models of memories behave as the manuals say when they are read, written and reset."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tests the cells that Yosys counts for the activations."""
 
-from __future__ import annotations
-
 import pytest
 from conftest import tiered
 

@@ -1,7 +1,5 @@
 """Every block has one name in every room, and rooms keep to their imports."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

@@ -4,8 +4,6 @@
 steps of each found: the colours, and beside them what was found where a step is not green.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The certificate of a small scene, its script, and what turns it red or amber."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

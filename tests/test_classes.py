@@ -1,7 +1,5 @@
 """Scenes whose network tells classes apart."""
 
-from __future__ import annotations
-
 import csv
 import re
 import sys

@@ -1,7 +1,5 @@
 """Tests the decisions of a scene with classes from its serial line to what a user sees."""
 
-from __future__ import annotations
-
 import csv
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests networks of classifiers: what is read of their end, and what is refused in it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests how commands end: by a complaint, a fault of ours, a full disk, or a closed pipe."""
 
-from __future__ import annotations
-
 import errno
 import os
 import resource

@@ -1,7 +1,5 @@
 """Tests a training search on a cluster, which joblib selects and which gives the same record."""
 
-from __future__ import annotations
-
 import socket
 import sys
 import threading

@@ -1,7 +1,5 @@
 """Tests the commands as a user types them: what they list, refuse and write."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

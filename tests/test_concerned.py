@@ -1,7 +1,5 @@
 """make test BLOCK= and PAGES=1: what is chosen, and what is not."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

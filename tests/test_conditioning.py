@@ -1,7 +1,5 @@
 """Tests the way from deflection to code: sensor, DC remover, gain, clipping, ADC."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

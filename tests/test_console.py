@@ -1,7 +1,5 @@
 """Tests the command ``tactus``: how it reads the table, and that a wheel is complete."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

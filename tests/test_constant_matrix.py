@@ -1,7 +1,5 @@
 """Compares graphs of shifted adds with whole numbers, and truncation with its bounds."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from itertools import combinations, pairwise

@@ -1,7 +1,5 @@
 """Tests converters on an SPI: their data, the twin that reads them, and the keys of a scene."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

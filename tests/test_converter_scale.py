@@ -1,7 +1,5 @@
 """The scale of sensors behind a converter follows from its data sheet, not from the readings."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

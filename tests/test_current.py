@@ -1,7 +1,5 @@
 """A record belongs to the trace of a bench. Another trace makes it stale, and nothing else does."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

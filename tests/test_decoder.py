@@ -1,7 +1,5 @@
 """Tests the decoder of the serial line, which finds every complete packet among other bytes."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from itertools import pairwise

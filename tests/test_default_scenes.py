@@ -1,7 +1,5 @@
 """Tests the default scenes: the instrument of the thesis, and the same task as built today."""
 
-from __future__ import annotations
-
 import pytest
 
 from golden.block import walk

@@ -1,7 +1,5 @@
 """Networks of several hidden layers: in files, in scenes, and on the engine."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

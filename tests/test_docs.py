@@ -1,7 +1,5 @@
 """Compares the documentation with the project: links, port tables, and commands."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields
 from pathlib import Path

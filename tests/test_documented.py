@@ -5,8 +5,6 @@ would do, and does nothing. ``make test ALL=1`` really runs the commands that ta
 ``test_make.py`` tests that make passes its variables on.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from itertools import takewhile

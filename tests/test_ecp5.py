@@ -1,7 +1,5 @@
 """A design that is placed and routed on an ECP5 computes the same as its Verilog."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tests the program of the engine: what it computes, in which order, and how it is encoded."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from dataclasses import fields, replace

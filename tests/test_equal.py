@@ -1,7 +1,5 @@
 """VHDL computes the same as Verilog: this is recorded for every block, and the proof can fail."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from dataclasses import replace

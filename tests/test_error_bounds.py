@@ -1,7 +1,5 @@
 """Tests the bounds of the error of networks of any depth on the engine, against real arithmetic."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

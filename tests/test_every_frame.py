@@ -1,7 +1,5 @@
 """Exports are proved for every frame, and what is wrong is never proved."""
 
-from __future__ import annotations
-
 import copy
 import re
 import shutil

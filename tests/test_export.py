@@ -1,7 +1,5 @@
 """The exported files are reproducible, standard-conforming, readable, and free of latches."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

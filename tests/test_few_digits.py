@@ -1,7 +1,5 @@
 """Tests weights of few digits: how many digits remain, where, and which rows decide that."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Tests make figures: the tables, their claims, and the written files."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

@@ -1,7 +1,5 @@
 """Tests that tables activations and iterations are complete, and what follows from them."""
 
-from __future__ import annotations
-
 import pytest
 from shared import Shared
 

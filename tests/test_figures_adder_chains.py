@@ -1,7 +1,5 @@
 """Tests table adder_chains: the content of the record, and what its chains compute."""
 
-from __future__ import annotations
-
 import subprocess
 from itertools import product
 from pathlib import Path

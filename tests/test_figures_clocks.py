@@ -1,7 +1,5 @@
 """Tests table clocks: every scene, its clocks, and the figures in README.md."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Tests table digits: the content of the record, and how it is measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

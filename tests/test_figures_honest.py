@@ -1,7 +1,5 @@
 """Tests tables honest and robustness: their content, and what docs/figures.md says of them."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Tests the tables learned_functions and function_tables, and how they are measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

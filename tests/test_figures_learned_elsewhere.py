@@ -1,7 +1,5 @@
 """Tests the table learned_elsewhere, and how it is measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

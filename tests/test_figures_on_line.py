@@ -1,7 +1,5 @@
 """Tests on_line_learning and beyond_drift: rows, how they are measured, what the page concludes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from conftest import tiered

@@ -1,7 +1,5 @@
 """Tests the recorded table outside: the target of each rig, and the figures of the page."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tests table search_runs: the content of the record."""
 
-from __future__ import annotations
-
 from itertools import groupby
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests table training: what is the same in every call, and what the pages say of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from pages import SEARCHED, TRAINED, cells, section, shows

@@ -1,7 +1,5 @@
 """Tests table word_widths: the content of the record."""
 
-from __future__ import annotations
-
 import pytest
 from conftest import tiered
 

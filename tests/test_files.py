@@ -1,7 +1,5 @@
 """Files and folders are replaced as a whole, with the permissions that the umask allows."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Compares formats, rounding and overflow with exact rational arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import floor
 

@@ -1,7 +1,5 @@
 """Tests the front end: the patterns of the thesis, ranges, and the keys of a scene."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Networks of learned functions, as layers and on engines."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Activations that are tables: functions of a scene, their fit, and engines that look them up."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

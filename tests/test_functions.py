@@ -1,7 +1,5 @@
 """Compares equations 3.17 and 3.18 in floating point with closed forms."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 import warnings

@@ -1,7 +1,5 @@
 """Tests the assembled activation over every code that it can get."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

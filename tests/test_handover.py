@@ -1,7 +1,5 @@
 """The files that an export adds to the entities run, parse, and list the existing files."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Tests that commands on one scene, or on scenes of one name, wait for each other."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

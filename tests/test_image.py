@@ -1,7 +1,5 @@
 """Tests the image of a scene: its bytes, what refuses it, and hardware that runs several."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

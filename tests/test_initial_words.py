@@ -3,8 +3,6 @@
 A bench cannot tell every bit: a low bit of a table of tanh may vanish in the rounding.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

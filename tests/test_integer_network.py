@@ -1,7 +1,5 @@
 """The network in whole numbers: the judge of every engine that is compiled from it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Tests that a signal ends a command with one line, its processes, and its temporary files."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -3,8 +3,6 @@
 What the loader does with bytes is tested in ``tests/test_image.py``.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from binascii import crc_hqx

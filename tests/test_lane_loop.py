@@ -1,7 +1,5 @@
 """The engine with several multipliers whose program is a loop, so that frames overlap."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Tests the program of an engine with several multipliers: its results, its steps, its words."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import fields, replace
 from itertools import pairwise

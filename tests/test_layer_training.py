@@ -1,7 +1,5 @@
 """Training of networks whose layers the scene names."""
 
-from __future__ import annotations
-
 import re
 import sys
 from dataclasses import replace

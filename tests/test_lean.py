@@ -1,7 +1,5 @@
 """Hardware leaves out what a scene does not need, and gives the same results."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Tests how the functions of a network of learned functions are found in its layers, and drawn."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

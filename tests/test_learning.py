@@ -1,7 +1,5 @@
 """Tests the rules by which an engine could learn: their arithmetic, and what they never do."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests the serial line of an instrument: its twins, and the keys of a scene."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

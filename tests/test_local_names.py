@@ -1,7 +1,5 @@
 """Tests that signals are declared in the same order under every version of Python."""
 
-from __future__ import annotations
-
 import sys
 
 from hdl.export.local_names import Caller, forget

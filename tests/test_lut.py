@@ -1,7 +1,5 @@
 """Tests the look-up table: which word a magnitude reads."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests the description of the machine, and the last lines of a run that show it."""
 
-from __future__ import annotations
-
 import os
 import platform
 import re

@@ -1,7 +1,5 @@
 """Tests the machines of make test MACHINE=: their matrix, how they run, and what they leave out."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

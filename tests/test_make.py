@@ -1,7 +1,5 @@
 """Variables of make reach the command unchanged, whatever characters they hold."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

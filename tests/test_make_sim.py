@@ -6,8 +6,6 @@ Only these tests simulate what shipped scenes have beyond the sizes of the bench
 runs them, and CI draws a sample of them (``tests/sample.py``).
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

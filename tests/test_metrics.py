@@ -1,7 +1,5 @@
 """Compares the error measures with closed forms, recorded vectors and tables of the thesis."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

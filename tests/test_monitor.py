@@ -1,7 +1,5 @@
 """Tests what the monitor shows, reports and records, from a pseudo-terminal to the browser."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

@@ -1,7 +1,5 @@
 """Tests the steps of docs/monitor.md: record on a board, train, load, and run the network."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Tests that recorded mutation scores are current and high, and that the method can fail."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
@@ -31,14 +29,14 @@ from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import COUNT, Subject, first_test, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.processor import processor_line, processor_minutes
-from tb.sign_off.record import RECORDS, read_record
+from tb.sign_off.record import read_record, records
 from tb.sign_off.source import verilog
 from tb.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 LEAST = 0.99
-SCORED = sorted(path.stem for path in (RECORDS / "mutation").glob("*.json"))
+SCORED = sorted(records("mutation"))
 CASES_RECORDED = {n: case for block in BENCHES for n, case in recorded_cases(block).items()}
 # A few mutants of a small block, because this tests the method and not the block.
 FEW = 12

@@ -4,8 +4,6 @@ Each rule is for an expression that has failed without a warning in VHDL, in Ver
 synthesised netlist. docs/new-block.md lists what to write instead.
 """
 
-from __future__ import annotations
-
 import ast
 import textwrap
 from collections.abc import Iterator

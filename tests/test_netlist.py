@@ -1,7 +1,5 @@
 """Tests that benches on netlists and on unknown registers find faults, and their records."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path
@@ -19,7 +17,7 @@ from tb.sign_off.cell_models import models_for
 from tb.sign_off.current import COMMANDS, of_this_verilog
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
 from tb.sign_off.netlist_record import KIND, SCENES, Entity, played
-from tb.sign_off.record import read_record, record_path
+from tb.sign_off.record import read_record, recorded
 from tb.sign_off.source import verilog
 from tb.sign_off.subject import recorded_cases
 from tb.sign_off.unknown import UNKNOWN, Netlist
@@ -36,7 +34,7 @@ CASES_RECORDED = {n: case for block in BENCHES for n, case in recorded_cases(blo
 
 def recorded_blocks(kind: str) -> list[str]:
     """The blocks that have a record of a kind."""
-    return [block for block in BENCHES if record_path(kind, block).is_file()]
+    return [block for block in BENCHES if recorded(kind, block)]
 
 
 # One block for each family. make sim NETLIST= runs all, and its records are compared with the

@@ -1,7 +1,5 @@
 """Tests network files of other programs, and what is refused with its name."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

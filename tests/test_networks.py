@@ -1,7 +1,5 @@
 """Tests whole networks: bit-true against float, extreme weights, and figures of the thesis."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

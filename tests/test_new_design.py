@@ -3,8 +3,6 @@
 Every run simulates the design alone. ALL=1 simulates a cascade of it as well.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

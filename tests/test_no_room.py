@@ -1,7 +1,5 @@
 """Tests that a full or read-only disk is one line, and that nothing half-written is left."""
 
-from __future__ import annotations
-
 import os
 import resource
 import shutil

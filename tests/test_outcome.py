@@ -1,7 +1,5 @@
 """Tests what a report says of rows: how sure figures are, where errors occur, saturation."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """Compares packets with bytes made by hand, and their check with one computed bit by bit."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests the Pade scheme: constants, widths, gate, and when its regression settles."""
 
-from __future__ import annotations
-
 import tomllib
 import warnings
 from fractions import Fraction

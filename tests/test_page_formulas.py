@@ -1,7 +1,5 @@
 """Computes the formulas of datasheets, and compares them with what the twins publish."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Pages contain what commands write into them, and the rest of a page stays as it is."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

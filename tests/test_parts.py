@@ -1,7 +1,5 @@
 """Simulates the parts that blocks inline in MyHDL, and compares them with the formats."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests networks with past samples: the keys of a scene, and which rows it uses."""
 
-from __future__ import annotations
-
 import csv
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Tests what make peers computes itself, but not what it installs and synthesises."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

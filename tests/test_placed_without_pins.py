@@ -1,7 +1,5 @@
 """Tests that a design with more ports than the device has pins is placed as part of another."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Compares equations 6.1 to 6.3 of the plate with literature and finite differences."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

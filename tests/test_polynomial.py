@@ -1,7 +1,5 @@
 """Compares the constants of the Polynomial scheme with the thesis, and tests its widths."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

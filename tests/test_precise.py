@@ -1,7 +1,5 @@
 """Tests the activation precise over all of its 262144 codes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

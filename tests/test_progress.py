@@ -1,7 +1,5 @@
 """Tests progress, which is shown as lines in a file, and as one line on a terminal."""
 
-from __future__ import annotations
-
 import io
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Tests that proofs of blocks are recorded, that they can fail, and that some succeed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -4,8 +4,6 @@ The judges evaluate the graph node by node: ONNX's reference implementation, and
 of QONNX, which ONNX does not know, what stands here.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from itertools import pairwise

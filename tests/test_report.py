@@ -5,8 +5,6 @@ scene, with every table and a comparison of the simulators. For the tests of the
 measures these tables in any case.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import re

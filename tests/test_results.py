@@ -3,8 +3,6 @@
 It also tests which entities a demo simulates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests make check: it finds every fault at once, and no search begins with a fault."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Tests make predict: outputs are those of the twin, and untrained readings are marked."""
 
-from __future__ import annotations
-
 import csv
 import subprocess
 import sys

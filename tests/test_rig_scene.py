@@ -1,7 +1,5 @@
 """Tests make scene: what it says of readings, and the scene that it writes."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

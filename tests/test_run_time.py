@@ -1,7 +1,5 @@
 """Tests docs/error-against-run-time.md: its records are current, and each default is the best."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from xml.etree import ElementTree

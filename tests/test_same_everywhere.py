@@ -1,7 +1,5 @@
 """The constants of hardware are the same on every machine. docs/formats.md says how."""
 
-from __future__ import annotations
-
 import os
 import platform
 import subprocess

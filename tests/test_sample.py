@@ -1,7 +1,5 @@
 """Tests the sample of ALL=1: a tree always draws the same tests, and all are drawn in time."""
 
-from __future__ import annotations
-
 import ast
 import os
 import subprocess

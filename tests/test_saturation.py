@@ -1,7 +1,5 @@
 """Tests that make check and make vhdl warn of outputs that saturate."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from pathlib import Path

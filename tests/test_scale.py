@@ -1,7 +1,5 @@
 """Tests raw units: what codes stand for, the scale "auto", and readings outside the codes."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests what is read of a scene: its rows, its networks and what it leaves out."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

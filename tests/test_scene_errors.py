@@ -1,7 +1,5 @@
 """Tests the errors of a scene: which rows are held out, and the effect of noise and drift."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests that the check, the schema for editors and the page of a TOML file agree."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

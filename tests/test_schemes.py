@@ -1,7 +1,5 @@
 """Tests every activation that a scene can name, over every code that it can get."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tests that the recorded inputs of inner blocks are those with which the design computes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Compares the constants of the Gradient scheme with the thesis and with their bounds."""
 
-from __future__ import annotations
-
 import tomllib
 from fractions import Fraction
 from pathlib import Path

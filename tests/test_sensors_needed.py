@@ -1,7 +1,5 @@
 """Tests which sensors an output needs, by training without them and by held-out rows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests that a channel of noise is named as useless, and no sensor that contributes."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

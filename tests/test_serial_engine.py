@@ -1,7 +1,5 @@
 """Tests that the engine without a multiplier gives the same results, bit by bit."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests that the comparison of pages with measurements finds wrong figures, and only those."""
 
-from __future__ import annotations
-
 import pytest
 from pages import ROUNDING, SEARCHED, cells, shows
 

@@ -1,7 +1,5 @@
 """Tests how a bench is started: it changes nothing outside of its run, and fails if it must."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os

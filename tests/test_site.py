@@ -4,8 +4,6 @@ Every run reads the guides and the datasheets, and resolves their links. ALL=1 b
 site, with a page for each package and each file that a guide links to.
 """
 
-from __future__ import annotations
-
 import html
 import inspect
 import pkgutil

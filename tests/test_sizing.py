@@ -1,7 +1,5 @@
 """Estimated cells, the comparison of designs, and the choice of the smallest that suffices."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace

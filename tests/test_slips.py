@@ -1,7 +1,5 @@
 """Tests slips of the thesis without another test: what is printed, and what is right."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.fixed import Fix

@@ -1,7 +1,5 @@
 """``make train`` for networks of learned functions."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path

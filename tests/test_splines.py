@@ -1,7 +1,5 @@
 """Tests networks of learned functions: their splines, derivatives, training and pruning."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from derivatives import differences

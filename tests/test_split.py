@@ -1,7 +1,5 @@
 """Tests which rows are held out: random rows, blocks of neighbours, or groups."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tests the measurement of how figures differ between processors."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The table of stiff and extreme cases is complete, all cases hold, and faults break them."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The store: what enters a key, and what is left of a file that is damaged or written twice."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

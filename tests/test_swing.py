@@ -1,7 +1,5 @@
 """Tests the swing (Appendix 7, equations 6.4 and 6.5) and the wobble."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests the rig of the swing, and the recordings that are made with it."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """Tests counts of cells, depth and clock, their records, and that these are current."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

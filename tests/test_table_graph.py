@@ -1,7 +1,5 @@
 """The design table_graph: functions in small tables, sums of them, and what it refuses."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Compares tanh of the engine over every code with a reference in integers."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from itertools import product

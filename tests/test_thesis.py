@@ -1,7 +1,5 @@
 """Compares docs/thesis.md and its tables with printed figures and other computations."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import pairwise

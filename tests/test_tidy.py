@@ -1,7 +1,5 @@
 """Tests the exporter's rules for text, one by one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from textwrap import dedent
 
@@ -257,14 +255,6 @@ def test_a_table_that_is_not_there_is_a_fault(language: str) -> None:
 def test_a_docstring_is_resolved() -> None:
     docstring = """Row address.
 
-    Parameters
-    ----------
-    addr : unsigned ``spec.addr_width`` bits
-        A row, of which the line above the port tells.
-    spec : OutputController
-
-    Notes
-    -----
     Row ``spec.addr_width`` bits, of ``spec.outputs``; see ``in_valid``.
     """
     spec = OutputController(outputs=2)

@@ -1,7 +1,5 @@
 """Tests the two tiers of make test: it counts what ALL=1 adds, and an empty selection fails."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

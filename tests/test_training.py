@@ -1,7 +1,5 @@
 """Tests training: derivatives, optimisers, early stopping, split, determinism, and results."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Does the steps of docs/tutorial.md, in the folder of a user."""
 
-from __future__ import annotations
-
 import csv
 import os
 import re

@@ -1,7 +1,5 @@
 """Compares the bit-true profile of equation 3.18 with real arithmetic, also at extremes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tests in which scene benches run if no scene is given."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -1,7 +1,5 @@
 """Tests past frames as inputs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.window import Tap, Window

@@ -1,7 +1,5 @@
 """Tests the twins of frame_window and windowed: their outputs, and what they refuse."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

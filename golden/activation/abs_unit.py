@@ -1,7 +1,5 @@
 """ABS: sign and magnitude of a signed code."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,13 +15,8 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class AbsUnit(Block):
     """Magnitude and sign of a signed code (thesis section 4.5.2.2).
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the input. The magnitude has the same fraction bits and one bit less, unsigned.
+    fmt: Format of the input. The magnitude has the same fraction bits and one bit less, unsigned.
 
-    Notes
-    -----
     Overflow: the most negative code has no positive counterpart, so its magnitude saturates to the
     largest code. The error is 1 LSB for this one code and 0 for every other.
     """
@@ -66,12 +59,6 @@ class AbsUnit(Block):
         return 1
 
     def process(self, data: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
-        """Magnitudes and the flags of negative codes, each the shape of ``data``.
-
-        Raises
-        ------
-        InputError
-            For a code outside ``fmt``.
-        """
+        """Magnitudes and the flags of negative codes, each the shape of ``data``."""
         codes = self.fmt.check(data, "abs_unit data")
         return np.minimum(np.abs(codes), self.fmt.high), codes < 0

@@ -1,7 +1,5 @@
 """What all activations have in common, so that a network can use any of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -22,16 +20,10 @@ class ActivationBlock(Block):
     A subclass computes in ``compute``. Its hardware keeps a result on ``out_data`` at least until
     the input changes, because a folded network reads it more than once.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of input and result.
+    in_fmt, out_fmt: Formats of input and result.
 
-    Attributes
-    ----------
-    half_codes : bool
-        Whether a code c stands for the middle of its step, c + 1/2, both at the input and at the
-        result.
+    half_codes: Whether a code c stands for the middle of its step, c + 1/2, both at the input and
+        at the result.
     """
 
     half_codes: ClassVar[bool] = False
@@ -56,11 +48,6 @@ class ActivationBlock(Block):
 
         They are looked up in a table of ``compute`` for every input code, because a neuron of a
         network that runs for long meets each code many times.
-
-        Raises
-        ------
-        InputError
-            For a code outside ``in_fmt``.
         """
         codes = self.in_fmt.check(data, f"{self.block} data")
         return np.take(_results(self), codes).astype(np.int64)

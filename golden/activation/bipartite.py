@@ -1,7 +1,5 @@
 """bipartite: tanh from two tables, without a multiplier."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -37,18 +35,11 @@ class Bipartite(ActivationBlock):
     the sign s of q be all ones where q is below 0. Then the magnitude is q xor s, and r =
     floor((base(magnitude) xor s) + correction(magnitude, q)).
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of q and r: any format with 14 fraction bits, and Fix(15,14).
-    memory : str
-        Where the tables are stored: "block_ram", or "logic" for smaller tables in LUTs.
-    reach_width : int
-        Bits of the largest magnitude that the neuron can reach; words beyond it are left out. More
-        than 17 where q can reach 8, from where on the result is the largest.
+    in_fmt, out_fmt: Formats of q and r: any format with 14 fraction bits, and Fix(15,14).
+    memory: Where the tables are stored: "block_ram", or "logic" for smaller tables in LUTs.
+    reach_width: Bits of the largest magnitude that the neuron can reach; words beyond it are left
+        out. More than 17 where q can reach 8, from where on the result is the largest.
 
-    Notes
-    -----
     The sum is exact and never overflows. The function is monotone and, in terms of its codes, odd:
     the result of a complement is the complement of the result.
 
@@ -57,11 +48,6 @@ class Bipartite(ActivationBlock):
     "logic" these figures are 4.497 units and 90322 results.
 
     A magnitude beyond the neuron's reach gets the result of some other magnitude.
-
-    Raises
-    ------
-    InputError
-        For an unknown ``memory``, or a format or ``reach_width`` for which there is no table.
     """
 
     block = "bipartite"
@@ -188,13 +174,7 @@ class Bipartite(ActivationBlock):
 
 
 def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = MEMORY) -> Bipartite:
-    """The bipartite activation for a neuron whose magnitudes go up to ``reach``.
-
-    Raises
-    ------
-    InputError
-        When the precision's q has another format than that of the tables, or is normalised.
-    """
+    """The bipartite activation for a neuron whose magnitudes go up to ``reach``."""
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
         raise InputError(
             f"activation bipartite: got q in {precision.hidden_fmt}, normalised by {factor}, of "

@@ -1,7 +1,5 @@
 """bipartite_pair: computes tanh for two nodes with one pair of tables."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,15 +19,7 @@ NODES = 2
 class BipartitePair(Block):
     """Two nodes share one ``Bipartite`` activation, whose tables have a read port for each.
 
-    Parameters
-    ----------
-    activation : Bipartite
-        The activation of both nodes, with "block_ram", because a LUT has no second port.
-
-    Raises
-    ------
-    InputError
-        When the activation's tables are in LUTs.
+    activation: The activation of both nodes, with "block_ram", because a LUT has no second port.
     """
 
     block = "bipartite_pair"
@@ -65,13 +55,7 @@ class BipartitePair(Block):
         return self.activation.quantities(np.concatenate(inputs))
 
     def process(self, first: ArrayLike, second: ArrayLike) -> tuple[Codes, Codes]:
-        """Activation codes of both nodes, with the shapes of ``first`` and ``second``.
-
-        Raises
-        ------
-        InputError
-            For a code outside ``activation.in_fmt``.
-        """
+        """Activation codes of both nodes, with the shapes of ``first`` and ``second``."""
         return self.activation.process(first), self.activation.process(second)
 
 

@@ -10,8 +10,6 @@ it is an odd function of this offset. The sum of base and correction, without it
 result.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -50,18 +48,12 @@ _COUNT_WIDTH = 24
 class BipartiteFormat:
     """Segments, groups and formats of one variant of the tables.
 
-    Parameters
-    ----------
-    segment_width : int
-        w: a segment below 2 is 2**w codes wide.
-    group_width : int
-        A group is 2**group_width codes wide, at least as wide as a segment beyond 2.
-    offset_width : int
-        Bits of the offset, which are the upper bits of the position within a segment. From 2 on the
-        offset has one bit less: the last bit of the address then says whether the magnitude is 4 or
-        more, where nothing is corrected.
-    frac : int
-        Bits that the sum has below the last bit of the result.
+    segment_width: w: a segment below 2 is 2**w codes wide.
+    group_width: A group is 2**group_width codes wide, at least as wide as a segment beyond 2.
+    offset_width: Bits of the offset, which are the upper bits of the position within a segment.
+        From 2 on the offset has one bit less: the last bit of the address then says whether the
+        magnitude is 4 or more, where nothing is corrected.
+    frac: Bits that the sum has below the last bit of the result.
     """
 
     segment_width: int
@@ -121,12 +113,8 @@ FORMATS = {"block_ram": BLOCK_RAM, "logic": LOGIC}
 class BipartiteTable:
     """The words of both tables, by address.
 
-    Parameters
-    ----------
-    bases : tuple of int
-        Unsigned. An address that no magnitude has holds 0.
-    corrections : tuple of int
-        Signed; 0 for magnitudes from 4 on.
+    bases: Unsigned. An address that no magnitude has holds 0.
+    corrections: Signed; 0 for magnitudes from 4 on.
     """
 
     bases: tuple[int, ...]
@@ -142,12 +130,6 @@ class BipartiteTable:
 def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
     """Compute the words of a variant of the tables.
 
-    Parameters
-    ----------
-    fmt : BipartiteFormat
-
-    Notes
-    -----
     All steps use integers only. A correction starts as half of the rise of tanh from the mirrored
     offset, in the middle between the segments of its group. A base is the number with the least
     worst error in its segment; errors are counted in units of 2**-6, and among equal ones the base
@@ -191,17 +173,12 @@ def _everywhere(words: Codes, values: Codes) -> Codes:
 def _bases(values: Codes, frac: int, slopes: Codes, before: int | None = None) -> Codes:
     """Choose a base for each segment.
 
-    Parameters
-    ----------
-    values : int array, shape (groups, segments, offsets, codes)
-        tanh in units of the result, with ``_PLACES`` fraction bits.
-    frac : int
-        Fraction bits of the bases.
-    slopes : int array, shape (groups, offsets)
-        The corrections.
-    before : int, optional
-        The result just before the first value; the function must not fall below it. Without it, the
-        function may fall.
+    values, shape (groups, segments, offsets, codes): tanh in units of the result, with ``_PLACES``
+        fraction bits.
+    frac: Fraction bits of the bases.
+    slopes, shape (groups, offsets): The corrections.
+    before: The result just before the first value; the function must not fall below it. Without it,
+        the function may fall.
     """
     placed = slopes[:, np.newaxis, :, np.newaxis]
     rest = values - (placed << (_PLACES - frac))

@@ -1,7 +1,5 @@
 """Comparator bank: finds the segment of the activation in which a magnitude lies."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,20 +16,10 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class ComparatorBank(Block):
     """Address of the segment that holds a magnitude (thesis 4.5.2.3.1 C, Addresser of 5.4.5.2).
 
-    Parameters
-    ----------
-    mag_width : int
-        Bits of the unsigned magnitude.
-    thresholds : tuple of int
-        Upper codes of the segments, strictly rising. A magnitude equal to a threshold still
-        belongs to the segment below it; the first segment includes 0. Without a threshold there
-        is one segment, and the address is always 0.
-
-    Raises
-    ------
-    InputError
-        When the thresholds do not rise, or when no magnitude exceeds one of them, so that its
-        comparator could never fire.
+    mag_width: Bits of the unsigned magnitude.
+    thresholds: Upper codes of the segments, strictly rising. A magnitude equal to a threshold still
+        belongs to the segment below it; the first segment includes 0. Without a threshold there is
+        one segment, and the address is always 0.
     """
 
     block = "comparator_bank"
@@ -89,13 +77,7 @@ class ComparatorBank(Block):
         return 1
 
     def process(self, mag: ArrayLike) -> Codes:
-        """The number of thresholds that each magnitude exceeds, which is the segment's address.
-
-        Raises
-        ------
-        InputError
-            For a magnitude of more than ``mag_width`` bits.
-        """
+        """The number of thresholds that each magnitude exceeds, which is the segment's address."""
         codes = check_unsigned(mag, self.mag_width, "comparator_bank mag")
         found = np.searchsorted(np.asarray(self.thresholds), codes, side="left")
         return found.astype(np.int64)

@@ -1,7 +1,5 @@
 """g_memory: a ROM with the gradient G_n of every segment."""
 
-from __future__ import annotations
-
 from golden.activation.rom import Rom
 
 

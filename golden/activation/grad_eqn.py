@@ -1,7 +1,5 @@
 """GRAD_EQN: multiplies the gradient by the magnitude and adds the intercept."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -16,21 +14,13 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class GradEqn(Block):
     """f = G_n m + i_n with one multiplier (thesis equation 4.23, section 5.4.5.2).
 
-    Parameters
-    ----------
-    mag_width, mag_frac : int
-        Format of the unsigned magnitude m.
-    coeff_width, coeff_frac : int
-        Format of the unsigned gradient G_n.
-    intercept_width, intercept_frac : int
-        Format of the unsigned intercept i_n; it has at most as many fraction bits as the product.
-    out_fmt : Fix
-        Format of the result, which is never negative.
-    rounding : Rounding
-        TRUNCATE or ROUND, applied to the exact sum.
+    mag_width, mag_frac: Format of the unsigned magnitude m.
+    coeff_width, coeff_frac: Format of the unsigned gradient G_n.
+    intercept_width, intercept_frac: Format of the unsigned intercept i_n; it has at most as many
+        fraction bits as the product.
+    out_fmt: Format of the result, which is never negative.
+    rounding: TRUNCATE or ROUND, applied to the exact sum.
 
-    Notes
-    -----
     Product and sum are exact. ``golden.activation.segments`` refuses a segment whose largest result
     does not fit in ``out_fmt``. So no magnitude that the neuron can reach overflows, and the block
     has no saturation logic. A magnitude beyond the neuron's reach wraps.
@@ -109,13 +99,7 @@ class GradEqn(Block):
         return 3
 
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
-        """Result codes, 0 to ``out_fmt.high``; the arguments broadcast.
-
-        Raises
-        ------
-        InputError
-            For an argument outside its width.
-        """
+        """Result codes, 0 to ``out_fmt.high``; the arguments broadcast."""
         m = check_unsigned(mag, self.mag_width, "grad_eqn mag")
         g = check_unsigned(coeff, self.coeff_width, "grad_eqn coeff")
         i = check_unsigned(intercept, self.intercept_width, "grad_eqn intercept")

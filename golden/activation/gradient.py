@@ -1,7 +1,5 @@
 """The modified Gradient activation: computes tanh by segments with one multiplier."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.activation.comparator_bank import ComparatorBank
@@ -20,19 +18,11 @@ from golden.precision import SIGNAL, Precision
 class Gradient(OddActivation):
     """r = tanh(Q qbar), approximated by straight segments (thesis section 5.4.3, Figure 5.10).
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of qbar and r.
-    table : SegmentTable
-        Constants of the segments that the neuron can reach.
-    intercept_width, intercept_frac : int
-        Format of the intercept words, unsigned.
-    rounding : Rounding
-        How GRAD_EQN drops the last bits.
+    in_fmt, out_fmt: Formats of qbar and r.
+    table: Constants of the segments that the neuron can reach.
+    intercept_width, intercept_frac: Format of the intercept words, unsigned.
+    rounding: How GRAD_EQN drops the last bits.
 
-    Notes
-    -----
     A magnitude beyond the reach for which the table was made falls into the last segment that is
     kept, where the result may wrap; the neuron cannot produce it. Worst error against tanh: 132
     units of 2**-13
@@ -113,11 +103,6 @@ def gradient_for(
     """The Gradient activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 
     ``kind`` is the block: ``Gradient`` with one multiplier, or ``GradientParallel``.
-
-    Raises
-    ------
-    InputError
-        When the factor is too large for the formats; see ``segments.segment_table``.
     """
     table = segment_table(
         factor,

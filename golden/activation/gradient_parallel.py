@@ -1,7 +1,5 @@
 """The Gradient activation as first drawn: tanh by segments, with a multiplier for each."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

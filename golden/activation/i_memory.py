@@ -1,7 +1,5 @@
 """i_memory: a ROM with the intercept i_n of every segment."""
 
-from __future__ import annotations
-
 from golden.activation.rom import Rom
 
 

@@ -1,7 +1,5 @@
 """Parts that an activation does not have because its neuron never reaches them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import singledispatch
 

@@ -1,7 +1,5 @@
 """The look-up table activation: tanh from a table of 128 values."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -26,14 +24,8 @@ UPPER = 3.5
 def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The look-up table in floating point, and a slope for gradient descent.
 
-    Parameters
-    ----------
-    q : array_like of float
-
-    Returns
-    -------
-    value, slope : float arrays, the shape of ``q``
-        A staircase has no slope. The slope here is that of the rise from one step to the next.
+    Returns value, slope, the shape of ``q``: A staircase has no slope. The slope here is that of
+        the rise from one step to the next.
     """
     real = np.asarray(q, dtype=np.float64)
     step = UPPER / DEPTH
@@ -51,19 +43,11 @@ class Lut(OddActivation):
     Word n holds tanh(3.5 n / 128) and stands for 3.5 n / 128 <= q < 3.5 (n + 1) / 128; from 3.5 on
     the result is 1 - 2**-frac.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of qbar and r.
-    words : tuple of int
-        Codes of ``out_fmt``, as many as the neuron can reach.
-    scale, scale_shift : int
-        The address of magnitude code m is floor(m * scale / 2**scale_shift).
-    thresholds : tuple of int
-        The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.
+    in_fmt, out_fmt: Formats of qbar and r.
+    words: Codes of ``out_fmt``, as many as the neuron can reach.
+    scale, scale_shift: The address of magnitude code m is floor(m * scale / 2**scale_shift).
+    thresholds: The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.
 
-    Notes
-    -----
     Addresses are exact, and words are rounded to nearest. A magnitude beyond the neuron's reach
     reads some word of the table. Worst error against tanh: 224 units of 2**-13, the width of a step
     near 0, over all codes (tests/test_schemes.py).
@@ -117,13 +101,7 @@ def _words() -> tuple[int, ...]:
 
 
 def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
-    """The look-up table for a neuron normalised by ``factor`` with magnitudes to ``reach``.
-
-    Raises
-    ------
-    InputError
-        When the table ends before code 1, because Q is too large for the format.
-    """
+    """The look-up table for a neuron normalised by ``factor`` with magnitudes to ``reach``."""
     fmt = precision.hidden_fmt
     end = last_below(str(UPPER), factor, fmt.frac)
     top = min(reach, fmt.high)

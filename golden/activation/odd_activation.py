@@ -1,7 +1,5 @@
 """What all activations have in common that compute on the magnitude of a code alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.activation.abs_unit import AbsUnit

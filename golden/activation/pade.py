@@ -1,7 +1,5 @@
 """The Pade activation: tanh as a fraction, whose denominator is inverted by iteration."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass
 from math import floor
@@ -47,17 +45,10 @@ def pade_real(
 
     After m steps from 0 the regression is at (1 - (1 - B / rho)**m) / B.
 
-    Parameters
-    ----------
-    q : array_like of float
-    rho : float
-        Convergence rate.
-    iterations : int
+    rho: Convergence rate.
 
-    Returns
-    -------
-    value, slope : float arrays, the shape of ``q``
-        Beyond ``|q| = 3.3`` the value is 1; inside, it saturates to 0 and 1.
+    Returns value, slope, the shape of ``q``: Beyond ``|q| = 3.3`` the value is 1; inside, it
+        saturates to 0 and 1.
     """
     real = np.asarray(q, dtype=np.float64)
     mag = np.abs(real)
@@ -80,11 +71,7 @@ def pade_real(
 def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
     """How far from its limit the regression can stop, and for which ``|q|`` up to ``top``.
 
-    Returns
-    -------
-    units : float
-        In units of 2**-13; infinite where the regression diverges.
-    q : float
+    Returns units: In units of 2**-13; infinite where the regression diverges.
     """
     q = np.linspace(0, min(top, GATE), 3301)
     a, b = fraction(q)
@@ -100,12 +87,9 @@ def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
 class Horner:
     """The polynomial k0 + s (k1 + s k2), with low bits dropped after each product.
 
-    Attributes
-    ----------
-    k0, k1, k2 : int
-        The constants as codes.
-    out_frac, inner_frac, k2_frac : int
-        Fraction bits: of k0 and the result, of k1 and the bracket, and of k2.
+    k0, k1, k2: The constants as codes.
+    out_frac, inner_frac, k2_frac: Fraction bits: of k0 and the result, of k1 and the bracket, and
+        of k2.
     """
 
     k0: int
@@ -133,14 +117,9 @@ class Horner:
 class PadeFormats:
     """The binary points of the Pade activation, besides those of the two polynomials.
 
-    Attributes
-    ----------
-    square_frac : int
-        Number of fraction bits that are kept of q**2.
-    dividend_frac : int
-        Number of fraction bits that are kept of q A(q).
-    reciprocal : Fix
-        Format of the regression's value d.
+    square_frac: Number of fraction bits that are kept of q**2.
+    dividend_frac: Number of fraction bits that are kept of q A(q).
+    reciprocal: Format of the regression's value d.
     """
 
     square_frac: int
@@ -155,30 +134,17 @@ class Pade(OddActivation):
     d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, which takes one
     clock per step on one multiplier. Beyond ``|q| = 3.3`` the result is 1 - 2**-frac.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of qbar and r.
-    factor : int
-        Q. The magnitude is multiplied by it first, so nothing later depends on Q.
-    thresholds : tuple of int
-        The last magnitude code that is not above 3.3, where the neuron can exceed it; otherwise
-        empty.
-    iterations : int
-        Steps of the regression, from d = 0.
-    numerator : Horner
-        The polynomial A(q).
-    ratio : Horner
-        The polynomial (B(q) - rho) / rho; each step reduces the distance to the limit by this
+    in_fmt, out_fmt: Formats of qbar and r.
+    factor: Q. The magnitude is multiplied by it first, so nothing later depends on Q.
+    thresholds: The last magnitude code that is not above 3.3, where the neuron can exceed it;
+        otherwise empty.
+    iterations: Steps of the regression, from d = 0.
+    numerator: The polynomial A(q).
+    ratio: The polynomial (B(q) - rho) / rho; each step reduces the distance to the limit by this
         factor.
-    start : int
-        1 / rho in the format of d, which is the result of the first step.
-    formats : PadeFormats
-    rounding : Rounding
-        How low bits are dropped, everywhere in the block.
+    start: 1 / rho in the format of d, which is the result of the first step.
+    rounding: How low bits are dropped, everywhere in the block.
 
-    Notes
-    -----
     d saturates in its format, and the result saturates to 0 and to 1 - 2**-frac. So a regression
     that diverges gives a wrong magnitude, but neither a wrong sign nor an overflow. For the worst
     error against tanh, see docs/blocks/pade.md; it is measured over all codes
@@ -242,10 +208,7 @@ class Pade(OddActivation):
     def polynomials(self, q: Codes) -> dict[str, Codes]:
         """All numbers computed from q before the regression, in full width; all rise with q.
 
-        Returns
-        -------
-        dict
-            ``square``; ``ratio_bracket`` and ``ratio``, (B(q) - rho) / rho;
+        Returns: ``square``; ``ratio_bracket`` and ``ratio``, (B(q) - rho) / rho;
             ``numerator_bracket`` and ``numerator``, A(q); ``dividend``, q A(q).
         """
         square = cut(q * q, self.square_shift, self.rounding)
@@ -333,17 +296,8 @@ def pade_for(
 ) -> Pade:
     """The Pade activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 
-    Warns
-    -----
-    UnsettledWarning
-        When, for some q that the neuron can reach, the regression diverges or stops more than two
-        units of 2**-13 from its limit.
-
-    Raises
-    ------
-    InputError
-        When the gate lies below the first code, because Q is too large for the format, or when 1 /
-        rho does not fit the format of the regression.
+    Warns with UnsettledWarning: When, for some q that the neuron can reach, the regression diverges
+        or stops more than two units of 2**-13 from its limit.
     """
     fmt = precision.hidden_fmt
     top = min(reach, fmt.high)

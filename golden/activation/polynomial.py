@@ -1,7 +1,5 @@
 """The Polynomial activation: approximates tanh by two quadratics."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ldexp
 
@@ -26,14 +24,8 @@ BEYOND = (0.0, 0.0, 1.0)
 def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The Polynomial scheme in floating point and its slope (equation 4.24).
 
-    Parameters
-    ----------
-    q : array_like of float
-
-    Returns
-    -------
-    value, slope : float arrays, the shape of ``q``
-        Below ``|q|`` = 0.0013, where the first quadratic is negative, the value is 0.
+    Returns value, slope, the shape of ``q``: Below ``|q|`` = 0.0013, where the first quadratic is
+        negative, the value is 0.
     """
     real = np.asarray(q, dtype=np.float64)
     mag = np.abs(real)
@@ -47,16 +39,11 @@ def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float
 class PolynomialFormats:
     """The binary points of the Polynomial activation.
 
-    Attributes
-    ----------
-    quadratic, linear, constant : Fix
-        Formats of A_n2, A_n1 and A_n0.
-    square_frac : int
-        Number of fraction bits that are kept of the squared magnitude.
-    sum_frac : int
-        Fraction bits of the two products when they are added, and of the sum.
-    factor_frac : int
-        Binary point of the de-normalisation factor; below 0 for a factor with more bits than fit.
+    quadratic, linear, constant: Formats of A_n2, A_n1 and A_n0.
+    square_frac: Number of fraction bits that are kept of the squared magnitude.
+    sum_frac: Fraction bits of the two products when they are added, and of the sum.
+    factor_frac: Binary point of the de-normalisation factor; below 0 for a factor with more bits
+        than fit.
     """
 
     quadratic: Fix
@@ -74,22 +61,13 @@ class Polynomial(OddActivation):
     It computes (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28. From 3.5
     on the result is 1 - 2**-frac.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of qbar and r.
-    thresholds : tuple of int
-        Last magnitude code of each quadratic; one that the neuron cannot exceed is left out.
-    coeffs : tuple of (int, int, int)
-        A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.
-    factor : int, or None
-        Code of the de-normalisation factor a_11 Q**2, unsigned; None where q is not normalised.
-    formats : PolynomialFormats
-    rounding : Rounding
-        How low bits are dropped after the square, after each product, and at the end.
+    in_fmt, out_fmt: Formats of qbar and r.
+    thresholds: Last magnitude code of each quadratic; one that the neuron cannot exceed is left
+        out.
+    coeffs: A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.
+    factor: Code of the de-normalisation factor a_11 Q**2, unsigned; None where q is not normalised.
+    rounding: How low bits are dropped after the square, after each product, and at the end.
 
-    Notes
-    -----
     The result saturates to 0 and to 1 - 2**-frac. So it is never negative, although the first
     quadratic is negative below ``|q|`` = 0.0013. A magnitude beyond the neuron's reach may have a
     wrong result. For the worst error against tanh, see docs/blocks/polynomial.md; it is measured
@@ -241,11 +219,6 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
     constants get smaller with Q and with Q**2, and Qhat magnifies every error by Q**2. Therefore
     A_n1 has one more fraction bit, and A_n0, products and sum have two more, for each doubling of
     Q. This keeps the error of the result as it is at Q = 3.
-
-    Raises
-    ------
-    InputError
-        When the quadratics end at the same code, because Q is too large for the format.
     """
     fmt = precision.hidden_fmt
     ends = [last_below(str(u), factor, fmt.frac) for u in UPPER]

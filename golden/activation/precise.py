@@ -1,7 +1,5 @@
 """precise: computes tanh with an error of at most one unit of the last place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,19 +28,13 @@ class Precise(OddActivation):
     and let t be the top bits of its distance from the segment's start. Then r = floor(intercept + x
     (gradient - curve t)), with the sign of q.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of q and r: Fix(18,14) and Fix(14,13).
-    coefficients : str
-        Where they are stored: "logic", 38 words in LUTs, or "block_ram", 299 words of 36 bits in
-        one block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
-    words : int
-        Number of words that are kept, at least 1. They are those of the segments that the neuron
+    in_fmt, out_fmt: Formats of q and r: Fix(18,14) and Fix(14,13).
+    coefficients: Where they are stored: "logic", 38 words in LUTs, or "block_ram", 299 words of 36
+        bits in one block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats
+        of both.
+    words: Number of words that are kept, at least 1. They are those of the segments that the neuron
         can reach; in a scene the number is raised to a power of two, or to all words.
 
-    Notes
-    -----
     Sum and product are exact; half a unit is part of the intercept. The function is odd and
     monotone. Over all 262144 codes every result is within one unit of 2**-13 of tanh(q)
     (tests/test_precise.py). Of these results 12770 are not the nearest code with "logic", and 452
@@ -50,11 +42,6 @@ class Precise(OddActivation):
 
     A magnitude beyond the words that are kept uses the last of them, and its result may wrap; the
     neuron cannot produce it.
-
-    Raises
-    ------
-    InputError
-        For unknown ``coefficients``, or more or fewer ``words`` than there can be.
     """
 
     block = "precise"
@@ -117,13 +104,7 @@ class Precise(OddActivation):
 def precise_for(
     precision: Precision, factor: int, reach: int, coefficients: str = COEFFICIENTS
 ) -> Precise:
-    """The precise activation for a neuron whose magnitudes go up to ``reach``.
-
-    Raises
-    ------
-    InputError
-        When the precision's q has another format than that of the segments, or is normalised.
-    """
+    """The precise activation for a neuron whose magnitudes go up to ``reach``."""
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
         raise InputError(
             f"activation precise: got q in {precision.hidden_fmt}, normalised by {factor}, of "

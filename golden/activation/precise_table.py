@@ -9,8 +9,6 @@ bits of d. Then
 is a parabola through the middle of the segment, and its second multiplication has only a few bits.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -37,19 +35,13 @@ _ZEROS_WIDTH = 6
 class CurveFormat:
     """Segments and formats of one variant of the table; every code is unsigned.
 
-    Parameters
-    ----------
-    segment_frac : int
-        A segment is 2**-segment_frac wide.
-    top_width : int
-        Bits of t, the part of the distance by which the curve is multiplied.
-    intercept_frac, gradient_frac, slope_frac : int
-        Fraction bits. The slope has at least as many as the gradient.
-    curve_width : int
-        Bits of the curve, in units of the slope's last place.
-    curved : int
-        Number of segments from q = 0 on that are fitted. Those above hold a constant, up to where
-        the result stays 8191.
+    segment_frac: A segment is 2**-segment_frac wide.
+    top_width: Bits of t, the part of the distance by which the curve is multiplied.
+    intercept_frac, gradient_frac, slope_frac: Fraction bits. The slope has at least as many as the
+        gradient.
+    curve_width: Bits of the curve, in units of the slope's last place.
+    curved: Number of segments from q = 0 on that are fitted. Those above hold a constant, up to
+        where the result stays 8191.
     """
 
     segment_frac: int
@@ -139,11 +131,6 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
     the candidate that rounds the most codes correctly is chosen; among equals the intercept with
     the most zeros at its end, then the least curve, the least gradient, and the least intercept.
     All computation is in integers, so the table is the same on every machine. It takes about 0.1 s.
-
-    Raises
-    ------
-    InputError
-        When the formats are too coarse for a segment, which the message names.
     """
     words: list[tuple[int, int, int]] = []
     last = 0

@@ -5,8 +5,6 @@ The schemes that were built have their own functions: ``gradient_real`` (equatio
 the regressions step by step. q is an array of any shape, and a result has the same shape.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np
@@ -71,13 +69,7 @@ def rho_regression(q: ArrayLike, rho: float, iterations: int) -> Real:
 
 
 def stable_below(rho: float) -> float:
-    """The ``|q|`` at which B(q) = 2 rho, from which on ``rho_regression`` diverges.
-
-    Raises
-    ------
-    InputError
-        For rho of 0.5 or less, with which the regression diverges everywhere.
-    """
+    """The ``|q|`` at which B(q) = 2 rho, from which on ``rho_regression`` diverges."""
     if rho <= 0.5:
         raise InputError(f"rho: got {rho}, expected above 0.5")
     c, d = DENOMINATOR

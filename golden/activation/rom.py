@@ -1,7 +1,5 @@
 """The read-only memory that g_memory, i_memory and exp_memory share."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -18,19 +16,9 @@ from golden.port import Port, Unsigned, input_port, output_port
 class Rom(Block):
     """Unsigned words, read by address without a clock.
 
-    Parameters
-    ----------
-    words : tuple of int
-        The contents. An address beyond the last word reads the last word.
-    width : int
-        Bits of a word.
-    frac : int
-        Fraction bits of a word, which stands for ``word / 2**frac``.
-
-    Raises
-    ------
-    InputError
-        When there is no word, or when one does not fit in ``width`` bits.
+    words: The contents. An address beyond the last word reads the last word.
+    width: Bits of a word.
+    frac: Fraction bits of a word, which stands for ``word / 2**frac``.
     """
 
     area = "activation"
@@ -73,13 +61,7 @@ class Rom(Block):
         return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:
-        """The word at each address.
-
-        Raises
-        ------
-        InputError
-            For an address of more than ``addr_width`` bits.
-        """
+        """The word at each address."""
         codes = check_unsigned(addr, self.addr_width, f"{self.block} addr")
         inside = np.minimum(codes, len(self.words) - 1)
         return np.asarray(np.take(self.words, inside), dtype=np.int64)

@@ -19,14 +19,9 @@ from golden.table import suggest
 class Option:
     """One option of an activation that a scene may set.
 
-    Attributes
-    ----------
-    default : int, float or str
-        Value where a scene sets none. Its type is the type that is expected.
-    choices : tuple of str
-        The texts that are allowed; empty for a number.
-    real : bool
-        Whether the activation in floating point depends on the option too.
+    default: Value where a scene sets none. Its type is the type that is expected.
+    choices: The texts that are allowed; empty for a number.
+    real: Whether the activation in floating point depends on the option too.
     """
 
     default: Any
@@ -34,14 +29,7 @@ class Option:
     real: bool = False
 
     def check(self, value: object, place: str) -> Any:
-        """Check a value and return the one to use.
-
-        Raises
-        ------
-        InputError
-            For another type, a number that is not above 0, or a text that is no choice. The message
-            begins with ``place``.
-        """
+        """Check a value and return the one to use."""
         kind = type(self.default)
         if kind is float and type(value) is int:
             value = float(value)
@@ -60,20 +48,13 @@ class Option:
 class Scheme:
     """One activation that a scene can name.
 
-    Attributes
-    ----------
-    real : callable
-        Value and slope in floating point; training uses both for gradient descent.
-    build : callable
-        The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
+    real: Value and slope in floating point; training uses both for gradient descent.
+    build: The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
         neuron can produce.
-    options : mapping
-        The options that a scene may set, by name. ``build`` takes every option as a keyword and has
-        the same default; ``real`` takes those that concern it.
-    precisions : tuple of Precision
-        The precisions for which it is made.
-    half_codes : bool
-        Whether its codes stand for the middle of their steps; see ``ActivationBlock``.
+    options: The options that a scene may set, by name. ``build`` takes every option as a keyword
+        and has the same default; ``real`` takes those that concern it.
+    precisions: The precisions for which it is made.
+    half_codes: Whether its codes stand for the middle of their steps; see ``ActivationBlock``.
     """
 
     real: Activation
@@ -83,14 +64,7 @@ class Scheme:
     half_codes: bool = False
 
     def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
-        """This scheme with some options set; the others keep their defaults.
-
-        Raises
-        ------
-        InputError
-            For an option that the scheme does not have, or a value that the option does not allow.
-            The message begins with ``place``.
-        """
+        """This scheme with some options set; the others keep their defaults."""
         for name in given:
             if name not in self.options:
                 known = ", ".join(self.options) or "none"

@@ -1,7 +1,5 @@
 """The activations that a scene can name: every module of this package that has a ``SCHEME``."""
 
-from __future__ import annotations
-
 import pkgutil
 from importlib import import_module
 from pathlib import Path

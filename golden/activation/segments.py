@@ -5,8 +5,6 @@ neuron whose input is normalised by Q works on qbar = q / Q, so its thresholds a
 gradients are G_n = g_n Q (equation 4.23). Beyond the last threshold the result is 1 - 2**-frac.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor
@@ -42,14 +40,8 @@ def last_below(upper: str, factor: float, frac: int) -> int:
 def gradient_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The Gradient scheme in floating point and its slope (equation 4.3).
 
-    Parameters
-    ----------
-    q : array_like of float
-
-    Returns
-    -------
-    value, slope : float arrays, the shape of ``q``
-        The value at q = 0 is the intercept of the first segment, as in the hardware.
+    Returns value, slope, the shape of ``q``: The value at q = 0 is the intercept of the first
+        segment, as in the hardware.
     """
     real = np.asarray(q, dtype=np.float64)
     segment = np.searchsorted(UPPER, np.abs(real))
@@ -80,23 +72,12 @@ class SegmentTable:
 def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[int], int]:
     """Gradients g_n * factor as unsigned codes that share one binary point.
 
-    Parameters
-    ----------
-    factor : float
-        Q of the neuron.
-    width : int
-        Signed width, 14 or 18, to which each coefficient is rounded at its own binary point.
-    frac_limit : int
-        Most fraction bits that a coefficient may have.
+    factor: Q of the neuron.
+    width: Signed width, 14 or 18, to which each coefficient is rounded at its own binary point.
+    frac_limit: Most fraction bits that a coefficient may have.
 
-    Returns
-    -------
-    codes : list of int
-    frac : int
-        The common binary point.
+    Returns frac: The common binary point.
 
-    Notes
-    -----
     A coefficient is first rounded at the largest binary point at which it fits ``width`` bits:
     for width 14, limit 13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All
     codes are then written with the finest of these points, which is exact (a left shift) and needs
@@ -107,12 +88,6 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     Error: segment n is used up to qbar = q_n / Q. A coefficient of 13 bits is off by at most
     2**-13 of itself, so its product is off by at most g_n q_n < 0.6 LSB of Fix(14,13). The common
     point adds at most 2**-(frac + 1) * q_n / Q <= 0.25 LSB, since 2**(frac + 1) Q > 2**17.
-
-    Raises
-    ------
-    InputError
-        When the steepest coefficient does not fit 17 bits even without fraction bits; the message
-        names the segment and the format.
     """
     real = [g * factor for g in GRADIENT]
     points = []
@@ -146,26 +121,12 @@ def segment_table(
 ) -> SegmentTable:
     """Constants for one neuron, without the segments that it cannot reach.
 
-    Parameters
-    ----------
-    factor : float
-        Q of the neuron, 1 where the input is not normalised.
-    reach : int
-        Largest magnitude code that the neuron can produce.
-    mag, out : Fix
-        Formats of the activation's input and output.
-    coeff_width, coeff_frac_limit : int
-        See ``coefficient_codes``.
-    intercept_frac : int
-        Fraction bits of the intercepts.
-    rounding : Rounding
-        How GRAD_EQN drops the last bits. It is needed to prove that no segment overflows.
-
-    Raises
-    ------
-    InputError
-        When a coefficient does not fit, when two thresholds fall on one code because Q is too large
-        for the format, or when a segment's largest result does not fit in ``out``.
+    factor: Q of the neuron, 1 where the input is not normalised.
+    reach: Largest magnitude code that the neuron can produce.
+    mag, out: Formats of the activation's input and output.
+    coeff_width, coeff_frac_limit: See ``coefficient_codes``.
+    intercept_frac: Fraction bits of the intercepts.
+    rounding: How GRAD_EQN drops the last bits. It is needed to prove that no segment overflows.
     """
     # Thresholds are rounded down: a magnitude code m lies in the segment, m Q / 2**frac <= q_n,
     # just when m is at most floor(q_n 2**frac / Q). Rounding to the nearest code would move the

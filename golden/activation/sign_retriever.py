@@ -1,7 +1,5 @@
 """Sign retriever: gives a magnitude its sign back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,13 +15,8 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class SignRetriever(Block):
     """Negates a magnitude when its flag is set (thesis section 4.5.2.4).
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the output; the magnitude is unsigned with one bit less.
+    fmt: Format of the output; the magnitude is unsigned with one bit less.
 
-    Notes
-    -----
     The result is exact: every magnitude has both signs in ``fmt``. The most negative code never
     comes out.
     """
@@ -51,13 +44,7 @@ class SignRetriever(Block):
         return 1
 
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
-        """The magnitudes with their signs, as codes of ``fmt``.
-
-        Raises
-        ------
-        InputError
-            For a magnitude outside 0 to ``fmt.high``.
-        """
+        """The magnitudes with their signs, as codes of ``fmt``."""
         codes = self.fmt.check(mag, "sign_retriever mag")
         if (codes < 0).any():
             raise InputError(f"sign_retriever mag: got {int(codes.min())}, expected 0 or more")

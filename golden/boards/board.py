@@ -1,7 +1,5 @@
 """A board file: the device, its clock, and the pin for each port of a design."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,16 +65,10 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 class Pin:
     """One pin of the device.
 
-    Attributes
-    ----------
-    pin : str
-        Name of the pin in the package.
-    at : str
-        Where the pin is on the board.
-    pull_up : bool
-        Whether the device's own resistor to its supply is switched on.
-    inverted : bool
-        Whether the pin drives a lamp that is lit by a 0.
+    pin: Name of the pin in the package.
+    at: Where the pin is on the board.
+    pull_up: Whether the device's own resistor to its supply is switched on.
+    inverted: Whether the pin drives a lamp that is lit by a 0.
     """
 
     pin: str
@@ -89,37 +81,19 @@ class Pin:
 class Board:
     """The contents of a board file.
 
-    Attributes
-    ----------
-    name : str
-        Name of the file.
-    path : Path
-    title : str
-    sources : tuple of str
-        The documents in which the pins were found.
-    load, flash : str
-        Command, up to the bitstream's name, that programs the device until its supply is cut (empty
-        if there is none), and that which programs it permanently.
-    family : str
-        One of ``DEVICES``.
-    device : str
-        The device for which a design is built, one of ``devices``.
-    devices : tuple of str
-        The devices with which the board is sold.
-    package : str
-    speed : int
-        Speed grade; 0 where the file states none.
-    configuration : dict
-        How the device must be configured, by the names that its pins file uses.
-    clock_pin : str
-    clock_mhz : float
-        Frequency of the oscillator.
-    pll_pad : bool
-        Whether the clock's pin is the PLL's own input.
-    pins : dict
-        Pins by the name of a design's port.
-    high : dict
-        Outputs that must always be high, each with a name.
+    name: Name of the file.
+    sources: The documents in which the pins were found.
+    load, flash: Command, up to the bitstream's name, that programs the device until its supply is
+        cut (empty if there is none), and that which programs it permanently.
+    family: One of ``DEVICES``.
+    device: The device for which a design is built, one of ``devices``.
+    devices: The devices with which the board is sold.
+    speed: Speed grade; 0 where the file states none.
+    configuration: How the device must be configured, by the names that its pins file uses.
+    clock_mhz: Frequency of the oscillator.
+    pll_pad: Whether the clock's pin is the PLL's own input.
+    pins: Pins by the name of a design's port.
+    high: Outputs that must always be high, each with a name.
     """
 
     name: str
@@ -149,18 +123,7 @@ def board_names() -> list[str]:
 def load_board(name: str, device: str = "") -> Board:
     """Read a board by its name, or by a path that ends in ``.toml``.
 
-    Parameters
-    ----------
-    name : str
-    device : str
-        One of the devices with which the board is sold; by default the first.
-
-    Raises
-    ------
-    InputError
-        For an unknown board, in which case the message lists those there are, or for a file that
-        cannot be read. For a fault in the file, or for a device that the board does not have, the
-        message names file, key, what was got and what was expected.
+    device: One of the devices with which the board is sold; by default the first.
     """
     known = board_names()
     path = FOLDER / f"{name}.toml" if name in known else Path(name)

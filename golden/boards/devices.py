@@ -1,7 +1,5 @@
 """The devices for which free tools make bitstreams."""
 
-from __future__ import annotations
-
 # For each family: the name of a device by its maker, and its name in nextpnr.
 DEVICES = {
     "ecp5": {

@@ -1,7 +1,5 @@
 """``make image``: writes the memory image of a scene, in three formats."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -3,8 +3,6 @@
 For a network without a program, whose products are made by adders, it prints every adder.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 

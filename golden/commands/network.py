@@ -1,7 +1,5 @@
 """``make network``: writes a network of a scene as .npz, .mat or .onnx."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path
@@ -15,13 +13,7 @@ from golden.table import suggest
 
 
 def member_of(scene: Scene, output: str | None) -> Member:
-    """The network that computes ``output``, which may be None if the scene has one network.
-
-    Raises
-    ------
-    InputError
-        For an output that the scene does not have, or for None if there are several networks.
-    """
+    """The network that computes ``output``, which may be None if the scene has one network."""
     if output is None and len(scene.members) == 1:
         return scene.members[0]
     for member in scene.members:

@@ -1,7 +1,5 @@
 """``make predict``: computes what a scene's hardware gives for new readings."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -4,8 +4,6 @@ Without placements it proposes some, namely those in the recording that lower th
 most.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import sys
@@ -99,13 +97,7 @@ class Expected:
 
 
 def _drift(scene: Scene, stated: list[float]) -> Expected:
-    """The drift that is stated, or that of the scene, or the usual drift.
-
-    Raises
-    ------
-    InputError
-        For a drift of 0.
-    """
+    """The drift that is stated, or that of the scene, or the usual drift."""
     trained = scene.training.disturbance
     if stated:
         found, source = Disturbance(gain=stated[0], offset=stated[1]), "DRIFT"

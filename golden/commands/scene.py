@@ -1,7 +1,5 @@
 """``make scene``: writes a scene for recorded readings, and prints what they show."""
 
-from __future__ import annotations
-
 import argparse
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """``make train``: trains the networks that a scene names."""
 
-from __future__ import annotations
-
 import argparse
 import platform
 import sys
@@ -154,12 +152,7 @@ def costs(task: Task) -> list[float]:
 
 
 def check_layers(scene: Scene) -> None:
-    """Refuse activations of layers whose nodes nobody names.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse activations of layers whose nodes nobody names."""
     for member in scene.members:
         if member.activations not in ((), ("tanh",)) and not member.layers:
             raise InputError(

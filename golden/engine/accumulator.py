@@ -1,7 +1,5 @@
 """The part that the accumulators of an engine share, with a multiplier or without one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.block import Block
@@ -16,16 +14,8 @@ _MOST_WIDTH = 48
 class Accumulator(Block):
     """A block that holds a sum of ``acc_width`` bits.
 
-    Parameters
-    ----------
-    acc_width : int
-        Bits of the sum, 36 or more. The sums of a program that was assembled for this width always
-        fit in it.
-
-    Raises
-    ------
-    InputError
-        For an ``acc_width`` outside 36 to 48.
+    acc_width: Bits of the sum, 36 or more. The sums of a program that was assembled for this width
+        always fit in it.
     """
 
     area = "engine"

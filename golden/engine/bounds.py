@@ -1,7 +1,5 @@
 """Bounds on the error of an engine's results, and the codes of its tanh."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 
@@ -42,17 +40,9 @@ def error_bounds(
     none of its sums saturates, which ``Engine.saturations`` tells. For any other frame there is no
     bound. Where all ranges are from bounds, they hold for every frame.
 
-    Parameters
-    ----------
-    network : Mlp or DenseNetwork
-    segment_width : int
-    sensors : int
-        How many inputs are samples; the others are outputs of earlier networks.
-    met : sequence of float
-        See ``planned``.
+    sensors: How many inputs are samples; the others are outputs of earlier networks.
+    met: See ``planned``.
 
-    Notes
-    -----
     The operand memory keeps an earlier output, which a later network reads, with four bits more
     than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
     output's code.

@@ -1,7 +1,5 @@
 """The fields of a program's word. A field is a pair: its lowest bit and its number of bits."""
 
-from __future__ import annotations
-
 from typing import TypeVar
 
 from golden.engine.formats import WIDTH

@@ -1,7 +1,5 @@
 """How a finished sum of an engine becomes a word: it is rounded, saturated, rectified and cut."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,15 +11,9 @@ from golden.fixed import Codes
 def word_of(sums: ArrayLike, relu: ArrayLike, cut: int = 0, even: bool = False) -> Codes:
     """The word of each sum, in which half a unit of the word, or of a quantiser, is contained.
 
-    Parameters
-    ----------
-    sums : array_like of int
-    relu : array_like of bool
-        Where a sum below 0 becomes 0.
-    cut : int
-        Where there is ``relu``, so many of the lowest bits of the word become 0.
-    even : bool
-        Where bits are cut, a sum half way between two words becomes the even one.
+    relu: Where a sum below 0 becomes 0.
+    cut: Where there is ``relu``, so many of the lowest bits of the word become 0.
+    even: Where bits are cut, a sum half way between two words becomes the even one.
     """
     totals = np.asarray(sums, dtype=np.int64)
     kept = totals >> DROPPED

@@ -1,7 +1,5 @@
 """The formats of the engine. They are the same for every scene, so the hardware is too."""
 
-from __future__ import annotations
-
 from golden.fixed import Fix
 from golden.precision import EXACT, SIGNAL
 

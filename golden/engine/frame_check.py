@@ -1,7 +1,5 @@
 """frame_check: accepts samples of good frames, rejects others, and signals when the engine runs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,25 +17,11 @@ from golden.port import Port, Unsigned, input_port, output_port
 class FrameCheck(Block):
     """Counts samples and results, and starts the program after a good frame.
 
-    Parameters
-    ----------
-    inputs : int
-        Samples of a frame, 1 or more.
-    addr_width : int
-        Bits of the operand memory's address.
-    busy : int
-        Clocks from a frame's last sample to its last output, or to another ``finish``.
-    pipeline : Pipeline
-    results : bool
-        Whether it counts results too, behind the samples of their frame.
+    inputs: Samples of a frame, 1 or more.
+    addr_width: Bits of the operand memory's address.
+    busy: Clocks from a frame's last sample to its last output, or to another ``finish``.
+    results: Whether it counts results too, behind the samples of their frame.
 
-    Raises
-    ------
-    InputError
-        When the memory has no room for the samples.
-
-    Notes
-    -----
     A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
     its first sample comes while the frame before is computed. A wrong frame raises one error;
     everything from the sample that breaks it up to and including its ``last`` is dropped. A sample

@@ -1,7 +1,5 @@
 """frame_guard: like frame_check, but takes frames only while a good image is loaded."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,12 +16,7 @@ from golden.port import Port, Unsigned, input_port, output_port
 class Guarded:
     """The outputs in each clock, and which samples complete a good frame.
 
-    Attributes
-    ----------
-    start, run, busy, write, frame_error : bool array
-    write_addr : int64 array
-    done : bool array
-        The sample of this clock completes a frame that the engine then computes.
+    done: The sample of this clock completes a frame that the engine then computes.
     """
 
     start: NDArray[np.bool_]
@@ -39,14 +32,8 @@ class Guarded:
 class FrameGuard(Block):
     """Counts samples and results, and starts the program after a good frame of a good image.
 
-    Parameters
-    ----------
-    addr_width : int
-        Bits of the operand memory's address.
-    pipeline : Pipeline
+    addr_width: Bits of the operand memory's address.
 
-    Notes
-    -----
     A frame is wrong when ``last`` comes too early or does not come with the last sample, when its
     first sample comes while the frame before is computed, and when any clock from its first sample
     to its last falls on ``halt``. A wrong frame raises one error; everything from the clock that

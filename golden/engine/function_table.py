@@ -21,8 +21,6 @@ The result is a word of 18 bits like any other. Its binary point is where the fu
 slopes fit, and the next layer's weights allow for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -58,16 +56,10 @@ MOST_WORDS = 1 << 14
 class FunctionTable:
     """The lines of one function.
 
-    Parameters
-    ----------
-    result : Fix
-        Format of the function's values.
-    both : bool
-        Whether there is a block for negative q.
-    intercepts, slopes : tuple of int
-        The words of the block, or of both blocks.
-    error : float
-        The largest distance of a result from the function, over every code of q.
+    result: Format of the function's values.
+    both: Whether there is a block for negative q.
+    intercepts, slopes: The words of the block, or of both blocks.
+    error: The largest distance of a result from the function, over every code of q.
     """
 
     result: Fix
@@ -92,11 +84,6 @@ def table_of(function: Function, width: int) -> FunctionTable:
     """The table of a function, for segments of ``2**width`` codes.
 
     tanh has the table that is computed in integers.
-
-    Raises
-    ------
-    InputError
-        For a width that there is not, and for values that no format holds.
     """
     if function == TANH:
         lines = tanh_table(width)
@@ -115,11 +102,6 @@ def format_of(function: Function) -> Fix:
     """The format of a function's values: the one whose largest error is the least.
 
     The more fraction bits there are, the finer is a value, but the less steep is the steepest line.
-
-    Raises
-    ------
-    InputError
-        For values that no format holds.
     """
     if function == TANH:
         return RESULT
@@ -169,25 +151,13 @@ def blocks_of(functions: Sequence[Function]) -> int:
 
 @lru_cache
 def joined(functions: tuple[Function, ...], width: int) -> LineTable:
-    """The blocks of some functions, one after the other; for tanh alone, its own table.
-
-    Raises
-    ------
-    InputError
-        See ``table_of``.
-    """
+    """The blocks of some functions, one after the other; for tanh alone, its own table."""
     return tanh_table(width) if functions == (TANH,) else in_blocks(functions, width)
 
 
 @lru_cache
 def in_blocks(functions: tuple[Function, ...], width: int, least: int = 0) -> LineTable:
-    """The blocks of some functions, one after the other, and of zeros until there are ``least``.
-
-    Raises
-    ------
-    InputError
-        See ``table_of``.
-    """
+    """The blocks of some functions, one after the other, and of zeros until there are ``least``."""
     tables = {function: table_of(function, width) for function in _in_order(functions)}
     labels = [
         (function.name, table.result)
@@ -214,12 +184,7 @@ def _blocks(table: FunctionTable, segments: int) -> list[tuple[int, int]]:
 
 
 def check_words(table: LineTable) -> None:
-    """Refuse tables that take too much memory.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse tables that take too much memory."""
     words = len(table.slopes)
     if words > MOST_WORDS:
         raise InputError(

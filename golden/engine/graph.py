@@ -3,8 +3,6 @@
 Layers, biases and activations alike are such neurons.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -44,18 +42,11 @@ def start_of(output: bool) -> int:
 class Term:
     """One product of a sum.
 
-    Parameters
-    ----------
-    kind : Kind
-    source : int
-        Number of the value that is read: a sample, or ``inputs`` + the number of a neuron; -1 for
-        none.
-    weight : int
-        Code of 18 bits; 0 where the coefficient comes from a table.
-    function : Function
-        The function from whose table the coefficient comes, where it does.
-    second : int
-        Number of the value that is the coefficient, without its lowest bits; -1 for none.
+    source: Number of the value that is read: a sample, or ``inputs`` + the number of a neuron; -1
+        for none.
+    weight: Code of 18 bits; 0 where the coefficient comes from a table.
+    function: The function from whose table the coefficient comes, where it does.
+    second: Number of the value that is the coefficient, without its lowest bits; -1 for none.
     """
 
     kind: Kind
@@ -74,21 +65,12 @@ class Term:
 class Neuron:
     """A sum of products that is rounded, saturated and stored.
 
-    Parameters
-    ----------
-    name : str
-        How the listing calls it.
-    result : Fix
-        Format of the word that the sum becomes.
-    terms : tuple of Term
-    output : bool
-        Whether it is an output of the scene, which is rounded to the signal's format.
-    relu : bool
-        Whether a sum below 0 becomes 0.
-    cut : int
-        The number of the word's lowest bits that are 0; only a ReLU has any.
-    even : bool
-        Where bits are cut: whether a sum half way between two words becomes the even one.
+    name: How the listing calls it.
+    result: Format of the word that the sum becomes.
+    output: Whether it is an output of the scene, which is rounded to the signal's format.
+    relu: Whether a sum below 0 becomes 0.
+    cut: The number of the word's lowest bits that are 0; only a ReLU has any.
+    even: Where bits are cut: whether a sum half way between two words becomes the even one.
     """
 
     name: str
@@ -124,17 +106,10 @@ class Neuron:
 class Graph:
     """All neurons of a scene, each after those whose results it reads.
 
-    Parameters
-    ----------
-    inputs : int
-        Samples of a frame.
-    neurons : tuple of Neuron
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
-    useless_terms : int
-        Terms that are left out, because their weight is 0.
-    ranges : tuple of Range
-        The range of each hidden layer in which saturation would be an error.
+    inputs: Samples of a frame.
+    useless_nodes: Hidden nodes that are not built, because no output uses them.
+    useless_terms: Terms that are left out, because their weight is 0.
+    ranges: The range of each hidden layer in which saturation would be an error.
     """
 
     inputs: int

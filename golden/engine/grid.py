@@ -10,8 +10,6 @@ values are too, and the weights of the next layer are divided by it. Then the co
 only the ratio of the scales of a sum and of the quantiser behind it matters.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -33,19 +31,11 @@ OR_NEAREST = ', or network.quantised = "nearest"'
 class Grid:
     """The quantiser behind a layer, in the terms of the engine.
 
-    Parameters
-    ----------
-    result : Fix
-        Format of the words, which are differences from the lowest code.
-    cut : int
-        How many of the lowest bits of a word are 0.
-    rounding : LayerRounding
-    lowest : Fraction
-        The value of the lowest code.
-    factor : Fraction
-        How many times the value in the file a value is here.
-    nearest : bool
-        Whether weights and biases that words do not hold exactly may be rounded.
+    result: Format of the words, which are differences from the lowest code.
+    cut: How many of the lowest bits of a word are 0.
+    lowest: The value of the lowest code.
+    factor: How many times the value in the file a value is here.
+    nearest: Whether weights and biases that words do not hold exactly may be rounded.
     """
 
     result: Fix
@@ -62,13 +52,7 @@ class Grid:
 
 
 def grid_of(layer: Dense) -> Grid | None:
-    """The grid of a layer, or None if it has no quantiser.
-
-    Raises
-    ------
-    InputError
-        For a grid that the words of an engine cannot hold exactly.
-    """
+    """The grid of a layer, or None if it has no quantiser."""
     quantiser = layer.quantiser
     if quantiser is None:
         return None

@@ -1,7 +1,5 @@
 """The image of a scene: the bytes that make a reloadable engine run it."""
 
-from __future__ import annotations
-
 from binascii import crc_hqx
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -44,36 +42,16 @@ CHECK_PRESET = 0xFFFF
 class Sizes:
     """What the hardware of a reloadable engine depends on: sizes, and what it does with results.
 
-    Parameters
-    ----------
-    program_words, operand_words : int
-        Words of its memories; each a power of two.
-    segment_width : int
-        Bits of q within a segment of a table; every image holds whole tables.
-    pipeline : Pipeline
-    rectifies : bool
-        Whether it has ReLU.
-    cut : int
-    even : bool
-        Of results with ReLU; see ``Neuron``.
-    table_blocks : int
-        Blocks for the tables of any functions; see ``golden.engine.function_table``. Without them
-        there is the table of tanh alone, which is shorter than a block.
+    program_words, operand_words: Words of its memories; each a power of two.
+    segment_width: Bits of q within a segment of a table; every image holds whole tables.
+    rectifies: Whether it has ReLU.
+    even: Of results with ReLU; see ``Neuron``.
+    table_blocks: Blocks for the tables of any functions; see ``golden.engine.function_table``.
+        Without them there is the table of tanh alone, which is shorter than a block.
 
-    Attributes
-    ----------
-    version : int
-        Tells images apart whose words are laid out in other ways.
-    most_program_bits : int
-        The most bits of the address of a word of the program.
-    kind : str
-        What ``words`` are, as text.
-
-    Raises
-    ------
-    InputError
-        For a number of words that is no power of two, or more than an address reaches; for tables
-        that take too much memory.
+    version: Tells images apart whose words are laid out in other ways.
+    most_program_bits: The most bits of the address of a word of the program.
+    kind: What ``words`` are, as text.
     """
 
     version: ClassVar[int] = 1
@@ -158,13 +136,7 @@ class Sizes:
         ]
 
     def assembled(self, graph: Graph, table: LineTable) -> Program:
-        """The program of a graph with a table for all of the hardware's blocks.
-
-        Raises
-        ------
-        InputError
-            See ``assemble``.
-        """
+        """The program of a graph with a table for all of the hardware's blocks."""
         return assemble(graph, table, self.pipeline, self.rectifies)
 
     def laid_out(self, program: Program, graph: Graph) -> tuple[Sequence[int], Sequence[str]]:
@@ -219,15 +191,9 @@ class Sizes:
 class Image:
     """Contents of the program memory, and how many samples a frame has.
 
-    Parameters
-    ----------
-    sizes : Sizes
-        Sizes of the hardware for which it is made.
-    inputs : int
-    words : tuple of int
-        Words of the table and of the program, from address 0 on.
-    notes : tuple of str
-        What each word stands for, where that is known.
+    sizes: Sizes of the hardware for which it is made.
+    words: Words of the table and of the program, from address 0 on.
+    notes: What each word stands for, where that is known.
     """
 
     sizes: Sizes
@@ -248,8 +214,6 @@ class Image:
     def to_bytes(self) -> bytes:
         """The bytes that are sent: a header, the words from the last to the first, and the check.
 
-        Notes
-        -----
         The words come in this order because one counter can then be both the address and the number
         of words that are still to come, and no further length needs to be stored.
         """
@@ -264,18 +228,8 @@ class Image:
 def own_image(graph: Graph, kind: type[Sizes], chosen: Mapping[str, Any]) -> Image:
     """The image of a graph for hardware that is built for it.
 
-    Parameters
-    ----------
-    graph : Graph
-    kind : type of Sizes
-    chosen : dict
-        Arguments of ``kind``, without those that follow from the graph. Without ``table_blocks``
-        there are as many as the functions of the graph take.
-
-    Raises
-    ------
-    InputError
-        See ``Sizes`` and ``image_of``.
+    chosen: Arguments of ``kind``, without those that follow from the graph. Without
+        ``table_blocks`` there are as many as the functions of the graph take.
     """
     own = 0 if graph.functions == (TANH,) else blocks_of(graph.functions)
     sizes = kind(**{"table_blocks": own, **chosen})
@@ -286,18 +240,6 @@ def own_image(graph: Graph, kind: type[Sizes], chosen: Mapping[str, Any]) -> Ima
 def image_of(graph: Graph, sizes: Sizes) -> Image:
     """The image with which hardware of some sizes computes a graph.
 
-    Parameters
-    ----------
-    graph : Graph
-    sizes : Sizes
-
-    Raises
-    ------
-    InputError
-        When the graph does not fit. The message names what is needed and what there is.
-
-    Notes
-    -----
     A graph without ReLU fits hardware with ReLU, which then never uses it. A graph fits hardware
     with more blocks of tables than its functions need; those that are left hold zeros.
     """

@@ -1,7 +1,5 @@
 """image_loader: turns a stream of bytes into the words of the program memory."""
 
-from __future__ import annotations
-
 from binascii import crc_hqx
 from dataclasses import dataclass
 
@@ -20,17 +18,12 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class Loading:
     """The outputs of the loader in each clock, and the images that it accepts.
 
-    Attributes
-    ----------
-    halt, image_error, write : bool array
-        The ports of these names.
-    write_addr, word : int64 array
-        The ports of these names in clocks in which ``write`` is high; 0 in the others.
-    good : list of (int, int, list of int)
-        For each image that passes its check: the clock of its last byte, the header's field
+    halt, image_error, write: The ports of these names.
+    write_addr, word: The ports of these names in clocks in which ``write`` is high; 0 in the
+        others.
+    good: For each image that passes its check: the clock of its last byte, the header's field
         ``before_last`` (samples of a frame minus 2), and the words.
-    before : int64 array
-        How many bytes of the image were accepted before this clock.
+    before: How many bytes of the image were accepted before this clock.
     """
 
     halt: NDArray[np.bool_]
@@ -46,17 +39,10 @@ class Loading:
 class ImageLoader(Block):
     """Writes the words of an image, checks it, and halts the engine until an image is good.
 
-    Parameters
-    ----------
-    words : int
-        Words of the memory that an image is loaded into.
-    operand_addr_width : int
-        Bits of the address of the operand memory.
-    check_start : int
-        Value of the check before the first byte, 16 bits.
+    words: Words of the memory that an image is loaded into.
+    operand_addr_width: Bits of the address of the operand memory.
+    check_start: Value of the check before the first byte, 16 bits.
 
-    Notes
-    -----
     An image is good if its header announces no more words than the memory has, if exactly these
     words and the check follow, and if the check is right. When the header announces too many words,
     nothing is written.

@@ -8,8 +8,6 @@ The words that pass from layer to layer have 18 bits. A layer adds up products o
 rounds each sum to a code, clips the code, and shifts it left to the place of a word.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -36,30 +34,18 @@ class LayerRounding(Enum):
 class IntegerLayer:
     """One layer in whole numbers.
 
-    Parameters
-    ----------
-    weights : tuple of tuple of int
-        For each node a weight for each word that the layer takes.
-    starts : tuple of int
-        What the sum of each node begins with, in units of a product.
-    result : Fix
-        Format of the words that its codes become.
-    shift : int
-        How many of the lowest bits of a sum are dropped.
-    rounding : LayerRounding
-    low, high : int
-        The ends to which codes are clipped; a ReLU has 0 as its low end.
-    cut : int
-        How far a code is shifted left in its word. Only a layer with a quantiser shifts.
-    leaky : bool
-        Whether each node gives two words: its own, and 0 instead of a negative one.
-    functions : tuple of Function
-        The function of each node, whose value is the word that the node gives; empty for none.
-    added : tuple of tuples of pairs of int and Function
-        For each node the functions of words that are added to its sum; empty for none. Their values
-        have the format of ``result``.
-    range : Range or None
-        The range of a layer in which saturation would be an error.
+    weights: For each node a weight for each word that the layer takes.
+    starts: What the sum of each node begins with, in units of a product.
+    result: Format of the words that its codes become.
+    shift: How many of the lowest bits of a sum are dropped.
+    low, high: The ends to which codes are clipped; a ReLU has 0 as its low end.
+    cut: How far a code is shifted left in its word. Only a layer with a quantiser shifts.
+    leaky: Whether each node gives two words: its own, and 0 instead of a negative one.
+    functions: The function of each node, whose value is the word that the node gives; empty for
+        none.
+    added: For each node the functions of words that are added to its sum; empty for none. Their
+        values have the format of ``result``.
+    range: The range of a layer in which saturation would be an error.
     """
 
     weights: tuple[tuple[int, ...], ...]
@@ -131,15 +117,11 @@ class IntegerLayer:
 class IntegerNetwork:
     """A network in whole numbers.
 
-    Parameters
-    ----------
-    samples, earlier : int
-        How many samples it takes, and how many outputs of earlier networks behind them.
-    layers : tuple of IntegerLayer
-        The starts of the last one hold half a unit of an output, and its rounding is down. So an
-        output is the word without its lowest bits. Later networks take the whole word.
-    segment_width : int
-        Bits of a sum within a segment of the table of a function.
+    samples, earlier: How many samples it takes, and how many outputs of earlier networks behind
+        them.
+    layers: The starts of the last one hold half a unit of an output, and its rounding is down. So
+        an output is the word without its lowest bits. Later networks take the whole word.
+    segment_width: Bits of a sum within a segment of the table of a function.
     """
 
     samples: int
@@ -170,11 +152,8 @@ def sample_words(frames: Codes) -> list[list[int]]:
 def evaluate(networks: Sequence[IntegerNetwork], frames: Codes) -> Codes:
     """Output codes of networks on the same samples, shape (frames, outputs).
 
-    Parameters
-    ----------
-    networks : sequence of IntegerNetwork
-        Each may take outputs of those before it.
-    frames : int64 array, shape (frames, samples)
+    networks: Each may take outputs of those before it.
+    frames: shape (frames, samples).
     """
     found = []
     for words in sample_words(frames):

@@ -1,7 +1,5 @@
 """lane_accumulate: selects the operand of a lane, multiplies it and adds the products up."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -25,14 +23,9 @@ from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
 class LaneAccumulate(Accumulator):
     """acc = operand x coefficient + (acc, or a start), or acc + the sum of another lane.
 
-    Parameters
-    ----------
-    segment_width : int
-        Bits of a hidden sum within a segment; 0 where there is no table.
-    partners : int
-        The number of lanes whose sums it adds.
-    leads : bool
-        Whether it is the first lane, with which a sum of all lanes starts.
+    segment_width: Bits of a hidden sum within a segment; 0 where there is no table.
+    partners: The number of lanes whose sums it adds.
+    leads: Whether it is the first lane, with which a sum of all lanes starts.
     """
 
     block = "lane_accumulate"

@@ -17,8 +17,6 @@ up one function in all lanes.
 The groups are the neurons of a graph again, which ``golden.engine.schedule`` puts in order.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -62,15 +60,10 @@ def partners(lane: int, lanes: int) -> dict[int, int]:
 class Group:
     """Neurons that the lanes compute in the same steps.
 
-    Parameters
-    ----------
-    members : tuple of int
-        The neuron of each lane, from the first on. Lanes beyond them have weights of 0. If the
+    members: The neuron of each lane, from the first on. Lanes beyond them have weights of 0. If the
         group is ``joined`` or ``alike``, all lanes compute the only one.
-    joined : bool
-        Whether the sums of all lanes are added.
-    alike : bool
-        Whether every lane computes the same.
+    joined: Whether the sums of all lanes are added.
+    alike: Whether every lane computes the same.
     """
 
     members: tuple[int, ...]
@@ -82,14 +75,8 @@ class Group:
 class LaneGraph:
     """The groups of a scene, as a graph.
 
-    Parameters
-    ----------
-    lanes : int
-    graph : Graph
-        A neuron for each group. The weight of a term is the number of an element of ``weights``.
-    groups : tuple of Group
-    weights : tuple of tuple of int
-        Codes, one for each lane. In the first element all are 0.
+    graph: A neuron for each group. The weight of a term is the number of an element of ``weights``.
+    weights: Codes, one for each lane. In the first element all are 0.
     """
 
     lanes: int

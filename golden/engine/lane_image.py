@@ -10,8 +10,6 @@ A program has no more places of weights than words, because each place but the f
 are 0, is that of a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, zip_longest
@@ -36,17 +34,8 @@ _MASK = (1 << WIDTH) - 1
 class LaneSizes(Sizes):
     """What the hardware of reloadable lanes depends on.
 
-    Parameters
-    ----------
-    program_words : int
-        Words of the program memory, and of each half of the memory of a lane.
-    lanes : int
-        An image for fewer lanes leaves the others without work.
-
-    Raises
-    ------
-    InputError
-        See ``Sizes``; also for tables that have no room in half the memory of a lane.
+    program_words: Words of the program memory, and of each half of the memory of a lane.
+    lanes: An image for fewer lanes leaves the others without work.
     """
 
     version: ClassVar[int] = 2

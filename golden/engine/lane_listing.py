@@ -1,7 +1,5 @@
 """The program of an engine with several multipliers as a text for a person to read."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from golden.engine.formats import ONE, coeff_frac

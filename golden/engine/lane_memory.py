@@ -1,7 +1,5 @@
 """lane_memory: holds the weights of one lane and, where they are needed, tables of functions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 
@@ -21,27 +19,18 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class LaneMemory(Block):
     """Words of 18 bits: weights at a place, or intercept or slope of the segment of a hidden sum.
 
-    Parameters
-    ----------
-    weights : tuple of int
-        Signed codes.
-    table : tuple of int
-        The intercepts and behind them the slopes of all segments, a power of two of each; empty
+    weights: Signed codes.
+    table: The intercepts and behind them the slopes of all segments, a power of two of each; empty
         where nothing is looked up.
-    segment_width : int
-        Bits of a hidden sum within a segment.
-    notes : tuple of str
-        What each word of the table and each weight stands for, as a comment in the exported file.
-    blocks : int
-        Blocks of the table, a power of two. With more than one, the place of a step that looks up
-        names the first block of a function, which has the next one for words below 0 if the lowest
-        bit of the place is set; see ``golden.engine.function_table``.
-    written : bool
-        Whether the words can be written. Then ``weights`` and ``table`` are what they are before,
-        and their numbers are those for which there is room.
+    segment_width: Bits of a hidden sum within a segment.
+    notes: What each word of the table and each weight stands for, as a comment in the exported
+        file.
+    blocks: Blocks of the table, a power of two. With more than one, the place of a step that looks
+        up names the first block of a function, which has the next one for words below 0 if the
+        lowest bit of the place is set; see ``golden.engine.function_table``.
+    written: Whether the words can be written. Then ``weights`` and ``table`` are what they are
+        before, and their numbers are those for which there is room.
 
-    Notes
-    -----
     The table lies in the lower half of the memory, and the weights in the upper one, each from its
     beginning. So the address needs no adder, and where no sum lies beyond the last segment no
     comparison either.

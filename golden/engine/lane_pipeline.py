@@ -1,7 +1,5 @@
 """The clock in which a lane uses each field of a step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.engine.pipeline import Pipeline

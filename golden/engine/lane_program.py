@@ -1,7 +1,5 @@
 """The program of an engine with several multipliers, and a function that executes it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -75,10 +73,7 @@ class LaneInstruction:
 class LaneProgram(Program):
     """The contents of the program memory, and of the memories of the lanes.
 
-    Parameters
-    ----------
-    shared : LaneGraph
-        The groups from which it was assembled.
+    shared: The groups from which it was assembled.
     """
 
     shared: LaneGraph = field(kw_only=True)
@@ -241,21 +236,8 @@ def assemble_lanes(
 ) -> LaneProgram:
     """The program of a graph.
 
-    Parameters
-    ----------
-    graph : Graph
-    table : LineTable or None
-        That of the graph's functions; None where no neuron looks anything up.
-    lanes : int
-    pipeline : LanePipeline
-    every : bool
-        Whether all of these lanes are there, even if the graph has no work for some.
-
-    Raises
-    ------
-    InputError
-        When there are more values or weights than the words of the program can address, and for
-        tables that take too much memory.
+    table: That of the graph's functions; None where no neuron looks anything up.
+    every: Whether all of these lanes are there, even if the graph has no work for some.
     """
     if table:
         check_words(table)

@@ -1,7 +1,5 @@
 """lane_round: the sum of a lane, or what the first lane stores, becomes a word."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -21,22 +19,13 @@ from golden.precision import SIGNAL
 class LaneRound(Block):
     """The lane's own sum, rounded and saturated; otherwise a sample, or the word of the first lane.
 
-    Parameters
-    ----------
-    acc_width : int
-        Bits of the sum.
-    rectifies : bool
-        Whether there is a port that asks for 0 in the place of what is below it.
-    leads : bool
-        Whether it is that of the first lane, which takes samples and gives the other lanes its
+    acc_width: Bits of the sum.
+    rectifies: Whether there is a port that asks for 0 in the place of what is below it.
+    leads: Whether it is that of the first lane, which takes samples and gives the other lanes its
         word.
-    cut : int
-        With ReLU, so many of the lowest bits of the word become 0.
-    even : bool
-        Where bits are cut, a sum half way between two words becomes the even one.
+    cut: With ReLU, so many of the lowest bits of the word become 0.
+    even: Where bits are cut, a sum half way between two words becomes the even one.
 
-    Notes
-    -----
     Half a unit has been added to the sum before, so dropping bits rounds half up. The word of the
     first lane reaches the others in the clock before it is there, without its last step: where
     ``next_low`` is high, the lowest 17 bits of that word become 0. So do the lowest ``cut`` bits

@@ -12,17 +12,11 @@ from golden.fixed import Fix
 class LineTable:
     """The words of one or more blocks of segments, each from q = 0 upwards, or from -1 downwards.
 
-    Parameters
-    ----------
-    width : int
-        w, the number of bits of the distance within a segment.
-    intercepts : tuple of int
-        The function in the middle of each segment, as codes of the block's format; in a block for
-        negative q, those of minus the function.
-    slopes : tuple of int
-        Codes of the same format.
-    labels : tuple of pairs of str and Fix
-        For each block the name of its function, and the format of its results.
+    width: w, the number of bits of the distance within a segment.
+    intercepts: The function in the middle of each segment, as codes of the block's format; in a
+        block for negative q, those of minus the function.
+    slopes: Codes of the same format.
+    labels: For each block the name of its function, and the format of its results.
     """
 
     width: int

@@ -1,7 +1,5 @@
 """The loop of an engine with several multipliers as a text for a person to read."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from golden.engine.graph import Graph, Kind

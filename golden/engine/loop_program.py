@@ -1,7 +1,5 @@
 """The program of an engine with several multipliers as a loop, in which frames overlap."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -46,13 +44,9 @@ Field = tuple[int, int]
 class LoopLayout:
     """Where a word has its fields: for each its lowest bit and its number of bits.
 
-    Parameters
-    ----------
-    place_width, source_width, turn_width, gather_width : int
-        Bits of the fields that are as wide as the network needs.
+    place_width, source_width, turn_width, gather_width: Bits of the fields that are as wide as the
+        network needs.
 
-    Notes
-    -----
     ``source`` is the address of the operand, and ``turn`` says how many loops ago it was stored.
     With ``copy`` a sample is stored. With ``late`` an output belongs to a frame that began a loop
     before the one whose first outputs leave in the same loop. ``wrap`` stands some words before the
@@ -94,13 +88,6 @@ class LoopLayout:
 class LoopProgram(LaneProgram):
     """The words of the loop, and what the lanes do with them for one frame.
 
-    Parameters
-    ----------
-    loop : LoopSchedule
-    layout : LoopLayout
-
-    Notes
-    -----
     Samples and results are stored at addresses in the order of the words that store them, which
     start afresh with each loop. A memory holds the words of ``turns`` loops.
     """
@@ -241,13 +228,7 @@ def ahead(pipeline: LanePipeline) -> int:
 
 
 def looped(program: LaneProgram, graph: Graph, interval: int) -> LoopProgram:
-    """The loop of ``interval`` words, or of a few less, that computes what a program computes.
-
-    Raises
-    ------
-    InputError
-        When the steps do not fit into so many words, or the fields not into a word.
-    """
+    """The loop of ``interval`` words, or of a few less, that computes what a program computes."""
     pipeline, shared = program.pipeline, program.shared
     assert isinstance(pipeline, LanePipeline)
     lengths = range(interval, least_length(shared) - 1, -1)

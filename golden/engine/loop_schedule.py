@@ -14,8 +14,6 @@ be further apart than a loop is long, the first ones or all of them are kept, an
 sends each later.
 """
 
-from __future__ import annotations
-
 import random
 from bisect import bisect_left, insort
 from collections.abc import Iterator, Sequence
@@ -38,20 +36,12 @@ EFFORT = 1500
 class LoopSchedule:
     """When the groups of a frame are computed, from the first word of the loop it begins in.
 
-    Parameters
-    ----------
-    length : int
-        Words of the loop: clocks from frame to frame.
-    shared : LaneGraph
-        The groups. Behind those that are stored stand those that send an output that was kept.
-    begins : tuple of int
-        For each group the time of its first step.
-    orders : tuple of tuple of Term
-        For each group its terms, in the order of its steps.
-    copies : tuple of int
-        For each sample the time of the word that stores it.
-    leaving : tuple of int
-        The groups whose results leave, in the order of the outputs.
+    length: Words of the loop: clocks from frame to frame.
+    shared: The groups. Behind those that are stored stand those that send an output that was kept.
+    begins: For each group the time of its first step.
+    orders: For each group its terms, in the order of its steps.
+    copies: For each sample the time of the word that stores it.
+    leaving: The groups whose results leave, in the order of the outputs.
     """
 
     length: int

@@ -1,7 +1,5 @@
 """multiply_accumulate: adds up products, one in each clock."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +17,6 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class MultiplyAccumulate(Accumulator):
     """acc = operand x coefficient + (acc, or half a unit of the result).
 
-    Notes
-    -----
     The coefficient is the bitwise OR of the program's weight and of a word of the table, one of
     which is 0. Products and sums are exact. A sum starts with half a unit of its result, so that
     dropping bits rounds the result half up.

@@ -1,7 +1,5 @@
 """Compiles integer networks to the neurons of an engine."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -24,20 +22,9 @@ _MOST_TERMS = 1 << 16
 def graph_of(networks: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
     """The neurons of integer networks.
 
-    Parameters
-    ----------
-    networks : sequence of IntegerNetwork
-    lean : bool
-        Whether to leave out terms of zero weight, and hidden nodes that no output uses. The results
-        are the same either way.
+    lean: Whether to leave out terms of zero weight, and hidden nodes that no output uses. The
+        results are the same either way.
 
-    Raises
-    ------
-    InputError
-        For a weight or a bias that takes too many terms, and for layers with different quantisers.
-
-    Notes
-    -----
     A weight that does not fit in 18 bits becomes several terms. The start of a sum becomes a bias,
     whose operand is the number one, without the half unit that every sum of an engine begins with.
     If it has a part below the unit of a bias, this part is the weight of a word of one unit, which
@@ -117,12 +104,7 @@ def _biases(layer: IntegerLayer, output: bool) -> list[tuple[int, int]]:
 def _check_terms(
     layers: Sequence[IntegerLayer], starts: Sequence[Sequence[tuple[int, int]]]
 ) -> None:
-    """Refuse a weight or a bias that would become more terms than any memory holds.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a weight or a bias that would become more terms than any memory holds."""
     for number, (layer, biases) in enumerate(zip(layers, starts, strict=True), start=1):
         rows = zip(biases, layer.weights, strict=True)
         for node, ((bias, _), weights) in enumerate(rows, start=1):
@@ -136,12 +118,7 @@ def _check_terms(
 
 
 def _check_quantisers(layers: Sequence[IntegerLayer]) -> None:
-    """Refuse different quantisers in one engine, which rounds all words of a ReLU alike.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse different quantisers in one engine, which rounds all words of a ReLU alike."""
     kinds = {
         (WIDTH - 1 - layer.cut, layer.rounding is LayerRounding.EVEN) if layer.cut else None
         for layer in layers

@@ -1,7 +1,5 @@
 """operand_memory: holds the samples, hidden sums, values of tanh and outputs of one frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,14 +17,8 @@ WORD = Fix(WIDTH, 0)
 class OperandMemory(Block):
     """Words of 18 bits; in each clock one is written and one is read.
 
-    Parameters
-    ----------
-    addr_width : int
-    registers : int
-        Number of registers behind the memory.
+    registers: Number of registers behind the memory.
 
-    Notes
-    -----
     A word that is read in the clock in which it is written has its old value. A word that was never
     written is undefined.
     """

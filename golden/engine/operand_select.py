@@ -1,7 +1,5 @@
 """operand_select: makes the multiplier's operand from the word that was read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +18,9 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class OperandSelect(Block):
     """Passes one of four: the word, one with the word's sign, the word's distance, or one.
 
-    Parameters
-    ----------
-    segment_width : int
-        Bits of q within a segment. The distance is that of q from the middle of its segment.
-    registers : int
-        Registers beyond the first, for a table whose word comes later.
+    segment_width: Bits of q within a segment. The distance is that of q from the middle of its
+        segment.
+    registers: Registers beyond the first, for a table whose word comes later.
     """
 
     block = "operand_select"

@@ -1,7 +1,5 @@
 """The clock in which each field of a step is used, given the registers between memories."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
@@ -12,10 +10,8 @@ class Pipeline:
     A field that is used k clocks later is stored k words later in the program, so the control path
     needs no registers of its own.
 
-    Parameters
-    ----------
-    memory_registers : int
-        Registers behind each memory, 0 or 1; with 1 the engine reaches a faster clock.
+    memory_registers: Registers behind each memory, 0 or 1; with 1 the engine reaches a faster
+        clock.
     """
 
     memory_registers: int = 0

@@ -1,7 +1,5 @@
 """plane_select: picks the bit of an operand for a pass, and what it does to the sum."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,13 +18,8 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class PlaneSelect(Block):
     """Decides whether a coefficient is added, subtracted or neither.
 
-    Parameters
-    ----------
-    segment_width : int
-        Bits of q within a segment.
+    segment_width: Bits of q within a segment.
 
-    Notes
-    -----
     The number one, with either sign, is read only in its own plane, so its bit is always set there.
     Where nothing is added, ``subtract`` has no effect.
     """

@@ -1,7 +1,5 @@
 """The program of an engine: words of 36 bits, and a function that executes them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -63,28 +61,16 @@ class Instruction:
 class Program:
     """The contents of the program memory.
 
-    Parameters
-    ----------
-    inputs : int
-        Samples of a frame.
-    segment_width : int
-        Bits of q within a segment of the table.
-    table : tuple of int
-        Words of the table, one per segment. Of a table of one block, the last one also serves every
-        segment beyond.
-    words : tuple of int
-        Words of the steps, which follow the table.
-    pipeline : Pipeline
-        The pipeline for which the fields are spread over the words.
-    notes : tuple of str
-        What each word of the table and of the steps stands for.
-    rectifies : bool
-        Whether words hold ``RELU`` instead of ``TAKE_INTERCEPT``.
-    cut : int
-    even : bool
-        Of results with ReLU; see ``Neuron``.
-    blocks : int
-        Blocks of the table; see ``LineTable``.
+    inputs: Samples of a frame.
+    segment_width: Bits of q within a segment of the table.
+    table: Words of the table, one per segment. Of a table of one block, the last one also serves
+        every segment beyond.
+    words: Words of the steps, which follow the table.
+    pipeline: The pipeline for which the fields are spread over the words.
+    notes: What each word of the table and of the steps stands for.
+    rectifies: Whether words hold ``RELU`` instead of ``TAKE_INTERCEPT``.
+    even: Of results with ReLU; see ``Neuron``.
+    blocks: Blocks of the table; see ``LineTable``.
     """
 
     inputs: int
@@ -250,19 +236,8 @@ def assemble(
 ) -> Program:
     """The program of a graph.
 
-    Parameters
-    ----------
-    graph : Graph
-    table : LineTable
-        The table of the graph's functions, all of which the program holds.
-    pipeline : Pipeline
-    rectifies : bool
-        Whether the hardware has ReLU, even if the graph has none.
-
-    Raises
-    ------
-    InputError
-        See ``check_values`` and ``check_words``.
+    table: The table of the graph's functions, all of which the program holds.
+    rectifies: Whether the hardware has ReLU, even if the graph has none.
     """
     check_values(graph)
     check_words(table)
@@ -309,13 +284,7 @@ def assemble(
 
 
 def check_values(graph: Graph) -> None:
-    """Refuse a graph that is too large.
-
-    Raises
-    ------
-    InputError
-        When the samples and results of a frame are more than a program can address.
-    """
+    """Refuse a graph that is too large."""
     values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
     if values > most:
         raise InputError(

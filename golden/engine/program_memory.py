@@ -1,7 +1,5 @@
 """program_memory: holds the words of program and table, and the counter that reads them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,13 +16,9 @@ from golden.port import Port, Unsigned, input_port, output_port
 class ProgramMemory(ProgramWords, Stepped):
     """Words of 36 bits, two read in each clock: at a counter, and at a hidden sum's segment.
 
-    Parameters
-    ----------
-    table, words, notes, segment_addr_width
-        See ``ProgramWords``.
-        An empty table is not looked up, and there are no ports for it.
-    registers : int
-        Number of registers behind the memory.
+    table, words, notes, segment_addr_width: See ``ProgramWords``. An empty table is not looked up,
+        and there are no ports for it.
+    registers: Number of registers behind the memory.
     """
 
     block = "program_memory"

@@ -1,7 +1,5 @@
 """program_ram: a writable memory for the words of program and table, with its counter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,23 +17,10 @@ from golden.port import Port, Unsigned, input_port, output_port
 class ProgramRam(Stepped):
     """Words of 36 bits that can be written, and are read by a counter and by a segment.
 
-    Parameters
-    ----------
-    addr_width : int
-    begin : int
-        First address of the program, which stands behind the table.
-    segment_addr_width : int
-        Bits of a segment's address; 0 for no table.
-    registers : int
-        Number of registers behind the memory.
+    begin: First address of the program, which stands behind the table.
+    segment_addr_width: Bits of a segment's address; 0 for no table.
+    registers: Number of registers behind the memory.
 
-    Raises
-    ------
-    InputError
-        When the memory has no room for a program.
-
-    Notes
-    -----
     A write uses the counter's port, so nothing is read in its clock. A word that was not written
     since the last reset is undefined; this does no harm, since an image is loaded after each reset.
     """

@@ -1,7 +1,5 @@
 """The parts that all memories of programs share: their contents, and the counter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,14 +14,9 @@ from golden.port import CLOCKED, Port, Unsigned, input_port
 class ProgramWords(Block):
     """A memory whose contents are constants of the entity.
 
-    Parameters
-    ----------
-    table, words : tuple of int
-        The memory holds the table, and behind it the words of the program.
-    notes : tuple of str
-        What each word stands for, as a comment in the exported file.
-    segment_addr_width : int
-        Bits of the address of a word of the table.
+    table, words: The memory holds the table, and behind it the words of the program.
+    notes: What each word stands for, as a comment in the exported file.
+    segment_addr_width: Bits of the address of a word of the table.
     """
 
     area = "engine"

@@ -15,8 +15,6 @@ the weights before and behind it, and a bias. ``leaky_relu(q) = leak q + (1 - le
 two words per node, both of which the next layer takes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -54,12 +52,7 @@ _HALF_OUTPUT = 1 << (DROPPED + OUTPUT_SHIFT - 1)
 class PlannedLayer:
     """One layer on its way into whole numbers.
 
-    Parameters
-    ----------
-    exact : Exact
-    layer : IntegerLayer
-    values : list of Value
-        The words that the next layer takes.
+    values: The words that the next layer takes.
     """
 
     exact: Exact
@@ -72,11 +65,6 @@ def exact_layers(network: Trained) -> list[Exact]:
 
     Behind a quantiser, words are differences from the lowest code. The biases of the next layer
     compensate for that.
-
-    Raises
-    ------
-    InputError
-        See ``grid_of``.
     """
     found: list[Exact] = []
     halved = False
@@ -125,11 +113,6 @@ def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) ->
     """Every layer of a network whose inputs are ``values``, in codes and formats.
 
     ``met`` is what ``met_by`` finds on recorded frames; without it every range is from bounds.
-
-    Raises
-    ------
-    InputError
-        When the sums of a layer are too large for any format, and see ``grid_of`` and ``_codes``.
     """
     found: list[PlannedLayer] = []
     for exact in added_up(exact_layers(network), values):
@@ -149,18 +132,10 @@ def integer_networks(
 ) -> tuple[IntegerNetwork, ...]:
     """Trained networks in whole numbers.
 
-    Parameters
-    ----------
-    arrangement : str
-        "single", "multiple" or "cascade".
-    networks : sequence of Mlp or DenseNetwork
-    met : sequence of sequences of float
-        For each network what ``met_by`` finds on recorded frames; empty where there are none.
-    segment_width : int
-        Bits of a sum within a segment of the table of a function.
+    arrangement: "single", "multiple" or "cascade".
+    met: For each network what ``met_by`` finds on recorded frames; empty where there are none.
+    segment_width: Bits of a sum within a segment of the table of a function.
 
-    Notes
-    -----
     A later network of a cascade reads the word of an output, to which half a unit of the output's
     last place is added. The biases of that network subtract it again.
     """
@@ -186,13 +161,7 @@ def _layer(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
 
 
 def _ranged(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
-    """The codes of a layer in which saturation would be an error; see ``golden.engine.ranges``.
-
-    Raises
-    ------
-    InputError
-        When the sums are too large for any format.
-    """
+    """The codes of a layer in which saturation would be an error; see ``golden.engine.ranges``."""
     for frac in range(WIDTH - 1, -1, -1):
         layer = _coded(exact, Fix(WIDTH, frac), values)
         low, high = _ends(layer, values)
@@ -216,11 +185,6 @@ def _coded(exact: Exact, result: Fix, values: Sequence[Value]) -> IntegerLayer:
 
     The start of a sum has the unit of a word, except in a layer with a quantiser, which needs it
     whole.
-
-    Raises
-    ------
-    InputError
-        When a code of a layer with a quantiser is no whole number, and must not be rounded.
     """
     grid = exact.grid
     fracs = [coeff_frac(result, value.fmt) for value in values]
@@ -271,12 +235,7 @@ def _on_grid(layer: IntegerLayer, grid: Grid) -> IntegerLayer:
 
 
 def _check_whole(what: str, codes: list[Fraction]) -> None:
-    """Refuse codes that are no whole numbers.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse codes that are no whole numbers."""
     broken = [code for code in codes if code.denominator != 1]
     if broken:
         worst = max(broken, key=lambda code: abs(code - _near(code)))

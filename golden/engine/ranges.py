@@ -7,8 +7,6 @@ that of the recorded frames with a margin. Samples that are unlike every recorde
 it; such a sum then saturates.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,21 +33,13 @@ MARGIN = 2
 class Range:
     """The range of the words of one hidden layer.
 
-    Parameters
-    ----------
-    fmt : Fix
-    bound : float
-        The magnitude that no sum exceeds, whatever the samples are.
-    met : float
-        The largest magnitude on the recorded frames; 0 where there are none.
-    from_data : bool
-        Whether the format is from ``met``. Otherwise it is from ``bound``, and no sum saturates.
-    layer : str
-        Which layer it is, in words.
-    places : tuple of int
-        The neurons of the graph that are the sums of the layer.
-    unit : int
-        What the last place of a word stands for, where that is more than ``fmt`` can say.
+    bound: The magnitude that no sum exceeds, whatever the samples are.
+    met: The largest magnitude on the recorded frames; 0 where there are none.
+    from_data: Whether the format is from ``met``. Otherwise it is from ``bound``, and no sum
+        saturates.
+    layer: Which layer it is, in words.
+    places: The neurons of the graph that are the sums of the layer.
+    unit: What the last place of a word stands for, where that is more than ``fmt`` can say.
     """
 
     fmt: Fix
@@ -83,11 +73,7 @@ def frac_of(met: float, width: int) -> int:
 def met_by(network: Trained, inputs: Real) -> tuple[float, ...]:
     """The largest magnitude of the words of each hidden layer, in floating point.
 
-    Parameters
-    ----------
-    network : Mlp or DenseNetwork
-    inputs : float array, shape (frames, inputs)
-        Inputs of the network, as signals.
+    inputs, shape (frames, inputs): Inputs of the network, as signals.
     """
     # Sums that no float holds fit in no format either.
     with np.errstate(over="ignore", invalid="ignore"):

@@ -16,8 +16,6 @@ all     these, and the number one with either sign  that of the number one
 ======  ==========================================  =================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -41,11 +39,8 @@ FILLING = Term(Kind.WORD, 0, 0)
 class Replay:
     """How many of a neuron's words each pass reads, from the first word on.
 
-    Parameters
-    ----------
-    deep, wide, words : int
-        The number of words up to the last deep one, up to the last deep or wide one, and of all.
-        Each is 1 or more, and not less than the one before.
+    deep, wide, words: The number of words up to the last deep one, up to the last deep or wide one,
+        and of all. Each is 1 or more, and not less than the one before.
     """
 
     deep: int

@@ -1,7 +1,5 @@
 """replay_memory: the words of table and program, read once for every bit plane."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,13 +20,9 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class ReplayMemory(ProgramWords):
     """Words of 36 bits, read neuron by neuron and pass by pass, and a table that is looked up.
 
-    Parameters
-    ----------
-    table, words, notes, segment_addr_width
-        See ``ProgramWords``. In the table slopes and intercepts alternate.
+    table, words, notes, segment_addr_width: See ``ProgramWords``. In the table slopes and
+        intercepts alternate.
 
-    Notes
-    -----
     A pass ends with the word that is marked as the last for its plane; the next pass begins with
     the neuron's first word. After the pass of plane 0 comes the next neuron. Its first word follows
     the last word of the pass that read all words.

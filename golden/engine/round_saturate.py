@@ -1,7 +1,5 @@
 """round_saturate: turns a sum, or a sample, into a word of the operand memory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,19 +19,11 @@ from golden.precision import SIGNAL
 class RoundSaturate(Block):
     """The sum, rounded and saturated; while no frame is computed, the sample instead.
 
-    Parameters
-    ----------
-    acc_width : int
-        Bits of the sum.
-    rectifies : bool
-        Whether there is a port that asks for 0 in the place of what is below it.
-    cut : int
-        Where it does, so many of the lowest bits of the word become 0.
-    even : bool
-        Where bits are cut, a sum half way between two words becomes the even one.
+    acc_width: Bits of the sum.
+    rectifies: Whether there is a port that asks for 0 in the place of what is below it.
+    cut: Where it does, so many of the lowest bits of the word become 0.
+    even: Where bits are cut, a sum half way between two words becomes the even one.
 
-    Notes
-    -----
     Half a unit has been added to the sum before, so dropping bits rounds half up.
     """
 

@@ -1,7 +1,5 @@
 """The order of an engine's steps, in which every operand is ready when it is read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -13,13 +11,8 @@ from golden.engine.pipeline import Pipeline
 class Step:
     """One clock of the program.
 
-    Parameters
-    ----------
-    neuron : int
-        Number of the neuron in the graph; -1 for a step that waits.
-    term : Term
-    first, last : bool
-        Whether this step starts or ends the neuron's sum.
+    neuron: Number of the neuron in the graph; -1 for a step that waits.
+    first, last: Whether this step starts or ends the neuron's sum.
     """
 
     neuron: int
@@ -39,13 +32,8 @@ Ready = Mapping[int, int]
 class Plan:
     """The steps of a neuron, on condition that it comes next.
 
-    Parameters
-    ----------
-    steps : tuple of Step
-    waits : int
-        Clocks that the neuron takes longer than if all its operands were ready.
-    end : int
-        The clock after the last step.
+    waits: Clocks that the neuron takes longer than if all its operands were ready.
+    end: The clock after the last step.
     """
 
     steps: tuple[Step, ...]

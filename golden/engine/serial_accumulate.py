@@ -1,7 +1,5 @@
 """serial_accumulate: doubles a sum for each bit plane, and adds coefficients to it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +17,6 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class SerialAccumulate(Accumulator):
     """acc = coefficient added to or subtracted from acc, or from 2 acc at a pass's start; or 0.
 
-    Notes
-    -----
     At the start of a pass the sum is doubled. In the plane of half a unit of the result, this half
     unit is added too, so that the result is rounded half up. The coefficient is the bitwise OR of
     the program's weight, where that counts, and of a word of the table, which is 0 elsewhere.

@@ -1,7 +1,5 @@
 """The program of an engine without a multiplier: all fields of a step stand in one word."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

@@ -8,8 +8,6 @@ the intercept and the slope of the segment are products of the sum itself, and t
 is read as it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -29,11 +27,7 @@ ROUNDING = Fraction(1, 1 << 40)
 def added_up(layers: Sequence[Exact], values: Sequence[Value]) -> list[Exact]:
     """The layers, where those that only add up functions take them as their own.
 
-    Parameters
-    ----------
-    layers : sequence of Exact
-    values : sequence of Value
-        The operands of the first layer.
+    values: The operands of the first layer.
     """
     found: list[Exact] = []
     for layer in layers:

@@ -1,7 +1,5 @@
 """table_address: finds the segment of a table in which a hidden sum lies."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,24 +17,13 @@ from golden.port import CLOCK, Port, Unsigned, input_port, output_port
 class TableAddress(Block):
     """The high bits of q, complemented where q is negative, limited to the last segment.
 
-    Parameters
-    ----------
-    segment_width : int
-        Bits of q within a segment.
-    segments : int
-        Words of the table, or of each of its blocks, of which it is then a power of two.
-    beyond : bool
-        Whether sums can lie beyond the last segment; the last word serves them too. If False, such
-        a sum, which no neuron produces, would read some other word.
-    blocks : int
-        Blocks of the table. With more than one, ``base`` names the first block of a function, which
-        has the next one for negative q if the lowest bit of ``base`` is set; see
+    segment_width: Bits of q within a segment.
+    segments: Words of the table, or of each of its blocks, of which it is then a power of two.
+    beyond: Whether sums can lie beyond the last segment; the last word serves them too. If False,
+        such a sum, which no neuron produces, would read some other word.
+    blocks: Blocks of the table. With more than one, ``base`` names the first block of a function,
+        which has the next one for negative q if the lowest bit of ``base`` is set; see
         ``golden.engine.function_table``.
-
-    Raises
-    ------
-    InputError
-        When the format of q has fewer segments.
     """
 
     block = "table_address"
@@ -106,13 +93,7 @@ class TableAddress(Block):
         return tuple(found)
 
     def process(self, q: ArrayLike, base: ArrayLike = 0) -> Codes:
-        """The address of the segment of each code.
-
-        Raises
-        ------
-        InputError
-            For a code outside the format of q.
-        """
+        """The address of the segment of each code."""
         codes = HIDDEN.check(q, f"{self.entity} q")
         complement = np.where(codes < 0, ~codes, codes)
         segments = complement >> self.segment_width

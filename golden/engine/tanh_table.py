@@ -10,8 +10,6 @@ cases: the low bits of q with the highest of them inverted are x, as a signed nu
 magnitude nor a negated result is needed.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
@@ -31,15 +29,7 @@ _FRAC = 40
 def tanh_table(width: int) -> LineTable:
     """The words of every segment.
 
-    Parameters
-    ----------
-    width : int
-        9, 8 or 7: 160 segments of 1/32, 352 of 1/64 or 768 of 1/128.
-
-    Raises
-    ------
-    InputError
-        For another width.
+    width: 9, 8 or 7: 160 segments of 1/32, 352 of 1/64 or 768 of 1/128.
     """
     if width not in ENDS:
         raise InputError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
@@ -49,16 +39,10 @@ def tanh_table(width: int) -> LineTable:
 def fitted(width: int, end: Fraction) -> LineTable:
     """The words of the segments from 0 up to an end.
 
-    Parameters
-    ----------
-    width : int
-        See ``LineTable``.
-    end : Fraction
-        A multiple of a segment's width, 6 at most. With 6.5 or more, a line would reach 1 before
+    width: See ``LineTable``.
+    end: A multiple of a segment's width, 6 at most. With 6.5 or more, a line would reach 1 before
         the last segment, which is more than the last word, so the table would not be monotone.
 
-    Notes
-    -----
     The lines meet at the borders of the segments. There each line lies above tanh by half the
     amount by which a chord lies below it in the middle, so the error at the ends is as large as in
     the middle. The value at a border is an even code of the result, so that the mean of two, which

@@ -1,7 +1,5 @@
 """Converter instrument: everything from a converter on an SPI to the results."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.block import Block
@@ -17,17 +15,6 @@ class ConverterInstrument(Scanned):
 
     It computes what the network inside computes, from the samples as the converter digitises them,
     with one frame per scan.
-
-    Parameters
-    ----------
-    converter_reader : ConverterReader
-    readout : Readout
-
-    Raises
-    ------
-    InputError
-        When the reader's frames differ from those of the network, or follow faster than it accepts
-        them.
     """
 
     block = "converter_instrument"

@@ -1,7 +1,5 @@
 """Instrument: everything from a converter and an analogue multiplexer to the results."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.block import Block
@@ -16,17 +14,6 @@ class Instrument(Scanned):
     """Reads the sensors in turn, with network and readout (thesis Figures 5.5, 5.12 and 5.25).
 
     It computes what the network inside computes, with one frame per scan.
-
-    Parameters
-    ----------
-    scan_sequencer : ScanSequencer
-    readout : Readout
-
-    Raises
-    ------
-    InputError
-        When the sequencer's frames differ from those of the network, or follow faster than it
-        accepts them.
     """
 
     block = "instrument"

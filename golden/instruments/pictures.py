@@ -1,7 +1,5 @@
 """How data flow through the blocks around a network, for the picture of the datapath."""
 
-from __future__ import annotations
-
 from golden.flow import Carried, Flow, Step
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument

@@ -1,7 +1,5 @@
 """Readout: holds a network's outputs, draws a profile from them, and finds the largest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -24,24 +22,11 @@ class Readout(Network):
     Thesis section 5.5, Figures 5.12 and 5.25. It computes what the network inside computes: the
     same outputs from the same frames, in the same clocks.
 
-    Parameters
-    ----------
-    network : Network
-    load_profile : LoadProfile or None
-        None where no profile is drawn.
-    results : tuple of int
-        Indices of the outputs that are load, position, width and shape, where a profile is drawn.
-    decides : bool
-        Whether there are the index and the margin of the largest output.
-    holds : bool
-        Whether there are registers for the outputs.
-
-    Raises
-    ------
-    InputError
-        When ``results`` are not four different outputs of the network, or are set without a
-        profile; when one output alone is to decide; and when a profile is to be drawn of outputs
-        that are not held.
+    load_profile: None where no profile is drawn.
+    results: Indices of the outputs that are load, position, width and shape, where a profile is
+        drawn.
+    decides: Whether there are the index and the margin of the largest output.
+    holds: Whether there are registers for the outputs.
     """
 
     block = "readout"
@@ -153,15 +138,7 @@ class Readout(Network):
     def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
         """Positions and profiles for frames of outputs; see ``LoadProfile.process``.
 
-        Parameters
-        ----------
-        outputs : array_like of int, shape (..., outputs)
-            The results of ``process``.
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis, a code outside the signal format, or a readout without a profile.
+        outputs, shape (..., outputs): The results of ``process``.
         """
         if self.load_profile is None:
             raise InputError(f"{self.entity}: draws no profile")

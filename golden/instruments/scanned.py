@@ -1,7 +1,5 @@
 """What all instruments share, whatever reads their sensors: the readout at the end."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from golden.input_error import InputError
@@ -14,12 +12,7 @@ from golden.port import Port
 
 @dataclass(frozen=True)
 class Scanned(Network):
-    """A network whose frames are scans; it computes what the network inside computes.
-
-    Parameters
-    ----------
-    readout : Readout
-    """
+    """A network whose frames are scans; it computes what the network inside computes."""
 
     area = "instruments"
     readout: Readout = field(kw_only=True)
@@ -27,14 +20,7 @@ class Scanned(Network):
     def check_frames(self, inputs: int, slots: int) -> None:
         """Refuse scans whose frames are not those of the network.
 
-        Parameters
-        ----------
-        inputs, slots : int
-            Number of sensors, and of elements of a frame.
-
-        Raises
-        ------
-        InputError
+        inputs, slots: Number of sensors, and of elements of a frame.
         """
         got, expected = (inputs, slots), (self.inputs, self.readout.input_controller.inputs)
         if got != expected:
@@ -45,16 +31,9 @@ class Scanned(Network):
     def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
         """Refuse scans that follow each other faster than the network accepts frames.
 
-        Parameters
-        ----------
-        width : int
-            Bits of the scan's counter.
-        scan_clocks, left : int
-            Clocks from scan to scan, and from the last sample of one scan to the first of the next.
-
-        Raises
-        ------
-        InputError
+        width: Bits of the scan's counter.
+        scan_clocks, left: Clocks from scan to scan, and from the last sample of one scan to the
+            first of the next.
         """
         if scan_clocks < self.readout.interval:
             raise InputError(

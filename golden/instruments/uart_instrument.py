@@ -1,7 +1,5 @@
 """UART instrument: a converter instrument with a serial line to a computer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -38,23 +36,12 @@ class UartInstrument(ConverterInstrument):
     It computes what the network inside computes, from the samples as the converter digitises them,
     with one frame per scan.
 
-    Parameters
-    ----------
-    converter_reader, readout
-        Those of ``ConverterInstrument``. The engine inside may be reloadable, or learn.
-    divisor : int
-        Number of clocks of a bit on the line.
-    analogue : bool
-        Whether the profile leaves as two bits of pulse density. One point of each profile is given,
-        and the next point with the next profile, so that a point lasts as long as a low pass needs
-        to follow.
-
-    Raises
-    ------
-    InputError
-        See ``ConverterInstrument``. Also when the outputs of a frame leave after the next frame has
-        begun, for a divisor that is too small, and for ``analogue`` without a profile. Also when
-        an engine that learns has not enough clocks in one piece between two frames.
+    converter_reader, readout: Those of ``ConverterInstrument``. The engine inside may be
+        reloadable, or learn.
+    divisor: Number of clocks of a bit on the line.
+    analogue: Whether the profile leaves as two bits of pulse density. One point of each profile is
+        given, and the next point with the next profile, so that a point lasts as long as a low pass
+        needs to follow.
     """
 
     block = "uart_instrument"
@@ -174,10 +161,7 @@ class UartInstrument(ConverterInstrument):
     def slow_profile(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> Codes:
         """Number, i_p and f of the point that leaves in each clock, shape (3, clocks).
 
-        Parameters
-        ----------
-        profile : mapping
-            The columns of the ports ``profile_*``, by name.
+        profile: The columns of the ports ``profile_*``, by name.
         """
         names = ("profile_valid", "profile_x", "profile_y", "profile_last")
         columns = [np.asarray(profile[name]).tolist() for name in names]

@@ -1,7 +1,5 @@
 """Argmax: the largest output of each frame, and how far the next one is behind it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,17 +19,8 @@ class Argmax(Block):
 
     The winner is the largest output. Of equal ones it is the first, and its margin is 0.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the outputs.
-    outputs : int
-        The most outputs of a frame, 2 or more.
-
-    Raises
-    ------
-    InputError
-        When outputs is below 2: one output has nothing to be compared with.
+    fmt: Format of the outputs.
+    outputs: The most outputs of a frame, 2 or more.
     """
 
     block = "argmax"
@@ -112,20 +101,9 @@ class Argmax(Block):
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
         """Index and margin of the winner of each frame.
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (..., outputs)
-            A frame may have fewer outputs, but not fewer than 2.
+        frames, shape (..., outputs): A frame may have fewer outputs, but not fewer than 2.
 
-        Returns
-        -------
-        index, margin : Codes, shape (...)
-            The margin is in units of the last place of ``fmt``.
-
-        Raises
-        ------
-        InputError
-            For frames of another length, and for codes outside ``fmt``.
+        Returns index, margin, shape (...): The margin is in units of the last place of ``fmt``.
         """
         codes = self.fmt.check(frames, f"{self.entity} frames")
         if codes.ndim == 0 or not 2 <= codes.shape[-1] <= self.outputs:
@@ -138,11 +116,5 @@ class Argmax(Block):
 
 
 def argmax_of_signals(outputs: int, decides: bool) -> Argmax | None:
-    """What finds the largest of a network's outputs; None if nothing is to decide.
-
-    Raises
-    ------
-    InputError
-        See ``Argmax``.
-    """
+    """What finds the largest of a network's outputs; None if nothing is to decide."""
     return Argmax(SIGNAL, outputs) if decides else None

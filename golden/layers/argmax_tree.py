@@ -1,7 +1,5 @@
 """Argmax tree: the largest of outputs that come all at once, and how far the next is behind it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,21 +20,10 @@ class ArgmaxTree(Block):
     the tree, pairs of winners meet. A pair keeps the larger one, with its index, and the largest of
     the others: the loser or the second of the winner. The last clock subtracts the two.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the outputs.
-    outputs : int
-        The outputs of a frame, 2 or more.
+    fmt: Format of the outputs.
+    outputs: The outputs of a frame, 2 or more.
 
-    Notes
-    -----
     Latency: a clock for each level, and one for the margin. A frame every clock.
-
-    Raises
-    ------
-    InputError
-        When outputs is below 2: one output has nothing to be compared with.
     """
 
     block = "argmax_tree"

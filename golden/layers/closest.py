@@ -1,7 +1,5 @@
 """Samples whose weighted sum is a given number, or the closest to it on one side."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.fixed import Codes
@@ -27,25 +25,13 @@ def closest(
     varies two samples at a time and tries all of their pairs; it ends early at a sum that cannot be
     improved.
 
-    Parameters
-    ----------
-    ends : tuple of tuple of int
-        For each sample its least and its largest value.
-    weights : int64 array
-    start : int
-        Number to which the products are added.
-    shift : int
-        Number of low bits that are dropped from each product.
-    target : int
-    above : bool
-        Whether the sum must be ``target`` or more; otherwise it must be ``target`` or less.
-    rng : Generator
-        Source of the random choices.
+    ends: For each sample its least and its largest value.
+    start: Number to which the products are added.
+    shift: Number of low bits that are dropped from each product.
+    above: Whether the sum must be ``target`` or more; otherwise it must be ``target`` or less.
+    rng: Source of the random choices.
 
-    Returns
-    -------
-    int64 array, or None
-        None where the search finds no sum on that side.
+    Returns: None where the search finds no sum on that side.
     """
     row = np.asarray(weights, dtype=np.int64)
     places = np.flatnonzero(row)

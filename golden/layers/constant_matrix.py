@@ -1,7 +1,5 @@
 """constant_matrix: all sums of a layer as one graph of shifted adds, without a multiplier."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -32,12 +30,8 @@ _MOST_WIDTH = 62
 class Finish:
     """What becomes of a row's sum besides being cut and saturated.
 
-    Parameters
-    ----------
-    rectified : bool
-        A result below 0 becomes 0, which is a ReLU.
-    even : bool
-        If all bits that the result drops are 0, the last bit of the result becomes 0. If half a
+    rectified: A result below 0 becomes 0, which is a ReLU.
+    even: If all bits that the result drops are 0, the last bit of the result becomes 0. If half a
         unit of the result is part of the bias, this rounds halves to the even result.
     """
 
@@ -51,48 +45,29 @@ class ConstantMatrix(Block):
 
     A result is saturated. A row may have more of a finish; see ``Finish``.
 
-    Parameters
-    ----------
-    in_fmt, out_fmt : Fix
-        Formats of sample and result.
-    weights : tuple of tuple of int
-        A row for each result, in the order of the samples.
-    biases : tuple of int
-        Added constants, in units of the sum.
-    out_shift : int
-        Number of low bits of the sum that the result does not have.
-    guard : int
-        Number of bits below the result's last that are still added; all bits below them are dropped
-        before the addition.
-    adders_per_clock : int
-        Most adders in series between two registers.
-    finishes : tuple of Finish
-        One for each row; empty for results that are saturated alone.
-    in_ends : tuple of tuple of int
-        For each sample its least and its largest code; empty for those of ``in_fmt``. No other code
-        may come.
-    adder_operands : int
-        The most operands of an adder, 2 or 3. An adder of three needs a LUT for each bit where LUTs
-        have six inputs, and about two where they have four. It counts as one adder in
-        ``adders_per_clock``.
-    search_runs : int
-        How many runs the search for the graph has; 0 for up to 40, fewer for a large matrix. The
-        graph of more runs is never larger. It takes longer to find and is kept in the store.
+    in_fmt, out_fmt: Formats of sample and result.
+    weights: A row for each result, in the order of the samples.
+    biases: Added constants, in units of the sum.
+    out_shift: Number of low bits of the sum that the result does not have.
+    guard: Number of bits below the result's last that are still added; all bits below them are
+        dropped before the addition.
+    adders_per_clock: Most adders in series between two registers.
+    finishes: One for each row; empty for results that are saturated alone.
+    in_ends: For each sample its least and its largest code; empty for those of ``in_fmt``. No other
+        code may come.
+    adder_operands: The most operands of an adder, 2 or 3. An adder of three needs a LUT for each
+        bit where LUTs have six inputs, and about two where they have four. It counts as one adder
+        in ``adders_per_clock``.
+    search_runs: How many runs the search for the graph has; 0 for up to 40, fewer for a large
+        matrix. The graph of more runs is never larger. It takes longer to find and is kept in the
+        store.
 
-    Notes
-    -----
     The graph is that of ``golden.layers.sharing``. Dropping bits moves the sum of row i by a number
     between the two of ``errors[i]``, in units of the sum. They are sums, over all operands that
     lose bits, of the least and of the largest number that the lost bits can stand for. The mean
     error, if a lost bit is 1 as often as 0, is part of the constant that is added. Every number
     inside has as many bits as its bounds require. The bounds hold for all samples, so nothing
     wraps.
-
-    Raises
-    ------
-    InputError
-        For rows of unequal length, for numbers that are out of range, and for sums of more than 62
-        bits.
     """
 
     block = "constant_matrix"
@@ -308,9 +283,7 @@ class ConstantMatrix(Block):
         They are always the same for the same row, so a bench that drives them comes as close to the
         border as ``borders`` says.
 
-        Returns
-        -------
-        Codes, shape (frames, inputs)
+        Returns: shape (frames, inputs).
         """
         return _beside(self, row, at)
 
@@ -319,9 +292,7 @@ class ConstantMatrix(Block):
 
         In further frames a single bit of the sum says that it does not, next to an odd result.
 
-        Returns
-        -------
-        Codes, shape (frames, inputs)
+        Returns: shape (frames, inputs).
         """
         return _ties(self, row)
 
@@ -351,13 +322,6 @@ class ConstantMatrix(Block):
     def process(self, frames: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (..., rows), for frames of samples, shape (..., inputs).
 
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``in_fmt``.
-
-        Notes
-        -----
         A code outside ``in_ends`` gives what the exact sum would, not what the hardware does.
         """
         x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)

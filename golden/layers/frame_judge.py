@@ -1,7 +1,5 @@
 """The decision which frames are good, for every block that makes it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,16 +24,10 @@ BROKEN = output_port(
 class FrameScan:
     """The decision about each sample, as arrays of equal length.
 
-    Attributes
-    ----------
-    addr : int64 array
-        Position of the sample in its frame, 0 where the sample is dropped.
-    accept : bool array
-        False where the sample is dropped.
-    done : bool array
-        The sample completes a frame that yields a result.
-    error : bool array
-        The sample breaks the frame, so ``frame_error`` follows for one clock.
+    addr: Position of the sample in its frame, 0 where the sample is dropped.
+    accept: False where the sample is dropped.
+    done: The sample completes a frame that yields a result.
+    error: The sample breaks the frame, so ``frame_error`` follows for one clock.
     """
 
     addr: Codes
@@ -64,19 +56,12 @@ def judge(
     comes too soon after a good one. A wrong frame raises one error; of an overlong frame everything
     up to and including its ``last`` is dropped.
 
-    Parameters
-    ----------
-    last : array_like of bool
-        The ``last`` flag of each valid sample.
-    clock : array_like of int
-        The clock in which each sample arrived; only differences matter.
-    inputs : int
-        Samples of a good frame.
-    apart : int
-        Least clocks from the last sample of a good frame to the last sample of the next.
-    at_once : bool
-        Count these clocks to the first sample of the next frame instead. A sample that comes too
-        early is dropped together with its whole frame.
+    last: The ``last`` flag of each valid sample.
+    clock: The clock in which each sample arrived; only differences matter.
+    inputs: Samples of a good frame.
+    apart: Least clocks from the last sample of a good frame to the last sample of the next.
+    at_once: Count these clocks to the first sample of the next frame instead. A sample that comes
+        too early is dropped together with its whole frame.
     """
     flags = np.asarray(last, dtype=bool)
     times = np.asarray(clock, dtype=np.int64)

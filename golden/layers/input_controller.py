@@ -1,7 +1,5 @@
 """CONTROLLER 1: counts the samples of a frame and refuses frames of a wrong length."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -17,17 +15,11 @@ from golden.port import Port, Unsigned, output_port
 class InputController(Block):
     """Weight address, accumulator controls and frame check (thesis 5.4.5.1, CONTROLLER 1).
 
-    Parameters
-    ----------
-    inputs : int
-        Samples of one frame, 1 or more.
-    spacing : int
-        Least clocks from the last sample of one frame to the last sample of the next. A design
+    inputs: Samples of one frame, 1 or more.
+    spacing: Least clocks from the last sample of one frame to the last sample of the next. A design
         whose outputs or activations need more clocks than a frame has samples sets it to that
         number of clocks; otherwise it is 0 and its counter is left out.
 
-    Notes
-    -----
     A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
     the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error. Of an
     overlong frame everything up to and including its ``last`` is dropped.

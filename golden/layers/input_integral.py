@@ -1,7 +1,5 @@
 """Input integral: all nodes of the hidden layer side by side."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,17 +18,10 @@ from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
 class InputIntegral(WeightedSum):
     """q_j = b_j + sum_k w_jk x_k for every hidden node j (thesis section 5.4.5.1).
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift
-        See ``WeightedSum``.
-    weights : tuple of tuple of int
-        One row of codes of ``coeff_fmt`` per hidden node, in the order of the samples.
-    biases : tuple of int
-        Codes of ``coeff_fmt``, one per hidden node.
+    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
+    weights: One row of codes of ``coeff_fmt`` per hidden node, in the order of the samples.
+    biases: Codes of ``coeff_fmt``, one per hidden node.
 
-    Notes
-    -----
     The block holds the weights and biases. All its nodes are instances of one entity, whose
     accumulator holds the widest sum of all.
     """
@@ -117,13 +108,7 @@ class InputIntegral(WeightedSum):
         return {f"sum {j}": sums for j, sums in enumerate(self.exact(frames).T)}
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results, shape (..., hidden), for frames of samples, shape (..., inputs).
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``in_fmt``.
-        """
+        """Results, shape (..., hidden), for frames of samples, shape (..., inputs)."""
         exact = self.exact(frames)
         return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
 

@@ -1,7 +1,5 @@
 """One node of the input integral: the weighted sum of a neuron, sample by sample."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,16 +16,10 @@ from golden.port import CLOCK, Port, input_port, output_port
 class InputNode(WeightedSum):
     """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift
-        See ``WeightedSum``.
-    acc_width : int
-        Bits of the accumulator. The block that supplies the weights ensures that every partial sum
-        fits.
+    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
+    acc_width: Bits of the accumulator. The block that supplies the weights ensures that every
+        partial sum fits.
 
-    Notes
-    -----
     Weights and bias enter through ports. So nodes that differ only in them are one entity, whose
     name contains the fraction bits of the weights and the bits of the sum.
     """
@@ -83,7 +75,7 @@ class InputNode(WeightedSum):
     def holds(self, weights: ArrayLike, biases: ArrayLike) -> NDArray[np.bool_]:
         """Whether the block may be used with these weights: no samples make a sum overflow.
 
-        See ``partial_sums`` for the parameters.
+        See ``partial_sums``.
         """
         least, most = self.partial_sums(weights, biases)
         half = 1 << (self.acc_width - 1)
@@ -125,7 +117,7 @@ class InputNode(WeightedSum):
     def process(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs).
 
-        See ``exact`` for parameters and exceptions.
+        See ``exact``.
         """
         exact = self.exact(frames, weights, biases)
         return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
@@ -133,19 +125,9 @@ class InputNode(WeightedSum):
     def exact(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
         """The sums before they are rounded.
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (..., inputs)
-            Codes of ``in_fmt``.
-        weights : array_like of int, shape (..., inputs)
-            Codes of ``coeff_fmt``; the weight of each sample.
-        biases : array_like of int, shape (...)
-            Codes of ``coeff_fmt``; the bias of each frame.
-
-        Raises
-        ------
-        InputError
-            For a code outside its format, or a sum that does not fit in the accumulator.
+        frames, shape (..., inputs): Codes of ``in_fmt``.
+        weights, shape (..., inputs): Codes of ``coeff_fmt``; the weight of each sample.
+        biases, shape (...): Codes of ``coeff_fmt``; the bias of each frame.
         """
         x = self.in_fmt.check(frames, f"{self.block} frames")
         w = self.coeff_fmt.check(weights, f"{self.block} weights")

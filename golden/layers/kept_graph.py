@@ -1,7 +1,5 @@
 """Graphs of searches for shared terms, which are kept in the store where a search is long."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from golden import store

@@ -1,7 +1,5 @@
 """The adders of a constant matrix as a text for a person to read."""
 
-from __future__ import annotations
-
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.shift_add import Constant, Input, ShiftAdd
 

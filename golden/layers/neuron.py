@@ -1,7 +1,5 @@
 """Neuron: a weighted sum of samples that arrive all at once."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,15 +16,9 @@ from golden.port import CLOCK, Port, group, input_port, output_port
 class Neuron(NodeSum):
     """(b + sum_k w_k x_k) Y, with a multiplier for every weight (thesis section 5.2.1).
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias
-        See ``NodeSum``.
-    factor : int, or None
-        De-normalisation Y_i of an output (equation 4.17). With None its multiplier is left out.
+    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias: See ``NodeSum``.
+    factor: De-normalisation Y_i of an output (equation 4.17). With None its multiplier is left out.
 
-    Notes
-    -----
     The sum and its product with the factor are exact. The result is rounded half up and saturated
     to ``out_fmt``.
     """

@@ -1,7 +1,5 @@
 """The bounded sum of one neuron, whether its samples come one by one or all at once."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,17 +13,10 @@ from golden.layers.weighted_sum import WeightedSum
 class NodeSum(WeightedSum):
     """The sum b + sum_k w_k x_k of one neuron.
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift
-        See ``WeightedSum``.
-    weights : tuple of int
-        Codes of ``coeff_fmt``, in the order of the samples.
-    bias : int
-        Code of ``coeff_fmt``.
+    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``.
+    weights: Codes of ``coeff_fmt``, in the order of the samples.
+    bias: Code of ``coeff_fmt``.
 
-    Notes
-    -----
     The sum is exact: ``acc_width`` bits hold the sum of the magnitudes of all terms, and hence
     every partial sum in any order. The result is rounded half up and saturated to ``out_fmt``. With
     no bits to drop, and a sum no wider than ``out_fmt``, neither costs hardware.
@@ -63,13 +54,7 @@ class NodeSum(WeightedSum):
         return acc
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs).
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``in_fmt``.
-        """
+        """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs)."""
         exact = self.scaled(self.exact(frames))
         return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
 

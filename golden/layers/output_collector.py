@@ -1,7 +1,5 @@
 """Output collector: takes results that come side by side and sends them one by one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -17,17 +15,8 @@ from golden.port import CLOCKED, Port, group, input_port, output_port
 class OutputCollector(Block):
     """Turns the outputs of several networks into one frame (thesis section 5.5).
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the results.
-    outputs : int
-        Number of results of one frame, 1 or more.
-
-    Raises
-    ------
-    InputError
-        When outputs is below 1.
+    fmt: Format of the results.
+    outputs: Number of results of one frame, 1 or more.
     """
 
     block = "output_collector"
@@ -69,11 +58,5 @@ class OutputCollector(Block):
         return 1
 
     def process(self, results: ArrayLike) -> Codes:
-        """The elements that leave, in order, for results of shape (frames, outputs).
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``fmt``.
-        """
+        """The elements that leave, in order, for results of shape (frames, outputs)."""
         return self.fmt.check(results, f"{self.entity} results", self.outputs).ravel()

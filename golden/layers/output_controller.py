@@ -1,7 +1,5 @@
 """CONTROLLER 2: steps through the outputs of a frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,13 +14,8 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class OutputController(Block):
     """Gives the row address of each output in turn (thesis section 5.4.5.3, CONTROLLER 2).
 
-    Parameters
-    ----------
-    outputs : int
-        Outputs of one frame, 1 or more.
+    outputs: Outputs of one frame, 1 or more.
 
-    Notes
-    -----
     The name of the entity contains ``outputs``, so that controllers of equal frames are one entity.
     """
 

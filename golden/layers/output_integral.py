@@ -1,7 +1,5 @@
 """Output integral: computes one output after the other, on one multiplier per hidden node."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,19 +16,12 @@ from golden.port import CLOCKED, Port, Unsigned, group, input_port, output_port
 class OutputIntegral(WeightedSum):
     """y_i = (b_i + sum_j w_ij r_j) Y_i, one output per clock (thesis equation 5.2, Figure 5.11).
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift
-        See ``WeightedSum``; the samples are the activations r.
-    weights : tuple of tuple of int
-        One row of codes of ``coeff_fmt`` per output.
-    biases : tuple of int
-        Codes of ``coeff_fmt``, one per output.
-    factors : tuple of int, or None
-        De-normalisation Y_i (equation 4.17). With None its multiplier is left out.
+    in_fmt, coeff_fmt, out_fmt, product_shift: See ``WeightedSum``; the samples are the activations
+        r.
+    weights: One row of codes of ``coeff_fmt`` per output.
+    biases: Codes of ``coeff_fmt``, one per output.
+    factors: De-normalisation Y_i (equation 4.17). With None its multiplier is left out.
 
-    Notes
-    -----
     The sum and its product with Y_i are exact. The result is rounded half up (in ``thesis``
     precision there are no bits to drop) and saturated to ``out_fmt``.
     """
@@ -133,13 +124,7 @@ class OutputIntegral(WeightedSum):
         return {f"sum {row}": sums[addr == row, row] for row in range(self.outputs)}
 
     def process(self, activations: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (..., outputs), for activations, shape (..., hidden).
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``in_fmt``.
-        """
+        """Results in ``out_fmt``, shape (..., outputs), for activations, shape (..., hidden)."""
         acc = self.exact(activations)
         if self.factors is not None:
             acc = acc * np.asarray(self.factors, dtype=np.int64)

@@ -287,16 +287,10 @@ def _pair(weights: Sequence[int], room: int) -> tuple[int, int]:
 class Matrix:
     """A constant matrix whose sums of products are wanted; see ``shared``.
 
-    Attributes
-    ----------
-    weights : tuple of tuple of int
-        A row for each sum.
-    biases : tuple of int
-        The constant of each sum.
-    ends : tuple of tuple of int
-        For each input its least and its largest value.
-    place : int
-        The lowest bit position of a sum that is kept.
+    weights: A row for each sum.
+    biases: The constant of each sum.
+    ends: For each input its least and its largest value.
+    place: The lowest bit position of a sum that is kept.
     """
 
     weights: tuple[tuple[int, ...], ...]
@@ -325,19 +319,12 @@ def again(matrix: Matrix, best: Sharing, random: Random) -> Sharing:
 def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0) -> ShiftAdd:
     """The graph for a matrix with the fewest bits of adders among several runs.
 
-    Parameters
-    ----------
-    matrix : Matrix
-    levels : int
-        Most adders between two registers. The graph has the least possible number of register
+    levels: Most adders between two registers. The graph has the least possible number of register
         stages, or one more where that saves enough.
-    spare : int
-        Adders that follow the last adder of a row.
-    operands : int
-        The most operands of an adder, 2 or 3. Sums of three are made of two sums that are chosen
-        first, so the numbers of stages that are tried reach one further.
-    runs : int
-        How many runs there are; 0 for ``RUNS`` and ``PAIRS``. Runs beyond these each change the
+    spare: Adders that follow the last adder of a row.
+    operands: The most operands of an adder, 2 or 3. Sums of three are made of two sums that are
+        chosen first, so the numbers of stages that are tried reach one further.
+    runs: How many runs there are; 0 for ``RUNS`` and ``PAIRS``. Runs beyond these each change the
         best one so far; see ``again``.
     """
 

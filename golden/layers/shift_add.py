@@ -5,8 +5,6 @@ subtracted. A row, which is one result of a matrix, is a node shifted left, and 
 needed. Each node has only the low bits that somebody needs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -75,14 +73,9 @@ class Alignment:
 class Reach:
     """The range of a node: that of its exact value, and that of the error of dropped bits.
 
-    Attributes
-    ----------
-    least, most : int
-        Bounds of the exact value, over all inputs.
-    below, above : int
-        Bounds of the error.
-    twice_mean : int
-        Twice the mean error, if a dropped bit is 1 as often as 0.
+    least, most: Bounds of the exact value, over all inputs.
+    below, above: Bounds of the error.
+    twice_mean: Twice the mean error, if a dropped bit is 1 as often as 0.
     """
 
     least: int
@@ -96,16 +89,10 @@ class Reach:
 class ShiftAdd:
     """A graph of shifted adds in which low bits have been dropped.
 
-    Parameters
-    ----------
-    ends : tuple of tuple of int
-        For each input its least and its largest value.
-    nodes : tuple of Node
-        All nodes; a sum comes after its operands.
-    lows : tuple of int
-        For each node the lowest place that is kept, so that a node's number stands for itself times
-        ``2**low``.
-    rows : tuple of Row
+    ends: For each input its least and its largest value.
+    nodes: All nodes; a sum comes after its operands.
+    lows: For each node the lowest place that is kept, so that a node's number stands for itself
+        times ``2**low``.
     """
 
     ends: Ends

@@ -6,8 +6,6 @@ Meyer-Baese, Multiple constant multiplication with ternary adders, FPL 2013). Ho
 are chosen is ours.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 from golden.layers.shift_add import Node, Operand, ShiftAdd, Sum, beside, renumbered, steps_of

@@ -1,7 +1,5 @@
 """What both layers share: a sum of products, and the binary points in it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,18 +17,9 @@ from golden.layers.closest import closest
 class WeightedSum(Block):
     """Bias plus products of samples and weights; low bits of each product are dropped before.
 
-    Parameters
-    ----------
-    in_fmt, coeff_fmt, out_fmt : Fix
-        Formats of sample, weight and result.
-    product_shift : int
-        Fraction bits that are dropped (floor) from each product before it is added: 13 in
-        ``thesis`` precision, 0 in ``exact``.
-
-    Raises
-    ------
-    InputError
-        When the sum would have fewer fraction bits than the result or the bias.
+    in_fmt, coeff_fmt, out_fmt: Formats of sample, weight and result.
+    product_shift: Fraction bits that are dropped (floor) from each product before it is added: 13
+        in ``thesis`` precision, 0 in ``exact``.
     """
 
     area = "layers"
@@ -71,10 +60,8 @@ class WeightedSum(Block):
     def partial_sums(self, weights: ArrayLike, biases: ArrayLike) -> tuple[Codes, Codes]:
         """Least and largest value of any partial sum, for all samples in any order.
 
-        Parameters
-        ----------
-        weights : array_like of int, shape (..., inputs)
-        biases : array_like of int, shape (...)
+        weights: shape (..., inputs).
+        biases: shape (...).
         """
         terms = self._ends_of_terms(weights)
         start = np.asarray(biases, dtype=np.int64) << self.bias_shift
@@ -114,14 +101,7 @@ class WeightedSum(Block):
         They are always the same two for the same row, so a bench that drives them comes as close to
         the border as ``borders_of`` says.
 
-        Returns
-        -------
-        Codes, shape (2, inputs)
-
-        Raises
-        ------
-        InputError
-            When the sums of the row do not lie on both sides of ``at``.
+        Returns: shape (2, inputs).
         """
         return _beside(self, tuple(int(weight) for weight in row), bias, at)
 
@@ -135,11 +115,9 @@ class WeightedSum(Block):
     def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
         """Exact sums, shape (..., rows), of checked samples, shape (..., inputs).
 
-        Parameters
-        ----------
-        samples : int64 array, shape (..., inputs)
-        weights : int64 array, shape (rows, inputs)
-        biases : int64 array, shape (rows,)
+        samples: shape (..., inputs).
+        weights: shape (rows, inputs).
+        biases: shape (rows,).
         """
         start = biases << self.bias_shift
         bound = np.abs(weights).sum(axis=1) * -self.in_fmt.low + np.abs(start)

@@ -23,8 +23,6 @@ s.s, q.q, p.p  72 bits                     they fall by the square of that
 =============  ==========================  ====================================================
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,13 +42,8 @@ _WEIGHT, _ALPHA, _RATIO = 17, 10, 14
 class Conjugate:
     """Conjugate gradients.
 
-    Parameters
-    ----------
-    taught : Corrected
-    noise : int64 array, shape (drifts, outputs)
-        r^2 of each output, with ``SQUARE`` fraction bits, above 0.
-    width : int
-        Bits of the vectors, 18 or 36.
+    noise, shape (drifts, outputs): r^2 of each output, with ``SQUARE`` fraction bits, above 0.
+    width: Bits of the vectors, 18 or 36.
     """
 
     taught: Corrected

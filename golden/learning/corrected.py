@@ -72,11 +72,8 @@ HALF = 1 << (OUTPUT_SHIFT - 1)
 class Corrected:
     """Networks of one hidden layer of tanh and one output each, behind corrected sensors.
 
-    Parameters
-    ----------
-    networks : tuple of IntegerNetwork
-    gains, offsets : int64 array, shape (sensors,)
-        A standard deviation of theta, as weights with 17 and 16 fraction bits.
+    gains, offsets, shape (sensors,): A standard deviation of theta, as weights with 17 and 16
+        fraction bits.
     """
 
     networks: tuple[IntegerNetwork, ...]
@@ -87,16 +84,8 @@ class Corrected:
     def of(cls, mlps: Sequence[Mlp], gain: Real, offset: Real) -> Corrected:
         """Trained networks of a cascade, in whole numbers.
 
-        Parameters
-        ----------
-        mlps : sequence of Mlp
-        gain, offset : float array, shape (sensors,)
-            Standard deviations of the expected drift, the offset as a signal.
-
-        Raises
-        ------
-        InputError
-            For a network with more than one output, or with another activation than tanh.
+        gain, offset, shape (sensors,): Standard deviations of the expected drift, the offset as a
+            signal.
         """
         networks = integer_networks("cascade", mlps)
         for number, network in enumerate(networks, start=1):
@@ -147,10 +136,8 @@ class Corrected:
     def corrections(self, codes: Codes) -> tuple[Real, Real]:
         """The gain less one of each sensor, and its offset as a signal.
 
-        Parameters
-        ----------
-        codes : int64 array, shape (2 sensors,)
-            Theta as it can be read: without the lowest bits of its words, as outputs leave.
+        codes, shape (2 sensors,): Theta as it can be read: without the lowest bits of its words, as
+            outputs leave.
         """
         by_gain, by_offset = np.split(codes / (1 << (THETA.frac - OUTPUT_SHIFT)), 2)
         weights = self.gains / (1 << GAIN_WEIGHT), self.offsets / (1 << OFFSET_WEIGHT)
@@ -159,12 +146,8 @@ class Corrected:
     def samples(self, theta: Codes, samples: Codes, unit: Unit) -> Codes:
         """The corrected samples z as words, shape (drifts, sensors).
 
-        Parameters
-        ----------
-        theta : int64 array, shape (drifts, 2 sensors)
-        samples : int64 array, shape (drifts, sensors)
-            Words of samples.
-        unit : Unit
+        theta: shape (drifts, 2 sensors).
+        samples, shape (drifts, sensors): Words of samples.
         """
         by_gain, by_offset = np.split(theta, 2, axis=1)
         gains = unit.word("gain", by_gain * self.gains, 1)

@@ -5,8 +5,6 @@ Two of the parts exist as blocks, or are like one that does: a quotient by subtr
 and registers. The others are counted by hand: a LUT of four inputs for each bit that is chosen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 # LUTs of the engine of ``digit`` as it is built (Virtex-II).
@@ -39,10 +37,7 @@ def luts(parts: Iterable[str]) -> int:
 def equation_steps(sensors: int, earlier: int, nodes: int) -> int:
     """Steps of the equation of one output: correction, network, error, squares, derivatives, row.
 
-    Parameters
-    ----------
-    sensors, earlier, nodes : int
-        Samples, outputs of earlier networks, and hidden nodes of its network.
+    sensors, earlier, nodes: Samples, outputs of earlier networks, and hidden nodes of its network.
     """
     correction = 5 * sensors
     network = nodes * (sensors + earlier + 1) + 2 * nodes + nodes + 1

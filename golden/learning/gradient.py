@@ -22,8 +22,6 @@ theta                    Fix(18,14)  or 32 bits of which 28 are fraction, ``wide
 =======================  ==========  ==========================================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -47,19 +45,12 @@ QUOTIENT_SHIFT = LENGTH.frac + QUOTIENT.frac - ERROR.frac
 class Gradient:
     """Steps along the derivatives.
 
-    Parameters
-    ----------
-    taught : Corrected
-    halvings : int
-        The rate is ``2**-halvings``.
-    noise : int64 array, shape (drifts, outputs)
-        r^2 of each output, in the format ``LENGTH``.
-    constant : int64 array, shape (outputs,), or None
-        Constant steps in the format ``STEP``, which contain the rate; None to divide.
-    wide : bool
-        Whether theta has 32 bits.
-    equation : callable
-        What makes the equations: ``equation`` or ``by_differences``.
+    halvings: The rate is ``2**-halvings``.
+    noise, shape (drifts, outputs): r^2 of each output, in the format ``LENGTH``.
+    constant, shape (outputs,): Constant steps in the format ``STEP``, which contain the rate; None
+        to divide.
+    wide: Whether theta has 32 bits.
+    equation: What makes the equations: ``equation`` or ``by_differences``.
     """
 
     taught: Corrected
@@ -111,13 +102,8 @@ class Gradient:
 def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
     """The constant step of each output: half of the largest with which no equation overshoots.
 
-    Parameters
-    ----------
-    taught : Corrected
-    codes : int64 array, shape (rows, sensors)
-        Samples of a recording.
-    targets : int64 array, shape (rows, outputs)
-        Its known outputs.
+    codes, shape (rows, sensors): Samples of a recording.
+    targets, shape (rows, outputs): Its known outputs.
     """
     rows = Lesson(codes[:, np.newaxis], targets[:, np.newaxis])
     unit, theta = Unit(rows.drifts), start(rows, taught)

@@ -22,12 +22,8 @@ _TIMES_SAMPLE = Fix(18, SLOPE.frac + SAMPLE.frac - SHORT - DROPPED)
 class Lesson:
     """Placements in the order in which they are shown, for several drifts side by side.
 
-    Attributes
-    ----------
-    samples : int64 array, shape (drifts, placements, sensors)
-        Codes of what drifted sensors read.
-    targets : int64 array, shape (drifts, placements, outputs)
-        Codes of the known outputs.
+    samples, shape (drifts, placements, sensors): Codes of what drifted sensors read.
+    targets, shape (drifts, placements, outputs): Codes of the known outputs.
     """
 
     samples: Codes
@@ -70,11 +66,8 @@ class Lesson:
 class Equation:
     """What an output of a placement says: ``error = row . (theta sought - theta)``.
 
-    Attributes
-    ----------
-    error : int64 array, shape (drifts,)
-    row : int64 array, shape (drifts, 2 sensors)
-        Derivatives of the output by theta.
+    error: shape (drifts,).
+    row, shape (drifts, 2 sensors): Derivatives of the output by theta.
     """
 
     error: Codes
@@ -110,13 +103,9 @@ def by_differences(
     Equation: ``dy/dz = (y(z + d) - y(z)) / d`` with d = 2**-8. A larger d bends, and a smaller one
     leaves too few bits.
 
-    Parameters
-    ----------
-    taught, lesson, theta, placement, output, unit
-        As for ``equation``.
-    alone : bool
-        Whether the network reads known outputs in the place of those of earlier networks. If not,
-        all earlier networks are computed too.
+    taught, lesson, theta, placement, output, unit: As for ``equation``.
+    alone: Whether the network reads known outputs in the place of those of earlier networks. If
+        not, all earlier networks are computed too.
     """
     corrected = taught.samples(theta, lesson.words(placement), unit)
     known = lesson.known(placement)
@@ -166,10 +155,7 @@ def start(lesson: Lesson, taught: Corrected) -> Codes:
 def bounded(theta: Codes, wanted: Codes, unit: Unit) -> Codes:
     """The new theta, or the old one where the step would leave its format, which is counted.
 
-    Parameters
-    ----------
-    theta, wanted : int64 array, shape (drifts, 2 sensors)
-    unit : Unit
+    theta, wanted: shape (drifts, 2 sensors).
     """
     inside = (wanted >= THETA.low) & (wanted <= THETA.high)
     fits = np.asarray(inside.all(axis=1), dtype=bool)

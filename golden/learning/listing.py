@@ -1,7 +1,5 @@
 """The listing of a program that learns: a line for every word, part by part."""
 
-from __future__ import annotations
-
 from golden.learning.program import LessonProgram
 
 
@@ -9,10 +7,6 @@ def lesson_listing(program: LessonProgram) -> list[str]:
     """The words behind the table, and which part begins where.
 
     A part is computed from its first word on. The words before it say where its first results go.
-
-    Parameters
-    ----------
-    program : LessonProgram
     """
     frame, keep, *equations = program.lengths
     texts = [

@@ -22,12 +22,8 @@ if TYPE_CHECKING:
 class Noise:
     """The errors of equations without any drift.
 
-    Attributes
-    ----------
-    own : float array, shape (outputs,)
-        Mean squares of the networks' own errors with known outputs before them.
-    slopes : float array, shape (outputs,)
-        Mean squares of the length of the derivatives by the sensors.
+    own, shape (outputs,): Mean squares of the networks' own errors with known outputs before them.
+    slopes, shape (outputs,): Mean squares of the length of the derivatives by the sensors.
     """
 
     own: Real
@@ -53,17 +49,10 @@ class Noise:
     def squares(self, readings: Real, fmt: Fix, factor: float = 1) -> Codes:
         """r^2 of each output as a constant of a program, at least one code.
 
-        Parameters
-        ----------
-        readings : float array, shape (drifts,)
-            Standard deviation of the noise of a reading as a signal.
-        fmt : Fix
-        factor : float
-            What r^2 is multiplied by.
+        readings, shape (drifts,): Standard deviation of the noise of a reading as a signal.
+        factor: What r^2 is multiplied by.
 
-        Returns
-        -------
-        int64 array, shape (drifts, outputs)
+        Returns: shape (drifts, outputs).
         """
         squares = self.own + np.square(readings)[:, np.newaxis] * self.slopes
         return np.maximum(fmt.quantise(factor * squares)[0], 1)

@@ -21,8 +21,6 @@ quotient    Fix(18,14)
 ==========  ==========  ==================================================================
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,15 +41,9 @@ SPREAD = 3
 class OutputLayers:
     """Normalised LMS on the output layers; Kaczmarz with ``halvings`` 0.
 
-    Parameters
-    ----------
-    taught : Corrected
-    halvings : int
-        The rate is ``2**-halvings``.
-    wide : bool
-        Whether a weight has 32 bits while it is learned.
-    filters : Recursive or None
-        Recursive least squares in the place of a rate; its noise is a quarter of r.
+    halvings: The rate is ``2**-halvings``.
+    wide: Whether a weight has 32 bits while it is learned.
+    filters: Recursive least squares in the place of a rate; its noise is a quarter of r.
     """
 
     taught: Corrected

@@ -18,8 +18,6 @@ step             Fix(18,14)  at most ``MOST`` at a time
 ===============  ==========  ======================================================
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,15 +43,9 @@ STAGES = 6
 class Perturbation:
     """Simultaneous perturbation.
 
-    Parameters
-    ----------
-    taught : Corrected
-    weights : int64 array, shape (drifts, outputs)
-        1 / r of each output, with ``OVER_R`` fraction bits.
-    shift : int
-        The first a: the difference of the losses is shifted so far to the right.
-    seed : int
-        Of the random signs.
+    weights, shape (drifts, outputs): 1 / r of each output, with ``OVER_R`` fraction bits.
+    shift: The first a: the difference of the losses is shifted so far to the right.
+    seed: Of the random signs.
     """
 
     taught: Corrected

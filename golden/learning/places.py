@@ -1,7 +1,5 @@
 """Where an engine that learns keeps its words."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,18 +28,8 @@ class Places:
     The program has 1 for every bit of b, and 0 for every bit of p. The hardware puts the bank and
     the number of the placement there.
 
-    Parameters
-    ----------
-    sensors, outputs : int
-    scratch : int
-        The most words that a frame or an equation computes, theta aside.
-    least : int
-        The least bits of an address.
-
-    Raises
-    ------
-    InputError
-        When an address has more bits than a program can hold.
+    scratch: The most words that a frame or an equation computes, theta aside.
+    least: The least bits of an address.
     """
 
     sensors: int

@@ -1,7 +1,5 @@
 """The program of an engine that learns: frames, placements that are kept, and equations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -81,16 +79,9 @@ class LessonPipeline(Pipeline):
 class Done:
     """A sum that is stored.
 
-    Attributes
-    ----------
-    address : int
-        Where its word goes, as the program says it.
-    total : int64 array
-    word : int64 array
-    fits : bool array
-        Whether the word was not saturated.
-    leaves : bool
-        Whether it is an output of a frame.
+    address: Where its word goes, as the program says it.
+    fits: Whether the word was not saturated.
+    leaves: Whether it is an output of a frame.
     """
 
     address: int
@@ -120,19 +111,11 @@ class Decoded:
 class LessonProgram:
     """The words of the program memory, and where each part begins.
 
-    Parameters
-    ----------
-    places : Places
-    segment_width : int
-    table, words : tuple of int
-        Words of the table of tanh, and behind them those of the steps.
-    starts : tuple of int
-        The address of the first word of the frame, of what keeps a placement, of what all equations
-        begin with, and of the rest of the equation of each output.
-    notes : tuple of str
-        What each word stands for.
-    acc_width : int
-        Bits that hold every sum, whatever is shown.
+    table, words: Words of the table of tanh, and behind them those of the steps.
+    starts: The address of the first word of the frame, of what keeps a placement, of what all
+        equations begin with, and of the rest of the equation of each output.
+    notes: What each word stands for.
+    acc_width: Bits that hold every sum, whatever is shown.
     """
 
     places: Places
@@ -195,15 +178,10 @@ class LessonProgram:
     def run(self, part: int, memory: Codes, bank: int, number: int) -> Iterator[Done]:
         """Execute a part, sum by sum.
 
-        Parameters
-        ----------
-        part : int
-            Its number; see ``parts``.
-        memory : int64 array, shape (words, ...)
-            The operand memory, of one engine or of several side by side. The results are written by
-            whoever calls this.
-        bank, number : int
-            The bank of theta that is read, and the number of the placement.
+        part: Its number; see ``parts``.
+        memory, shape (words, ...): The operand memory, of one engine or of several side by side.
+            The results are written by whoever calls this.
+        bank, number: The bank of theta that is read, and the number of the placement.
         """
         intercepts, slopes = self._lines
         span, place = 1 << self.segment_width, 0
@@ -289,20 +267,9 @@ def lesson_program(
 ) -> LessonProgram:
     """The program of LMS with constant steps.
 
-    Parameters
-    ----------
-    taught : Corrected
-    constants : sequence of int
-        The step of each output.
-    graph : Graph
-        The neurons of a frame, behind samples that are not corrected yet.
-    least_addr_width : int
-        The least bits of an address of the operand memory.
-
-    Raises
-    ------
-    InputError
-        See ``Places``.
+    constants: The step of each output.
+    graph: The neurons of a frame, behind samples that are not corrected yet.
+    least_addr_width: The least bits of an address of the operand memory.
     """
     parts = _Parts(taught, graph)
     program = steps.lms(taught, constants)

@@ -4,8 +4,6 @@
 step follow each other as whole things, so it is some hundred times as fast.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 
@@ -22,23 +20,14 @@ from golden.learning.unit import Unit
 class Pupil:
     """An engine that learns with LMS, from a reset on.
 
-    Parameters
-    ----------
-    taught : Corrected
-        Its networks behind sensors that are corrected.
-    constants : sequence of int
-        The step of each output; see ``golden.learning.gradient``.
-    placements : int
-        How many placements it keeps; the next one takes the place of the oldest.
+    taught: Its networks behind sensors that are corrected.
+    constants: The step of each output; see ``golden.learning.gradient``.
+    placements: How many placements it keeps; the next one takes the place of the oldest.
 
-    Attributes
-    ----------
-    theta : int64 array, shape (2 sensors,)
-        What is learned so far; see ``golden.learning.corrected``.
-    steps, refused : int
-        How many steps were taken, and how many were not, because they would have left the range.
-    changes : int
-        How often theta was changed.
+    theta, shape (2 sensors,): What is learned so far; see ``golden.learning.corrected``.
+    steps, refused: How many steps were taken, and how many were not, because they would have left
+        the range.
+    changes: How often theta was changed.
     """
 
     def __init__(self, taught: Corrected, constants: Sequence[int], placements: int) -> None:
@@ -70,12 +59,8 @@ class Pupil:
     def keep(self, samples: Codes, known: Codes) -> None:
         """Keep a placement, with which learning goes on.
 
-        Parameters
-        ----------
-        samples : int64 array, shape (sensors,)
-            Codes of what the sensors read.
-        known : int64 array, shape (outputs,)
-            Codes of the known outputs.
+        samples, shape (sensors,): Codes of what the sensors read.
+        known, shape (outputs,): Codes of the known outputs.
         """
         self._kept.append(Lesson(samples[np.newaxis, np.newaxis], known[np.newaxis, np.newaxis]))
         self._shown, self._output = len(self._kept) - 1, 0

@@ -33,8 +33,6 @@ error / d            Fix(18,14)         8 standard deviations either way
 ===================  =================  ========================================================
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,15 +52,9 @@ _FRACTION = RESULT.frac
 class Recursive:
     """Recursive least squares.
 
-    Parameters
-    ----------
-    taught : Corrected
-    noise : int64 array, shape (drifts, outputs)
-        r^2 of each output, with ``SQUARE`` fraction bits, above 0.
-    width : int
-        Bits of P or S, 18 or 36.
-    root : bool
-        Whether the square root of P is kept.
+    noise, shape (drifts, outputs): r^2 of each output, with ``SQUARE`` fraction bits, above 0.
+    width: Bits of P or S, 18 or 36.
+    root: Whether the square root of P is kept.
     """
 
     taught: Corrected
@@ -108,12 +100,8 @@ class Recursive:
     def begun(self, shape: tuple[int, ...], halvings: int = 0) -> Codes:
         """P or S before any placement, shape (drifts, unknowns, unknowns).
 
-        Parameters
-        ----------
-        shape : tuple of int
-            Drifts and unknowns.
-        halvings : int
-            An unknown is expected to differ by ``2**-halvings``.
+        shape: Drifts and unknowns.
+        halvings: An unknown is expected to differ by ``2**-halvings``.
         """
         drifts, unknowns = shape
         found = np.zeros((drifts, unknowns, unknowns), dtype=np.int64)

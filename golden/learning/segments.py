@@ -1,7 +1,5 @@
 """The parts of a program that learns: sums, in an order in which their words are there in time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -18,21 +16,11 @@ _TABLE = {Kind.INTERCEPT: "intercept of the table", Kind.DISTANCE: "slope of the
 class Slot:
     """One step of a program, with addresses in the place of numbers of values.
 
-    Parameters
-    ----------
-    kind : Kind
-    source : int
-        Address of the word that is read.
-    field : int
-        The weight, or the address of the second word of a product.
-    product : bool
-    first, of_output : bool
-        Whether a sum starts, and whether it is one of an output.
-    store, leaves : bool
-        Whether the sum is stored, and whether its word leaves the engine.
-    places : bool
-        Whether ``field`` is the address at which the next results are stored.
-    note : str
+    source: Address of the word that is read.
+    field: The weight, or the address of the second word of a product.
+    first, of_output: Whether a sum starts, and whether it is one of an output.
+    store, leaves: Whether the sum is stored, and whether its word leaves the engine.
+    places: Whether ``field`` is the address at which the next results are stored.
     """
 
     kind: Kind
@@ -60,11 +48,7 @@ def going_to(address: int) -> Slot:
 def graph_of_sums(sums: Sequence[steps.Sum], external: Sequence[str]) -> Graph:
     """Sums as neurons of an engine.
 
-    Parameters
-    ----------
-    sums : sequence of Sum
-    external : sequence of str
-        The names of the words that are in the memory before.
+    external: The names of the words that are in the memory before.
     """
     number = {name: n for n, name in enumerate([*external, *(one.name for one in sums)])}
     return Graph(len(external), tuple(_neuron(one, number) for one in sums))
@@ -99,11 +83,7 @@ def moved(graph: Graph, to: Mapping[int, int]) -> Iterator[Neuron]:
 class Planner:
     """Puts steps in order, for products of two words too.
 
-    Parameters
-    ----------
-    pipeline : Pipeline
-    early : mapping
-        The step from which on words can be read that are on their way when the sums begin.
+    early: The step from which on words can be read that are on their way when the sums begin.
     """
 
     pipeline: Pipeline
@@ -148,16 +128,9 @@ def slots(
 ) -> Iterator[Slot]:
     """The steps of a graph with their addresses.
 
-    Parameters
-    ----------
-    graph : Graph
-    done : iterable of Step
-    names : sequence of str
-        The names of the words that are in the memory before.
-    addresses : mapping
-        The address of each value; that of -1 has a word whenever a program runs.
-    leave : bool
-        Whether outputs leave the engine.
+    names: The names of the words that are in the memory before.
+    addresses: The address of each value; that of -1 has a word whenever a program runs.
+    leave: Whether outputs leave the engine.
     """
     called = {-1: "1"} | dict(enumerate([*names, *(one.name for one in graph.neurons)]))
     for step in done:

@@ -21,8 +21,6 @@ Samples and known outputs lie where the sequencer of placements points. The step
 one after the other, are one pass over one placement.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -58,15 +56,9 @@ NEW = (Kind.PRODUCT, Kind.QUOTIENT)
 class Term:
     """One step of a sum.
 
-    Parameters
-    ----------
-    kind : Kind
-    source : str
-        The name of the word that is read; empty for none.
-    weight : int
-        The weight of the program.
-    second : str
-        The word that is the coefficient of a product.
+    source: The name of the word that is read; empty for none.
+    weight: The weight of the program.
+    second: The word that is the coefficient of a product.
     """
 
     kind: Kind
@@ -79,14 +71,9 @@ class Term:
 class Sum:
     """A sum of products.
 
-    Parameters
-    ----------
-    name : str
-        The name of its word.
-    terms : tuple of Term
-        One for a quotient.
-    rounded : bool
-        Whether it begins with half a unit of a word, and not with what its terms hold.
+    name: The name of its word.
+    terms: One for a quotient.
+    rounded: Whether it begins with half a unit of a word, and not with what its terms hold.
     """
 
     name: str
@@ -120,11 +107,7 @@ def whole(source: str, sign: int = 1) -> Term:
 def lms(taught: Corrected, constants: Sequence[int]) -> list[list[Sum]]:
     """The sums of the equation of each output, for LMS with constant steps.
 
-    Parameters
-    ----------
-    taught : Corrected
-    constants : sequence of int
-        The step of each output, in the format ``STEP``.
+    constants: The step of each output, in the format ``STEP``.
     """
     return [
         [*_equation(taught, k), Sum("step", (by("error", constant),)), *_new_theta(taught)]
@@ -135,13 +118,8 @@ def lms(taught: Corrected, constants: Sequence[int]) -> list[list[Sum]]:
 def kaczmarz(taught: Corrected, noise: Sequence[int], halvings: int) -> list[list[Sum]]:
     """The sums of the equation of each output, for Kaczmarz.
 
-    Parameters
-    ----------
-    taught : Corrected
-    noise : sequence of int
-        r^2 of each output, in the format ``LENGTH``.
-    halvings : int
-        The rate is ``2**-halvings``.
+    noise: r^2 of each output, in the format ``LENGTH``.
+    halvings: The rate is ``2**-halvings``.
     """
     row = [f"row {k}" for k in range(2 * taught.sensors)]
     quotient = Term(Kind.QUOTIENT, "error", QUOTIENT_SHIFT - halvings, "length")
@@ -212,13 +190,7 @@ def counted(program: Sequence[Sequence[Sum]]) -> Counter[Kind]:
 class Run:
     """A program that runs, on one drift.
 
-    Attributes
-    ----------
-    taught : Corrected
-    program : list of lists of Sum
-    theta : list of int
-    flags : int
-        How many steps were not taken.
+    flags: How many steps were not taken.
     """
 
     taught: Corrected

@@ -4,8 +4,6 @@ Nothing here is as it is in the hardware, except the clocks: a frame, a placemen
 computed as a whole, in the clock in which nothing can stop it any more.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -46,14 +44,9 @@ OUTPUTS = (
 class Stream:
     """A stream whose frames have a number of elements: a frame of another length is broken.
 
-    Attributes
-    ----------
-    count : int
-        Elements of the frame so far.
-    began, dropping : bool
-        Whether a frame has begun, and whether the rest of it is dropped.
-    raised : bool
-        Whether the element of the clock before broke its frame.
+    count: Elements of the frame so far.
+    began, dropping: Whether a frame has begun, and whether the rest of it is dropped.
+    raised: Whether the element of the clock before broke its frame.
     """
 
     count: int = 0
@@ -64,13 +57,8 @@ class Stream:
     def take(self, valid: bool, last: bool, refused: bool, length: int) -> tuple[int, bool]:
         """The number of the element that is accepted, or -1; and whether its frame is complete.
 
-        Parameters
-        ----------
-        valid, last : bool
-        refused : bool
-            Whether nothing is accepted, and a frame that has begun is broken.
-        length : int
-            How many elements a frame has.
+        refused: Whether nothing is accepted, and a frame that has begun is broken.
+        length: How many elements a frame has.
         """
         accept = valid and not refused and not self.dropping
         breaks = refused and (valid or self.began) and not self.dropping
@@ -103,24 +91,16 @@ class Part:
 class Timeline:
     """An engine that learns, clock by clock from a reset on.
 
-    Attributes
-    ----------
-    program : LessonProgram
-    met : Counter
-        How often each thing happened, for a bench that must show that it did.
-    bank, equation, shown, written : int
-        The bank of theta in use, the equation that is next, the placement to which it belongs, and
-        the placement that is written next.
-    full : bool
-        Whether every place of a placement has been written.
-    stepped : bool
-        Whether any step has been taken.
-    fresh : bool
-        Whether the samples of the last frame are there, none of which was at an end of its range.
-    clipped : bool
-        Whether a sample of the frame so far was.
-    putting, partly : bool
-        Whether the last word that came in was one of theta, and whether more of them are to come.
+    met: How often each thing happened, for a bench that must show that it did.
+    bank, equation, shown, written: The bank of theta in use, the equation that is next, the
+        placement to which it belongs, and the placement that is written next.
+    full: Whether every place of a placement has been written.
+    stepped: Whether any step has been taken.
+    fresh: Whether the samples of the last frame are there, none of which was at an end of its
+        range.
+    clipped: Whether a sample of the frame so far was.
+    putting, partly: Whether the last word that came in was one of theta, and whether more of them
+        are to come.
     """
 
     program: LessonProgram

@@ -14,8 +14,6 @@ Two steps are not in today's engine:
 - *A quotient*, bit by bit, by subtraction: one clock for each bit and four for signs and start.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, field
 
@@ -46,18 +44,11 @@ class Unit:
 
     Arrays have one row for each drift. A call stands for words that read nothing of each other.
 
-    Attributes
-    ----------
-    drifts : int
-    steps, clocks : int
-        Steps and clocks of one drift. Each call waits for its words, so a scheduler can only be
-        faster.
-    words : Counter
-        How many words of each name one drift had.
-    saturated : dict of int64 arrays, shape (drifts,)
-        How many of them did not fit.
-    bits : int
-        Bits of the largest sum, its sign included.
+    steps, clocks: Steps and clocks of one drift. Each call waits for its words, so a scheduler can
+        only be faster.
+    words: How many words of each name one drift had.
+    saturated, shape (drifts,): How many of them did not fit.
+    bits: Bits of the largest sum, its sign included.
     """
 
     drifts: int
@@ -72,17 +63,11 @@ class Unit:
     ) -> Codes:
         """The words of sums.
 
-        Parameters
-        ----------
-        name : str
-            What they are, for the count of saturations.
-        sums : int64 array, shape (drifts,) or (drifts, words)
-        terms : int
-            Products in each sum.
-        drop : int
-            Bits that are dropped.
-        width : int
-            Bits of the words.
+        name: What they are, for the count of saturations.
+        sums: shape (drifts,) or (drifts, words).
+        terms: Products in each sum.
+        drop: Bits that are dropped.
+        width: Bits of the words.
         """
         self.reaches(sums)
         kept = (sums + (1 << (drop - 1))) >> drop if drop else sums

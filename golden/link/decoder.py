@@ -30,20 +30,13 @@ _SURE = 2
 class Tally:
     """Counts of what came over a line.
 
-    Attributes
-    ----------
-    frames : int
-        Packets of this layout whose check is right.
-    skipped : int
-        Bytes that belong to no packet. The bytes at the start of a line are not counted, because
-        they may be the end of a packet that began before the line was opened.
-    failed : int
-        Packets whose check failed. Their bytes are also counted as skipped.
-    missed : int
-        Packets that are missing according to the numbers of the others. A gap of 256 is not
+    frames: Packets of this layout whose check is right.
+    skipped: Bytes that belong to no packet. The bytes at the start of a line are not counted,
+        because they may be the end of a packet that began before the line was opened.
+    failed: Packets whose check failed. Their bytes are also counted as skipped.
+    missed: Packets that are missing according to the numbers of the others. A gap of 256 is not
         noticed.
-    others : Counter
-        Sound packets of another version or length, by (version, bytes of the payload).
+    others: Sound packets of another version or length, by (version, bytes of the payload).
     """
 
     frames: int = 0
@@ -91,14 +84,6 @@ class Decoder:
     begin like a packet, and it can hide all packets that begin within ``MOST_WAITING`` bytes. Bytes
     that begin like a packet hold back the packets behind them until all their bytes have come, at
     most ``MOST_WAITING``.
-
-    Parameters
-    ----------
-    layout : FrameLayout
-
-    Attributes
-    ----------
-    tally : Tally
     """
 
     def __init__(self, layout: FrameLayout) -> None:

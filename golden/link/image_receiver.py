@@ -1,7 +1,5 @@
 """image_receiver: turns packets into the bytes of an image for an engine."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 
@@ -23,15 +21,9 @@ PLACES = 5
 class Loaded:
     """The outputs in each clock, and what the block holds.
 
-    Attributes
-    ----------
-    load_valid, load_last : bool array
-    load_data : int64 array
-        0 in a clock without ``load_valid``, as ``load_last`` is too.
-    place : int64 array
-        The state in which a byte of this clock would be read, from 0 to ``PLACES`` - 1.
-    stored : int64 array
-        The number of bytes that are stored.
+    load_data: 0 in a clock without ``load_valid``, as ``load_last`` is too.
+    place: The state in which a byte of this clock would be read, from 0 to ``PLACES`` - 1.
+    stored: The number of bytes that are stored.
     """
 
     load_valid: NDArray[np.bool_]
@@ -50,17 +42,8 @@ class ImageReceiver(Block):
     the image is ended with a further byte 0, so that its check fails. If this happens before the
     image's first byte, the packet is dropped.
 
-    Parameters
-    ----------
-    idle_clocks : int
-        Clocks without a byte after which a packet ends.
-    depth : int
-        Number of bytes that can be stored: the most that come while the engine computes.
-
-    Raises
-    ------
-    InputError
-        When either is below 1.
+    idle_clocks: Clocks without a byte after which a packet ends.
+    depth: Number of bytes that can be stored: the most that come while the engine computes.
     """
 
     block = "image_receiver"

@@ -1,7 +1,5 @@
 """lesson_receiver: takes known outputs, theta, and whether to learn, out of bytes of a line."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,18 +23,10 @@ MOST_CODES = 120
 class Taught:
     """The outputs in each clock, and what the block holds.
 
-    Attributes
-    ----------
-    target_valid, target_last, target_theta : bool array
-    target_data : int64 array
-        0 in a clock without ``target_valid``, as the two flags are too.
-    learn, lesson_error : bool array
-    place : int64 array
-        The number of the byte of a packet that is next, in each clock.
-    armed : bool array
-        Whether codes wait for the end of a frame.
-    gone : int64 array
-        How many of the codes that leave have left before each clock.
+    target_data: 0 in a clock without ``target_valid``, as the two flags are too.
+    place: The number of the byte of a packet that is next, in each clock.
+    armed: Whether codes wait for the end of a frame.
+    gone: How many of the codes that leave have left before each clock.
     """
 
     target_valid: NDArray[np.bool_]
@@ -59,19 +49,9 @@ class LessonReceiver(Block):
     or its theta, if it has any, wait for the end of the next frame. Then they leave. Until then, a
     further packet takes their place, also if it is wrong. With both bits they are theta.
 
-    Parameters
-    ----------
-    outputs : int
-        Number of known outputs.
-    elements : int
-        Number of elements of theta.
-    idle_clocks : int
-        Clocks without a byte after which a packet is dropped.
-
-    Raises
-    ------
-    InputError
-        When any is below 1, or for more codes than a packet has room for.
+    outputs: Number of known outputs.
+    elements: Number of elements of theta.
+    idle_clocks: Clocks without a byte after which a packet is dropped.
     """
 
     block = "lesson_receiver"

@@ -1,7 +1,5 @@
 """packet_sender: sends an instrument's samples and outputs as packets, byte by byte."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -27,15 +25,9 @@ MOST_PATIENCE = 1 << 30
 class Sending:
     """The outputs in each clock, and the packets that are sent.
 
-    Attributes
-    ----------
-    out_valid : bool array
-    out_data : int64 array
-        The byte in clocks in which ``out_valid`` is high; 0 in the others.
-    begins : list of int
-        The clocks in which packets begin.
-    frames : list of Frame
-        The contents of these packets.
+    out_data: The byte in clocks in which ``out_valid`` is high; 0 in the others.
+    begins: The clocks in which packets begin.
+    frames: The contents of these packets.
     """
 
     out_valid: NDArray[np.bool_]
@@ -54,26 +46,15 @@ class PacketSender(Block):
     samples and the outputs that are held, and is what a computer sees while the converter or an
     image is missing.
 
-    Parameters
-    ----------
-    inputs, outputs : int
-        Number of codes in a packet. Elements of a frame beyond them are not sent.
-    points : int
-        Number of points of the profile; 0 where none is drawn. Each packet carries the next point.
-    reload : bool
-        Whether frames can be refused, and whether images and bytes of the line can be wrong.
-    patience : int
-        Clocks without a packet after which one is sent.
-    decides : bool
-        Whether a packet carries index and margin of the largest output.
-    elements : int
-        Number of elements of the theta that the network learns, so that lessons, steps and bytes of
-        the line can be wrong; 0 where it learns nothing. Each packet carries the next element.
-
-    Raises
-    ------
-    InputError
-        For a number outside its range, and for a payload that is too long.
+    inputs, outputs: Number of codes in a packet. Elements of a frame beyond them are not sent.
+    points: Number of points of the profile; 0 where none is drawn. Each packet carries the next
+        point.
+    reload: Whether frames can be refused, and whether images and bytes of the line can be wrong.
+    patience: Clocks without a packet after which one is sent.
+    decides: Whether a packet carries index and margin of the largest output.
+    elements: Number of elements of the theta that the network learns, so that lessons, steps and
+        bytes of the line can be wrong; 0 where it learns nothing. Each packet carries the next
+        element.
     """
 
     block = "packet_sender"
@@ -182,14 +163,9 @@ class PacketSender(Block):
     ) -> Sending:
         """Compute what the block does in each clock.
 
-        Parameters
-        ----------
-        columns : mapping
-            For the name of each input except clock and reset, one element per clock. Data are used
-            only in clocks in which their ``valid`` is high.
-        reset : array_like
-        byte_clocks : int
-            Clocks per byte of a transmitter that accepts the bytes; it replaces the column
+        columns: For the name of each input except clock and reset, one element per clock. Data are
+            used only in clocks in which their ``valid`` is high.
+        byte_clocks: Clocks per byte of a transmitter that accepts the bytes; it replaces the column
             ``out_ready``.
         """
         names = [p.name for p in self.ports if p.direction == "in" and p not in CLOCKED]

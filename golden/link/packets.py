@@ -20,8 +20,6 @@ LESSON_BITS, and of codes of 16 bits: as many as there are outputs or elements o
 are more. The known outputs, or theta, come first; the codes behind them have no effect.
 """
 
-from __future__ import annotations
-
 from binascii import crc_hqx
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -67,22 +65,13 @@ def check_of(data: bytes) -> int:
 class Frame:
     """The contents of one packet.
 
-    Attributes
-    ----------
-    number : int
-        Number of the packet, modulo 256.
-    flags : tuple of str
-        The FLAGS that are set.
-    count : int
-        Number of frames that the network has computed, modulo 65536.
-    samples, outputs : tuple of int
-        The values as codes.
-    point : tuple of int or None
-        Number, i_p and f(i_p) of a point of the profile.
-    winner : tuple of int or None
-        Index and margin of the largest output.
-    theta : tuple of int or None
-        Number and code of an element of theta.
+    number: Number of the packet, modulo 256.
+    flags: The FLAGS that are set.
+    count: Number of frames that the network has computed, modulo 65536.
+    samples, outputs: The values as codes.
+    point: Number, i_p and f(i_p) of a point of the profile.
+    winner: Index and margin of the largest output.
+    theta: Number and code of an element of theta.
     """
 
     number: int
@@ -99,20 +88,9 @@ class Frame:
 class FrameLayout:
     """The positions of all values in the packets of an instrument.
 
-    Parameters
-    ----------
-    inputs, outputs : int
-    drawn : bool
-        Whether the instrument draws a profile.
-    decides : bool
-        Whether it looks for the largest output.
-    learns : bool
-        Whether its network learns.
-
-    Raises
-    ------
-    InputError
-        When the payload is longer than its byte of length can say.
+    drawn: Whether the instrument draws a profile.
+    decides: Whether it looks for the largest output.
+    learns: Whether its network learns.
     """
 
     inputs: int
@@ -190,13 +168,7 @@ class FrameLayout:
 
 
 def image_packet(image: bytes) -> bytes:
-    """A packet that loads an image.
-
-    Raises
-    ------
-    InputError
-        When the image is longer than its two bytes of length can say.
-    """
+    """A packet that loads an image."""
     if not 1 <= len(image) <= MOST_IMAGE:
         raise InputError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")
     return bytes([SYNC, kind_byte(IMAGE)]) + len(image).to_bytes(2, "big") + image
@@ -205,15 +177,9 @@ def image_packet(image: bytes) -> bytes:
 def lesson_packet(codes: int, learn: bool, given: Sequence[int] = (), what: str = "known") -> bytes:
     """A packet that says whether a board learns, and may say what the outputs should be.
 
-    Parameters
-    ----------
-    codes : int
-        How many codes a lesson has for the board.
-    learn : bool
-    given : sequence of int
-        The codes of the known outputs of the next frame, or of theta; none if nothing is given.
-    what : str
-        "known" or "theta".
+    codes: How many codes a lesson has for the board.
+    given: The codes of the known outputs of the next frame, or of theta; none if nothing is given.
+    what: "known" or "theta".
     """
     assert len(given) <= codes, f"got {len(given)} codes, expected {codes} at most"
     bits = learn << LESSON_BITS.index("learn") | bool(given) << LESSON_BITS.index(what)

@@ -1,7 +1,5 @@
 """uart_receiver: turns the bits on a line into bytes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,11 +16,7 @@ from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
 class Received:
     """The outputs in each clock.
 
-    Attributes
-    ----------
-    out_valid, line_error : bool array
-    out_data : int64 array
-        The byte in clocks in which ``out_valid`` is high; 0 in the others.
+    out_data: The byte in clocks in which ``out_valid`` is high; 0 in the others.
     """
 
     out_valid: NDArray[np.bool_]
@@ -38,18 +32,8 @@ class UartReceiver(Block):
     read in its middle. If the stop bit is 0, the byte is dropped and an error is raised; the next
     byte begins with the next fall.
 
-    Parameters
-    ----------
-    divisor : int
-        Number of clocks of a bit.
+    divisor: Number of clocks of a bit.
 
-    Raises
-    ------
-    InputError
-        For fewer clocks than ``golden.link.uart_transmitter.LEAST_DIVISOR``.
-
-    Notes
-    -----
     The stop bit is read ``9 * divisor + divisor // 2`` clocks after the first clock of the start
     bit, and at most one clock later than that after the edge of the start bit. So the sender's bit
     may be 2.5 % shorter or 5.5 % longer with a divisor of 4, and 4.8 % or 5.5 % with 25

@@ -1,7 +1,5 @@
 """uart_transmitter: turns bytes into bits on a line."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +17,7 @@ LEAST_DIVISOR = 4
 
 
 def check_divisor(entity: str, divisor: int) -> None:
-    """Refuse a bit of fewer clocks than a receiver needs to find its middle.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a bit of fewer clocks than a receiver needs to find its middle."""
     if divisor < LEAST_DIVISOR:
         raise InputError(f"{entity}: got divisor={divisor}, expected {LEAST_DIVISOR} or more")
 
@@ -38,15 +31,7 @@ def bits_of(byte: int) -> tuple[int, ...]:
 class UartTransmitter(Block):
     """Sends a byte as start bit, eight bits from the lowest, stop bit; between bytes 1 (ours).
 
-    Parameters
-    ----------
-    divisor : int
-        Number of clocks of a bit.
-
-    Raises
-    ------
-    InputError
-        For fewer clocks than ``LEAST_DIVISOR``.
+    divisor: Number of clocks of a bit.
     """
 
     block = "uart_transmitter"

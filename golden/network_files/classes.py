@@ -1,7 +1,5 @@
 """The outputs of a classifier's file, brought into the order of a scene's labels."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,21 +18,11 @@ def for_labels(path: Path, held: Held, labels: Sequence[str]) -> Held:
     the largest output decides in the same way. A sigmoid at the end is left out, because it changes
     nothing about which output is the largest.
 
-    Parameters
-    ----------
-    path : Path
-        For messages.
-    held : Held
-        The shapes of its arrays need not be right; ``load_network`` checks them later.
-    labels : sequence of str
-        Those of the scene. If the file has labels and these are the same texts, its outputs are
+    path: For messages.
+    held: The shapes of its arrays need not be right; ``load_network`` checks them later.
+    labels: Those of the scene. If the file has labels and these are the same texts, its outputs are
         sorted. If they are the numbers 0, 1, 2 and so on, they stand for the scene's labels in
         their order.
-
-    Raises
-    ------
-    InputError
-        For other labels in the file, or another number of them.
     """
     limit = 0.0
     if _ends_in_sigmoid(held):

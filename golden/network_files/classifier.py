@@ -5,8 +5,6 @@ or the sign of the only one. So a network ends in front of them, and the operato
 followed to find the labels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -150,25 +148,12 @@ def followed(
 ) -> Ending:
     """Follow the operators behind a network to the outputs of the graph.
 
-    Parameters
-    ----------
-    nodes : sequence of onnx.NodeProto
-        They begin with one of which ``begins`` is true.
-    start : str
-        The name of the network's values.
-    outputs : sequence of str
-        The names of the graph's outputs.
-    constants : dict
-        The values of constants by name.
-    width : int
-        How many values the network gives.
-    refuse : callable
-        Makes the error about a node.
-
-    Raises
-    ------
-    InputError
-        For an operator that could change which class it is, or that is not known.
+    nodes: They begin with one of which ``begins`` is true.
+    start: The name of the network's values.
+    outputs: The names of the graph's outputs.
+    constants: The values of constants by name.
+    width: How many values the network gives.
+    refuse: Makes the error about a node.
     """
     end = _End({start: VALUES}, constants, refuse, width)
     for node in nodes:

@@ -1,7 +1,5 @@
 """Operators of ONNX whose function an engine looks up in a table, as expressions of x."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -34,13 +32,7 @@ GELU_OF_TANH = "0.5 * x * (1 + tanh(sqrt(2 / pi) * (x + 0.044715 * x ** 3)))"
 
 
 def function_of(operator: str, attributes: Mapping[str, Any]) -> Function:
-    """The function of an operator with these attributes, under the operator's name.
-
-    Raises
-    ------
-    InputError
-        When it is not finite somewhere.
-    """
+    """The function of an operator with these attributes, under the operator's name."""
     expression = EXPRESSIONS[operator]
     if operator == "Gelu" and attributes.get("approximate") == b"tanh":
         expression = GELU_OF_TANH

@@ -1,7 +1,5 @@
 """The content of a network file, which is the same for every form of file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.dense import LEAK, Quantiser
@@ -16,12 +14,8 @@ Label = str | int
 class Ending:
     """What stands in a file behind the network, and tells the class from its outputs.
 
-    Parameters
-    ----------
-    operator : str
-        The first operator behind the network, such as "Softmax".
-    labels : tuple of str or int
-        The label of each class in the order of the outputs; empty if the file has none. Of two
+    operator: The first operator behind the network, such as "Softmax".
+    labels: The label of each class in the order of the outputs; empty if the file has none. Of two
         classes with one output, the second holds where the output is above 0.
     """
 
@@ -33,20 +27,12 @@ class Ending:
 class Held:
     """The arrays of a file, not yet checked against each other.
 
-    Parameters
-    ----------
-    arrays : dict
-        ``w1`` and ``b1`` of the first layer, and so on. Each row of the weights is a node.
-    activations : tuple of str
-        The activation of each layer except the last, which is linear.
-    leaks : tuple of float
-        The slopes of "leaky_relu" below 0 in the same layers; empty if there are none.
-    quantisers : tuple of Quantiser or None
-        The quantisers of the same layers; empty if there are none.
-    ending : Ending or None
-        What makes a class of the outputs, in the file of a classifier.
-    functions : tuple of Function
-        The functions that activations name and the file itself defines.
+    arrays: ``w1`` and ``b1`` of the first layer, and so on. Each row of the weights is a node.
+    activations: The activation of each layer except the last, which is linear.
+    leaks: The slopes of "leaky_relu" below 0 in the same layers; empty if there are none.
+    quantisers: The quantisers of the same layers; empty if there are none.
+    ending: What makes a class of the outputs, in the file of a classifier.
+    functions: The functions that activations name and the file itself defines.
     """
 
     arrays: dict[str, Real]

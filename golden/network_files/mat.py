@@ -1,7 +1,5 @@
 """Networks as MATLAB files with the fields of Netlab, as Appendix 5 of the thesis loads them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +23,6 @@ def read(path: Path) -> Held:
     """The arrays of the only structure in the file that has the fields w1, b1, w2 and b2.
 
     The structure may have any name; the fields may also be variables of the file itself.
-
-    Raises
-    ------
-    InputError
-        When the file is no MATLAB file up to version 7, or has no such structure or several.
     """
     with reading(path, "a MATLAB file up to version 7"):
         variables = loadmat(path, squeeze_me=False, struct_as_record=False)
@@ -64,13 +57,7 @@ def _fields(value: Any) -> dict[str, Any] | None:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the network as a structure named ``network``.
-
-    Raises
-    ------
-    InputError
-        When it has more than one hidden layer, or another activation than tanh.
-    """
+    """Write the network as a structure named ``network``."""
     if not isinstance(network, Mlp):
         layers = ", ".join(network.activations) or "none"
         raise InputError(

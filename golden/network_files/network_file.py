@@ -5,8 +5,6 @@ as TOML. Networks trained elsewhere come as .mat in the style of Netlab or as .o
 name files of all three formats.
 """
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -45,13 +43,7 @@ def provenance_path(path: Path) -> Path:
 
 
 def read_provenance(path: Path) -> dict[str, Any] | None:
-    """The provenance beside the network at ``path``; None if there is none.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or is not TOML.
-    """
+    """The provenance beside the network at ``path``; None if there is none."""
     path = provenance_path(path)
     try:
         check_file(path)
@@ -69,24 +61,10 @@ def load_network(
 ) -> Trained:
     """Load the network at ``path``.
 
-    Parameters
-    ----------
-    path : Path
-    shape : tuple of int
-        Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0 as
-        the only number of hidden nodes, any number of layers and nodes is accepted.
-    functions : mapping of str to Function
-        The functions that an activation of the file may name, besides those that it defines.
-    labels : sequence of str, optional
-        The labels that the outputs stand for, in their order; see ``for_labels``.
-
-    Raises
-    ------
-    MissingFileError
-        When there is no such file. The message says how to train one.
-    InputError
-        When the file's ending or contents are none of the three formats, or when an array is
-        missing, has another shape than expected, or holds NaN. The message names file and array.
+    shape: Inputs, hidden nodes of each hidden layer and outputs that the network must have. With 0
+        as the only number of hidden nodes, any number of layers and nodes is accepted.
+    functions: The functions that an activation of the file may name, besides those that it defines.
+    labels: The labels that the outputs stand for, in their order; see ``for_labels``.
     """
     form = _form(path)
     check_file(path, "no such network; make train SCENE=... writes it")
@@ -130,13 +108,7 @@ def load_network(
 
 
 def held_in(path: Path) -> Held:
-    """The content of the network file at ``path``.
-
-    Raises
-    ------
-    InputError
-        See ``load_network``.
-    """
+    """The content of the network file at ``path``."""
     form = _form(path)
     check_file(path)
     held: Held = form.read(path)
@@ -174,37 +146,19 @@ def _form(path: Path) -> ModuleType:
 
 
 def write_network(path: Path, network: Trained) -> None:
-    """Write the network in the format of the file's ending, completely or not at all.
-
-    Raises
-    ------
-    InputError
-        For another ending than .npz, .mat or .onnx, and for a network that the form cannot hold.
-    """
+    """Write the network in the format of the file's ending, completely or not at all."""
     form = _form(path)
     with replace_file(path) as temporary, naming(path):
         form.write(temporary, network)
 
 
 def check_target(path: Path) -> None:
-    """Refuse an ending that ``write_network`` does not know.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an ending that ``write_network`` does not know."""
     _form(path)
 
 
 def check_targets(paths: Sequence[Path]) -> None:
-    """Refuse paths where networks and their provenance cannot be written.
-
-    Raises
-    ------
-    InputError
-        For a path that cannot be written, for an ending that ``write_network`` does not know, and
-        for two networks with the same file.
-    """
+    """Refuse paths where networks and their provenance cannot be written."""
     files = [file for path in paths for file in _files(path)]
     for i, file in enumerate(files):
         if any(same_file(file, other) for other in files[:i]):
@@ -223,13 +177,7 @@ Provenance = Mapping[str, Any]
 
 
 def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
-    """Write networks and the provenance of each, either all of them or none.
-
-    Raises
-    ------
-    InputError
-        When one of the files cannot be written; then all files are as they were before.
-    """
+    """Write networks and the provenance of each, either all of them or none."""
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
         for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]

@@ -1,7 +1,5 @@
 """Networks as NPZ files without pickle, which is the project's own format."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -31,13 +29,7 @@ SPLINE = "spline_"
 
 
 def read(path: Path) -> Held:
-    """Read every array of an NPZ file as float64, and the activations.
-
-    Raises
-    ------
-    InputError
-        When the file is no NPZ or holds no numbers, or activations that are no texts.
-    """
+    """Read every array of an NPZ file as float64, and the activations."""
     if not zipfile.is_zipfile(path):
         raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:

@@ -1,7 +1,5 @@
 """Turns the contents of a file into arrays of real numbers, for all formats."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +10,7 @@ from golden.real import Real
 
 
 def real_numbers(path: Path, name: str, value: Any) -> Real:
-    """Turn an array into float64.
-
-    Raises
-    ------
-    InputError
-        For anything else: text, complex numbers, records, sparse matrices.
-    """
+    """Turn an array into float64."""
     array = np.asarray(value)
     if array.dtype.kind not in "biuf":
         raise InputError(f"{path}: {name}: got {array.dtype}, expected real numbers")

@@ -5,8 +5,6 @@ too, are folded into the layer that follows, or into the one before. Behind the 
 of a classifier may stand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -220,12 +218,6 @@ def read(path: Path) -> Held:
     Before and after each of these there may be Add, Sub, Mul, Div and Scaler with constants,
     BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At the end
     there may be what makes a class of the values; see ``golden.network_files.classifier``.
-
-    Raises
-    ------
-    InputError
-        When the file is no ONNX graph, or has another operator or order. The message names the
-        operator.
     """
     with reading(path, "an ONNX file"):
         model = onnx.load(str(path))
@@ -472,13 +464,7 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the network as a Gemm for each layer and its activation, in double precision.
-
-    Raises
-    ------
-    InputError
-        For a quantised network, and for a function that a scene defines.
-    """
+    """Write the network as a Gemm for each layer and its activation, in double precision."""
     tables = [layer.activation for layer in layers_of(network) if layer.functions]
     if tables:
         raise InputError(

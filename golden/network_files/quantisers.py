@@ -4,8 +4,6 @@ If the input of such an operator is a constant, its output is a constant too. Ot
 the chain of layers and is the quantiser behind an activation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -34,12 +32,7 @@ def attributes_of(node: Any) -> dict[str, Any]:
 
 
 def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any]:
-    """The scale, the zero point and all further inputs behind the data, which must be constants.
-
-    Raises
-    ------
-    InputError
-    """
+    """The scale, the zero point and all further inputs behind the data, which must be constants."""
     names = list(node.input[1:])
     missing = [name for name in names if name and name not in constants]
     if missing or not INPUTS[node.op_type][0] <= len(names) <= INPUTS[node.op_type][1]:
@@ -48,13 +41,7 @@ def parameters(node: Any, constants: dict[str, Any], refuse: Refuse) -> list[Any
 
 
 def quantiser_of(node: Any, constants: dict[str, Any], refuse: Refuse) -> Quantiser:
-    """The quantiser of a Quant or a QuantizeLinear in the chain of layers.
-
-    Raises
-    ------
-    InputError
-        When values have different scales or zero points, and for an unknown rounding mode.
-    """
+    """The quantiser of a Quant or a QuantizeLinear in the chain of layers."""
     scale, zero, *more = parameters(node, constants, refuse)
     if any(np.size(value) != 1 for value in (scale, zero, *more) if value is not None):
         raise refuse(node, "got a scale or a zero point for each value, expected one for all")
@@ -80,11 +67,6 @@ def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quant
 
     Its values are the scale and its negative. They are half a step above the codes 0 and -1 of a
     step of twice the scale.
-
-    Raises
-    ------
-    InputError
-        When values have different scales.
     """
     (scale,) = parameters(node, constants, refuse)
     if np.size(scale) != 1:
@@ -115,12 +97,7 @@ def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, i
 
 
 def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> Any:
-    """Apply such an operator to a constant; the result of QuantizeLinear is codes.
-
-    Raises
-    ------
-    InputError
-    """
+    """Apply such an operator to a constant; the result of QuantizeLinear is codes."""
     scale, zero, *more = [*parameters(node, constants, refuse), None]
     values = np.asarray(data)
     factor, place = (_along(node, v, values) for v in (scale, 0 if zero is None else zero))

@@ -1,7 +1,5 @@
 """Adder graph: a network of any depth without a multiplier, which takes a frame every clock."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
@@ -45,21 +43,15 @@ OPTIONS = {"adders_per_clock": 5, "adder_operands": 2, "word_width": 0, "search_
 class AdderGraph(AtOnce):
     """Layer after layer; shifted adds form all sums of a layer together, without a multiplier.
 
-    Parameters
-    ----------
-    layers : tuple of ConstantMatrix
-        A matrix for each layer, with a row for each node; the rows of the last one are the outputs.
-    activations : tuple of tuple of Bipartite
-        For each hidden layer a table of tanh for each row, or none if the finish of the matrix is
-        its activation. The result of a matrix in front of tables has as many bits of q as its sum
-        can need.
-    constant_nodes : int
-        Hidden nodes that are not built, because they never change: they are part of biases.
-    ranges : tuple of Range
-        Of the hidden layers in which saturation would be an error.
+    layers: A matrix for each layer, with a row for each node; the rows of the last one are the
+        outputs.
+    activations: For each hidden layer a table of tanh for each row, or none if the finish of the
+        matrix is its activation. The result of a matrix in front of tables has as many bits of q as
+        its sum can need.
+    constant_nodes: Hidden nodes that are not built, because they never change: they are part of
+        biases.
+    ranges: Of the hidden layers in which saturation would be an error.
 
-    Notes
-    -----
     A code of q or r stands for the middle of its step. So q is rounded down, and half the sum of
     the weights of a row behind tables is part of its bias. An output is rounded half up.
 

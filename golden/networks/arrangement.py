@@ -1,7 +1,5 @@
 """How the networks of a scene are arranged: single, multiple or cascade."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
@@ -29,12 +27,8 @@ def seen(
 ) -> NDArray[Number]:
     """The inputs of a network: the samples and, in a cascade, the outputs of earlier networks.
 
-    Parameters
-    ----------
-    arrangement : str
-    samples : array, shape (frames, sensors)
-    earlier : sequence of arrays, shape (frames, 1)
-        Outputs of the networks before this one.
+    samples: shape (frames, sensors).
+    earlier, shape (frames, 1): Outputs of the networks before this one.
     """
     return np.concatenate([samples, *earlier], axis=-1) if arrangement == "cascade" else samples
 
@@ -57,13 +51,7 @@ def arrange(
 ) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
-    Parameters
-    ----------
-    arrangement : str
-    trained : sequence of Mlp or DenseNetwork
-    design : type
-        What each of them becomes, or all of them where the design takes them ``together``.
-    settings : Settings
+    design: What each of them becomes, or all of them where the design takes them ``together``.
     """
     if len(trained) == 1 or arrangement in design.together:
         return design.of(trained, settings, arrangement)

@@ -1,7 +1,5 @@
 """Designs whose outputs come in one clock, and which find the largest of them where asked to."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from golden.layers.argmax_tree import ArgmaxTree
@@ -14,10 +12,7 @@ from golden.precision import SIGNAL
 class AtOnce(Design):
     """A design with a port for each output, all of which come in the same clock.
 
-    Parameters
-    ----------
-    decides : bool
-        Whether there are the index and the margin of the largest output.
+    decides: Whether there are the index and the margin of the largest output.
     """
 
     decides_itself = True

@@ -1,7 +1,5 @@
 """AXI4-Stream around a network, so that both sides of it can be made to wait."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,17 +32,9 @@ class AxisNetwork(Network):
     It computes the same outputs from the same frames as the network inside. A frame consists of its
     samples alone; the slots that a cascade needs behind them are added inside.
 
-    Parameters
-    ----------
-    network : Network
-        A network whose outputs are a stream.
-    decides : bool
-        Whether the last output of a frame carries index and margin of the largest one as TUSER.
-
-    Raises
-    ------
-    InputError
-        When one output alone is to decide.
+    network: A network whose outputs are a stream.
+    decides: Whether the last output of a frame carries index and margin of the largest one as
+        TUSER.
     """
 
     block = "axis_network"
@@ -167,15 +157,7 @@ class AxisNetwork(Network):
     def winners(self, outputs: ArrayLike) -> Codes:
         """``m_axis_tuser`` at the last output of each frame.
 
-        Parameters
-        ----------
-        outputs : array_like of int, shape (..., outputs)
-            The results of ``process``.
-
-        Raises
-        ------
-        InputError
-            See ``Argmax.process``. Also for a network that does not decide.
+        outputs, shape (..., outputs): The results of ``process``.
         """
         if self.argmax is None:
             raise InputError(f"{self.entity}: looks for no largest output")
@@ -187,25 +169,12 @@ class AxisNetwork(Network):
     ) -> tuple[Codes, NDArray[np.bool_], int]:
         """The transfers that leave, for those that enter after a reset, however long anybody waits.
 
-        Parameters
-        ----------
-        data : array_like of int
-            ``s_axis_tdata`` of each transfer, codes of ``TDATA``; bits above the sample's are
+        data: ``s_axis_tdata`` of each transfer, codes of ``TDATA``; bits above the sample's are
             ignored.
-        last : array_like of bool
-            ``s_axis_tlast`` of each transfer.
+        last: ``s_axis_tlast`` of each transfer.
 
-        Returns
-        -------
-        data, last : int array, bool array
-            ``m_axis_tdata``, sign-extended, and ``m_axis_tlast`` of each transfer.
-        errors : int
-            Frames of the wrong length, which cause no transfer.
-
-        Raises
-        ------
-        InputError
-            For data outside the format ``TDATA``.
+        Returns data, last: ``m_axis_tdata``, sign-extended, and ``m_axis_tlast`` of each transfer.
+        Returns errors: Frames of the wrong length, which cause no transfer.
         """
         words = TDATA.check(data, f"{self.entity} s_axis_tdata")
         codes = ((words - SIGNAL.low) & ((1 << SIGNAL.width) - 1)) + SIGNAL.low

@@ -1,7 +1,5 @@
 """How far a bit-true network of two layers can be from real arithmetic."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 

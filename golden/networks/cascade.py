@@ -1,7 +1,5 @@
 """Cascade: each network sees the samples and the outputs of the networks before it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,18 +19,9 @@ from golden.sensing.stream_multiplexer import StreamMultiplexer
 class Cascade(Several):
     """y_i = network_i(x, y_1 ... y_(i-1)) (thesis sections 3.12 and 5.5, Figures 3.22 and 5.12).
 
-    Parameters
-    ----------
-    networks : tuple of Design
-        One per output, in the order of the outputs; each has one input more than the one before.
+    networks: One per output, in the order of the outputs; each has one input more than the one
+        before.
 
-    Raises
-    ------
-    InputError
-        See ``Several``.
-
-    Notes
-    -----
     A frame of the hardware's stream has as many elements as the last network has inputs: the
     samples, and then slots for the earlier outputs.
 

@@ -42,14 +42,7 @@ class Layer:
 
 
 def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
-    """A layer in the formats of a precision, normalised where the precision demands it.
-
-    Raises
-    ------
-    InputError
-        When the weights do not fit their format or their normalisation is too large; the message
-        begins with ``name``.
-    """
+    """A layer in the formats of a precision, normalised where the precision demands it."""
     factors = (
         normalisation(weights, biases, name)
         if precision.normalise
@@ -75,15 +68,9 @@ def _plain(codes: Codes) -> tuple[int, ...]:
 class Constants:
     """A network of two layers in codes, and the activation of each hidden node.
 
-    Attributes
-    ----------
-    precision : Precision
-    first, second : Layer
-        The layers without the hidden nodes that are not built.
-    activations : tuple of ActivationBlock
-        One per hidden node.
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
+    first, second: The layers without the hidden nodes that are not built.
+    activations: One per hidden node.
+    useless_nodes: Hidden nodes that are not built, because no output uses them.
     """
 
     precision: Precision
@@ -96,20 +83,8 @@ class Constants:
 def constants_of(mlp: Mlp, settings: Settings) -> Constants:
     """Quantise a trained network and choose its activations; every design takes what comes out.
 
-    Parameters
-    ----------
-    mlp : Mlp
-    settings : Settings
-        Those of the precision and the activation matter.
+    settings: Those of the precision and the activation matter.
 
-    Raises
-    ------
-    InputError
-        When weights do not fit in their format, or when in ``thesis`` precision a normalised sum
-        could exceed its 14 bits.
-
-    Notes
-    -----
     A weight whose code is 0 adds nothing to a sum, so a node whose weights to the outputs are all 0
     changes no output. One node is always built, because a network has at least one.
     """

@@ -1,7 +1,5 @@
 """What all designs have in common: each turns one trained network into hardware."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -31,36 +29,21 @@ class Design(Network):
     A subclass in ``golden.networks`` is found without being registered
     (``golden.networks.designs``).
 
-    Attributes
-    ----------
-    arrangements : tuple of str
-        The arrangements in which a scene may use it.
-    together : tuple of str
-        The arrangements for which one design holds all networks.
-    precisions : tuple of str
-        The precisions for which it is made.
-    known_activations : tuple of str
-        The activations that it can compute; empty for all.
-    activation_choices : bool
-        Whether a scene may set options of the activation.
-    half_codes : bool
-        Whether it accepts activations whose codes stand for the middle of their step.
-    learned_functions : bool
-        Whether it takes networks of learned functions, and no others.
-    coarse : bool
-        Whether its words have only the bits that a scene gives them, so that its outputs are
+    arrangements: The arrangements in which a scene may use it.
+    together: The arrangements for which one design holds all networks.
+    precisions: The precisions for which it is made.
+    known_activations: The activations that it can compute; empty for all.
+    activation_choices: Whether a scene may set options of the activation.
+    half_codes: Whether it accepts activations whose codes stand for the middle of their step.
+    learned_functions: Whether it takes networks of learned functions, and no others.
+    coarse: Whether its words have only the bits that a scene gives them, so that its outputs are
         further from the networks than those of other designs.
-    decides_itself : bool
-        Whether it finds the largest output where a scene asks for it. A design whose outputs come
-        one after the other leaves that to the readout.
-    most_nodes : int or None
-        The most samples, hidden nodes and outputs of a network together; None for no limit.
-    options : tuple of str
-        Keys of the section ``[hardware]`` that belong to this design alone.
-    min_interval : int
-        Clocks from one frame to the next that the receiver of the outputs needs.
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
+    decides_itself: Whether it finds the largest output where a scene asks for it. A design whose
+        outputs come one after the other leaves that to the readout.
+    most_nodes: The most samples, hidden nodes and outputs of a network together; None for no limit.
+    options: Keys of the section ``[hardware]`` that belong to this design alone.
+    min_interval: Clocks from one frame to the next that the receiver of the outputs needs.
+    useless_nodes: Hidden nodes that are not built, because no output uses them.
     """
 
     arrangements: ClassVar[tuple[str, ...]] = ()
@@ -87,20 +70,9 @@ class Design(Network):
     ) -> Self:
         """The design of trained networks.
 
-        Parameters
-        ----------
-        networks : sequence of Mlp or DenseNetwork
-            One network, or all networks of an arrangement in ``together``.
-        settings : Settings
-        arrangement : str
-            How the networks are connected.
-        variant : str
-            A name that distinguishes it from other networks of the same design.
-
-        Raises
-        ------
-        InputError
-            For settings that the design does not know; see also ``build``.
+        networks: One network, or all networks of an arrangement in ``together``.
+        arrangement: How the networks are connected.
+        variant: A name that distinguishes it from other networks of the same design.
         """
         asked = (
             ("precision", [settings.precision.name], cls.precisions),
@@ -127,10 +99,6 @@ class Design(Network):
         """Refuse what cannot be built, before minutes pass in which its weights are quantised.
 
         Only weights and nodes count that are not left out.
-
-        Raises
-        ------
-        InputError
         """
         layers = layers_of(network)
         count = sum(np.count_nonzero(layer.weights) for layer in layers)
@@ -150,13 +118,7 @@ class Design(Network):
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        """Make the design for ``of``, from settings that are already checked.
-
-        Raises
-        ------
-        InputError
-            For weights that the design's formats cannot hold; see also ``plain``.
-        """
+        """Make the design for ``of``, from settings that are already checked."""
         raise NotImplementedError
 
     @classmethod
@@ -170,13 +132,7 @@ class Design(Network):
 
     @classmethod
     def plain(cls, networks: Sequence[Trained]) -> list[Mlp]:
-        """The networks, for a design whose networks all have one hidden layer of tanh.
-
-        Raises
-        ------
-        InputError
-            For a network with other layers.
-        """
+        """The networks, for a design whose networks all have one hidden layer of tanh."""
         found = []
         for network in networks:
             if not isinstance(network, Mlp):

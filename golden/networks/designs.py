@@ -1,7 +1,5 @@
 """The designs that a scene can name: all subclasses of ``Design`` in this package."""
 
-from __future__ import annotations
-
 import pkgutil
 from importlib import import_module
 from pathlib import Path

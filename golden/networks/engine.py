@@ -1,7 +1,5 @@
 """Engine: computes a whole scene with a program and one multiplier, or none."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -72,20 +70,12 @@ class Engine(Design):
     With ``multiplier = "serial"`` the engine has no multiplier, and a product takes as many clocks
     as its operand has bits. The results are the same.
 
-    Parameters
-    ----------
-    program : Program
-    acc_width : int
-        Bits of the sum. All sums of the program fit in them.
-    integers : tuple of IntegerNetwork
-        The networks in whole numbers from which the graph was made.
-    graph : Graph
-        The graph from which the program was made.
-    loaded : Image or None
-        The image that a reloadable engine runs; its hardware depends on ``loaded.sizes`` alone.
+    acc_width: Bits of the sum. All sums of the program fit in them.
+    integers: The networks in whole numbers from which the graph was made.
+    graph: The graph from which the program was made.
+    loaded: The image that a reloadable engine runs; its hardware depends on ``loaded.sizes`` alone.
         None for a program that is part of the hardware.
-    budget : int
-        The most clocks from the last sample to the last output that the scene allows; 0 for no
+    budget: The most clocks from the last sample to the last output that the scene allows; 0 for no
         limit.
     """
 
@@ -173,13 +163,7 @@ class Engine(Design):
         arrangement: str,
         variant: str,
     ) -> Self:
-        """The smallest engine whose last output leaves ``clocks`` or fewer after the last sample.
-
-        Raises
-        ------
-        InputError
-            When no engine is fast enough; the message says how many clocks the fastest takes.
-        """
+        """The smallest engine whose last output leaves at most ``clocks`` after the last sample."""
         chosen = settings.options
         # Without a multiplier there is one pipeline, and no image.
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
@@ -258,25 +242,13 @@ class Engine(Design):
         arrangement: str = "single",
         met: Sequence[Sequence[float]] = (),
     ) -> Image:
-        """The image with which the same hardware computes other networks.
-
-        Raises
-        ------
-        InputError
-            When they do not fit, or when the program is part of the hardware.
-        """
+        """The image with which the same hardware computes other networks."""
         integers = integer_networks(arrangement, networks, met, self._sizes.segment_width)
         return image_of(self.graph_for(integers), self._sizes)
 
     @classmethod
     def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
-        """The graph of networks that the design can compute.
-
-        Raises
-        ------
-        InputError
-            For networks that it cannot.
-        """
+        """The graph of networks that the design can compute."""
         return graph_of(integers, lean)
 
     def running(self, image: Image) -> Self:

@@ -3,8 +3,6 @@
 Every design must give the same results.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -19,13 +17,7 @@ from golden.layers.weighted_sum import WeightedSum
 class ExactSum:
     """One neuron's sum, computed in integers of unlimited width.
 
-    Attributes
-    ----------
-    formats : WeightedSum
-    weights : sequence of int
-    bias : int
-    factor : int
-        Factor by which the sum is multiplied.
+    factor: Factor by which the sum is multiplied.
     """
 
     formats: WeightedSum
@@ -46,12 +38,7 @@ class ExactSum:
 class ExactLayers:
     """A network of two layers as sums and activations.
 
-    Attributes
-    ----------
-    hidden : list of ExactSum
-    activations : tuple of ActivationBlock
-        One per hidden node.
-    outputs : list of ExactSum
+    activations: One per hidden node.
     """
 
     hidden: list[ExactSum]

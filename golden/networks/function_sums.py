@@ -23,13 +23,7 @@ LEAST = 2.0**-10
 
 @dataclass(frozen=True)
 class Curve:
-    """``sum over n of weights[n] * functions[n](gains[n] * x + shifts[n])``.
-
-    Attributes
-    ----------
-    weights, gains, shifts : tuple of float
-    functions : tuple of Function
-    """
+    """``sum over n of weights[n] * functions[n](gains[n] * x + shifts[n])``."""
 
     weights: tuple[float, ...]
     gains: tuple[float, ...]
@@ -56,11 +50,7 @@ class Curve:
 class FunctionSum:
     """A constant and a curve of each of some variables.
 
-    Attributes
-    ----------
-    curves : dict of int to Curve
-        By the number of the variable.
-    constant : float
+    curves: By the number of the variable.
     """
 
     curves: dict[int, Curve]
@@ -77,14 +67,9 @@ class FunctionSum:
 class FunctionSums:
     """A network of learned functions.
 
-    Attributes
-    ----------
-    hidden : tuple of FunctionSum
-        Of the inputs.
-    ranges : tuple of pairs of float
-        Where each hidden sum lies: on recorded frames, with a margin, or else in its format.
-    outputs : tuple of FunctionSum
-        Of the hidden sums.
+    hidden: Of the inputs.
+    ranges: Where each hidden sum lies: on recorded frames, with a margin, or else in its format.
+    outputs: Of the hidden sums.
     """
 
     hidden: tuple[FunctionSum, ...]
@@ -97,20 +82,10 @@ def function_sums(
 ) -> FunctionSums:
     """A network as sums of functions.
 
-    Parameters
-    ----------
-    network : Mlp or DenseNetwork
-        Each node of its first layer has one input, those of the second layer add functions up.
-    reached : sequence of pairs of float
-        The least and the largest sum of each node of the second layer on recorded frames; empty
-        where none are known.
-    design : str
-        The design that takes no other network.
-
-    Raises
-    ------
-    InputError
-        For another network.
+    network: Each node of its first layer has one input, those of the second layer add functions up.
+    reached: The least and the largest sum of each node of the second layer on recorded frames;
+        empty where none are known.
+    design: The design that takes no other network.
     """
     if not learned(network):
         raise InputError(

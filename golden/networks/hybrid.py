@@ -1,7 +1,5 @@
 """Hybrid: a network of two layers that is folded over its inputs and over its outputs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -30,12 +28,7 @@ class Hybrid(Design):
     Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
     activation; layer 2 has one multiplier per hidden node, used once per output.
 
-    Parameters
-    ----------
-    input_integral : InputIntegral
-    activations : tuple of ActivationBlock
-        One per hidden node.
-    output_integral : OutputIntegral
+    activations: One per hidden node.
     """
 
     block = "hybrid"

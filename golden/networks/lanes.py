@@ -1,7 +1,5 @@
 """Lanes: computes a whole scene with a program and several multipliers that work side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
@@ -43,13 +41,8 @@ class Lanes(Engine):
 
     The neurons, their formats and so the results are those of ``Engine``.
 
-    Parameters
-    ----------
-    program : LaneProgram
-    acc_width, integers, graph, loaded
-        See ``Engine``.
-    asked : int
-        The lanes that the scene asks for. No more are built than a layer has nodes for.
+    acc_width, integers, graph, loaded: See ``Engine``.
+    asked: The lanes that the scene asks for. No more are built than a layer has nodes for.
     """
 
     block = "lanes"

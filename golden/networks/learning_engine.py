@@ -1,7 +1,5 @@
 """LearningEngine: an engine that learns the gains and offsets of its sensors."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -31,14 +29,8 @@ from golden.precision import SIGNAL
 class LearningEngine(Network):
     """An engine whose program also learns, from known outputs of frames (ours).
 
-    Parameters
-    ----------
-    program : LessonProgram
-    engine : Engine
-        The engine of the same networks that does not learn.
+    engine: The engine of the same networks that does not learn.
 
-    Notes
-    -----
     It learns in the clocks that frames leave free. Frames come in the same clocks whether it learns
     or not.
     """
@@ -51,18 +43,8 @@ class LearningEngine(Network):
     def of(cls, engine: Engine, taught: Corrected, constants: Sequence[int]) -> Self:
         """The engine that learns in the place of one that does not.
 
-        Parameters
-        ----------
-        engine : Engine
-        taught : Corrected
-            Its networks behind sensors that are corrected.
-        constants : sequence of int
-            The step of each output; see ``golden.learning.gradient``.
-
-        Raises
-        ------
-        InputError
-            For networks or hardware that are not made for learning.
+        taught: Its networks behind sensors that are corrected.
+        constants: The step of each output; see ``golden.learning.gradient``.
         """
         if engine.serial or engine.loaded or engine.program.pipeline.memory_registers:
             raise InputError(

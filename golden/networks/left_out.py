@@ -1,7 +1,5 @@
 """Texts about parts that a network does not need and its hardware therefore does not have."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from functools import singledispatch

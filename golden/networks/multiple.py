@@ -1,7 +1,5 @@
 """Multiple: independent networks side by side, one for each output."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +15,7 @@ from golden.networks.several import Several
 class Multiple(Several):
     """y_i = network_i(x): all networks read the same samples (thesis section 3.12, Figure 3.21).
 
-    Parameters
-    ----------
-    networks : tuple of Design
-        One per output, in the order of the outputs; all have the same number of inputs.
-
-    Raises
-    ------
-    InputError
-        See ``Several``; also for networks of unequal intervals.
+    networks: One per output, in the order of the outputs; all have the same number of inputs.
     """
 
     block = "multiple"

@@ -98,10 +98,7 @@ class Network(Block):
     def begun(self, ended: Codes) -> Codes:
         """The clock from which the outputs of each frame are counted: that of its last element.
 
-        Parameters
-        ----------
-        ended : int64 array
-            The clock of the last element of each good frame after a reset.
+        ended: The clock of the last element of each good frame after a reset.
         """
         return ended
 
@@ -162,9 +159,7 @@ class Network(Block):
     def saturations(self, frames: Codes) -> dict[str, Codes]:
         """For each layer whose range is from the data, how many of its sums saturate in each frame.
 
-        Parameters
-        ----------
-        frames : int64 array, shape (frames, inputs)
+        frames: shape (frames, inputs).
         """
         return {}
 
@@ -174,20 +169,11 @@ class Network(Block):
         The work is done in chunks that stay in the processor's cache, so the memory beyond the
         results does not grow with the batch.
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (..., inputs)
-            Where ``past`` is not 0, the shape is (frames, inputs), in the order of time.
+        frames, shape (..., inputs): Where ``past`` is not 0, the shape is (frames, inputs), in the
+            order of time.
 
-        Returns
-        -------
-        Codes, shape (..., outputs)
-            Where ``past`` is not 0, the first ``past`` frames have no row.
-
-        Raises
-        ------
-        InputError
-            For a wrong shape or a code outside the signal format.
+        Returns, shape (..., outputs): Where ``past`` is not 0, the first ``past`` frames have no
+            row.
         """
         samples, past = np.asarray(frames), self.past
         wrong = samples.ndim == 0 or (past > 0 and samples.ndim != 2)
@@ -207,12 +193,8 @@ class Network(Block):
 def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
     """The ports of a network between two streams.
 
-    Parameters
-    ----------
-    element, meaning : str
-        The elements of a frame, and what ``in_data`` holds.
-    refused : str
-        The frames that raise ``frame_error``.
+    element, meaning: The elements of a frame, and what ``in_data`` holds.
+    refused: The frames that raise ``frame_error``.
     """
     return (
         *CLOCKED,

@@ -5,8 +5,6 @@ a subtraction counts as one, so a sum of n numbers is n - 1 additions. Constants
 beforehand.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
@@ -21,10 +19,7 @@ class Operations:
 def mlp_operations(shape: tuple[int, int, int]) -> Operations:
     """Equation 3.11: every node adds up its products and its bias.
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Inputs, hidden nodes and outputs.
+    shape: Inputs, hidden nodes and outputs.
     """
     inputs, hidden, outputs = shape
     weights = hidden * inputs + outputs * hidden

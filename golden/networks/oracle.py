@@ -3,8 +3,6 @@
 Nothing here is shared, folded or cut as it is in hardware, so the two can be compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import singledispatch
 
@@ -117,16 +115,9 @@ def error_bounds(
 ) -> Real:
     """How far each output can be from real arithmetic that saturates, in real units.
 
-    Parameters
-    ----------
-    design : Design
-    mlp : Mlp or DenseNetwork
-        The network of the design.
-    precision : Precision
-    sensors : int
-        How many inputs are samples; the others are outputs of earlier networks.
-    met : sequence of float
-        Where the ranges of layers are from the data; see ``golden.engine.quantise.planned``.
+    mlp: The network of the design.
+    sensors: How many inputs are samples; the others are outputs of earlier networks.
+    met: Where the ranges of layers are from the data; see ``golden.engine.quantise.planned``.
     """
     assert isinstance(mlp, Mlp)
     return two_layer_bounds(mlp, precision, exact_layers(design).activations)

@@ -1,7 +1,5 @@
 """Parallel: a network of two layers that does all multiplications at once."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
@@ -28,12 +26,7 @@ class Parallel(Design):
     Every weight of both layers has its own multiplier, N M + M L of them, and every hidden node has
     one activation. All outputs leave in one clock.
 
-    Parameters
-    ----------
-    hidden_neurons : tuple of Neuron
-    activations : tuple of ActivationBlock
-        One per hidden node.
-    output_neurons : tuple of Neuron
+    activations: One per hidden node.
     """
 
     block = "parallel"

@@ -1,7 +1,5 @@
 """How data flow through the parts of a network, for the picture of the datapath."""
 
-from __future__ import annotations
-
 from functools import singledispatch
 
 from golden.activation.bipartite_table import RESULT

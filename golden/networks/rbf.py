@@ -1,7 +1,5 @@
 """The radial basis function network in floating point, with which the thesis compares its MLP."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,19 +13,10 @@ from golden.real import Real
 class Rbf:
     """``y = w phi(x) + b, phi_j = exp(-|x - c_j|^2 / (2 sigma_j^2))`` (equations 3.13, 3.14).
 
-    Parameters
-    ----------
-    centres : float array, shape (hidden, inputs)
-        The centres c_j.
-    widths : float array, shape (hidden,)
-        The widths sigma_j, above 0, in the unit of the inputs.
-    weights : float array, shape (outputs, hidden)
-    biases : float array, shape (outputs,)
-
-    Raises
-    ------
-    InputError
-        When the shapes do not fit each other, a value is not finite or a width is not above 0.
+    centres, shape (hidden, inputs): The centres c_j.
+    widths, shape (hidden,): The widths sigma_j, above 0, in the unit of the inputs.
+    weights: shape (outputs, hidden).
+    biases: shape (outputs,).
     """
 
     centres: Real

@@ -1,7 +1,5 @@
 """The settings of a design's hardware, as the section ``[hardware]`` of a scene gives them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -12,23 +10,14 @@ from golden.precision import EXACT, Precision
 class Settings:
     """Everything on which the hardware of a network depends, except its weights.
 
-    Attributes
-    ----------
-    precision : Precision
-    activation : str
-        A name of ``SCHEMES``.
-    activation_options : mapping
-        The options of the activation that are set.
-    options : mapping
-        The options of the design that are set.
-    lean : bool
-        Whether to leave out what the weights make useless: hidden nodes, segments of activations,
+    activation: A name of ``SCHEMES``.
+    activation_options: The options of the activation that are set.
+    options: The options of the design that are set.
+    lean: Whether to leave out what the weights make useless: hidden nodes, segments of activations,
         and terms of a sum. The results are the same either way.
-    met : sequence of sequences of float
-        For each network the largest magnitudes on recorded frames (``golden.engine.ranges``); empty
-        where no frames are known.
-    reached : sequence of sequences of pairs of float
-        For each network the least and the largest sum of each node of its last hidden layer on
+    met: For each network the largest magnitudes on recorded frames (``golden.engine.ranges``);
+        empty where no frames are known.
+    reached: For each network the least and the largest sum of each node of its last hidden layer on
         recorded frames, where these nodes have functions; else empty.
     """
 

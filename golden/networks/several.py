@@ -1,7 +1,5 @@
 """What the arrangements of several networks share: each network gives one output, in order."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.input_error import InputError
@@ -15,16 +13,7 @@ from golden.precision import SIGNAL
 class Several(Network):
     """Networks of one output each; see the subclasses.
 
-    Parameters
-    ----------
-    networks : tuple of Design
-        One per output, in the order of the outputs.
-
-    Raises
-    ------
-    InputError
-        For fewer than two networks, or for networks whose inputs differ from ``_inputs_of`` or that
-        have more than one output.
+    networks: One per output, in the order of the outputs.
     """
 
     networks: tuple[Design, ...]

@@ -33,12 +33,8 @@ ADDRESSES = (4, 5, 6)
 class TablePart:
     """The bits of a word that address a table, counted from the lowest bit of the word.
 
-    Parameters
-    ----------
-    top : int
-        The highest so many bits.
-    high, low : int
-        Below those, the bits from ``low`` to ``high``, without ``high``.
+    top: The highest so many bits.
+    high, low: Below those, the bits from ``low`` to ``high``, without ``high``.
     """
 
     top: int
@@ -61,13 +57,8 @@ class TablePart:
 class SmallTable:
     """A table that some bits of a word address.
 
-    Parameters
-    ----------
-    source : int
-        Which word of a frame.
-    part : TablePart
-    words : tuple of int
-        In the order of the addresses, for bits as they stand in a signal.
+    source: Which word of a frame.
+    words: In the order of the addresses, for bits as they stand in a signal.
     """
 
     source: int
@@ -113,19 +104,11 @@ def tables_of(source: int, values: Codes, tolerance: int) -> tuple[SmallTable, .
 
     If none are near enough, those that are nearest.
 
-    Parameters
-    ----------
-    source : int
-    values : int64 array
-        The function at every code of the word, from the least, in units of ``2**-FINE`` of a last
-        place.
-    tolerance : int
-        The largest root mean square of the errors, in the same units.
+    values: The function at every code of the word, from the least, in units of ``2**-FINE`` of a
+        last place.
+    tolerance: The largest root mean square of the errors, in the same units.
 
-    Returns
-    -------
-    tuple of SmallTable
-        None for a function whose words are all 0.
+    Returns: None for a function whose words are all 0.
     """
     kept = _cheapest(values.tobytes(), tolerance)
     return tuple(SmallTable(source, part, words) for part, words in kept)

@@ -1,7 +1,5 @@
 """Table graph: a network of learned functions as small tables and sums, a frame every clock."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
@@ -48,27 +46,15 @@ EMPTY = SmallTable(0, TablePart(1), (0, 0))
 class TableGraph(AtOnce):
     """Two layers of sums of functions; each function is a sum of small tables.
 
-    Parameters
-    ----------
-    samples : int
-        How many samples a frame has.
-    sample_bits : int
-        The upper bits of a sample that tables read.
-    first : tuple of SmallTable
-        The tables of the functions of the samples.
-    hidden : ConstantMatrix
-        Adds them up; a row for each hidden sum.
-    second : tuple of SmallTable
-        The tables of the functions of the hidden sums.
-    output : ConstantMatrix
-        Adds them up; a row for each output.
-    bounds : tuple of float
-        How far each output can be from real arithmetic, while no hidden sum saturates.
-    constant_nodes : int
-        Hidden sums that are not built, because they never change.
+    samples: How many samples a frame has.
+    sample_bits: The upper bits of a sample that tables read.
+    first: The tables of the functions of the samples.
+    hidden: Adds them up; a row for each hidden sum.
+    second: The tables of the functions of the hidden sums.
+    output: Adds them up; a row for each output.
+    bounds: How far each output can be from real arithmetic, while no hidden sum saturates.
+    constant_nodes: Hidden sums that are not built, because they never change.
 
-    Notes
-    -----
     A frame of samples enters in one clock, and all outputs leave in another.
     """
 

@@ -1,7 +1,5 @@
 """A sum of functions as small tables whose words are added up."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
@@ -23,13 +21,9 @@ TOLERANCE = 0.7
 class Grid:
     """What the codes of a word stand for.
 
-    Attributes
-    ----------
-    centres : float array, shape (codes,)
-        The middle of the values of each code, from the least code.
-    values : float array, shape (codes, values of a code)
-        All of them, or some of which no value is farther away than ``spread``.
-    spread : float
+    centres, shape (codes,): The middle of the values of each code, from the least code.
+    values, shape (codes, values of a code): All of them, or some of which no value is farther away
+        than ``spread``.
     """
 
     centres: Real
@@ -58,13 +52,8 @@ class Grid:
 class TableSum:
     """The tables of a sum, and the constant that they lack.
 
-    Attributes
-    ----------
-    tables : tuple of SmallTable
-    constant : int
-        In steps; 0 where there are tables, because the words of one of them contain it.
-    error : float
-        How far the sum can be from that of the functions.
+    constant: In steps; 0 where there are tables, because the words of one of them contain it.
+    error: How far the sum can be from that of the functions.
     """
 
     tables: tuple[SmallTable, ...]
@@ -77,12 +66,7 @@ def table_sum(
 ) -> TableSum:
     """Tables for a sum in units of ``step``, whose 0 stands for ``middle``.
 
-    Parameters
-    ----------
-    wanted : FunctionSum
-    grids : sequence of Grid
-        For each word of a frame.
-    step, middle : float
+    grids: For each word of a frame.
     """
     fine = step / (1 << FINE)
     constant = _whole(wanted.constant - middle, fine)

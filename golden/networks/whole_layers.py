@@ -4,8 +4,6 @@ A ReLU, a clip and a rounding are the finish of a matrix. tanh, and so sigmoid, 
 behind it. A leaky ReLU is two rows of the same sum, one of them rectified.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -43,27 +41,13 @@ _TANH_SHIFT = RESULT.frac - TANH_RESULT.frac
 class Chosen:
     """What a scene chooses of the layers.
 
-    Attributes
-    ----------
-    adders_per_clock : int
-        The most adders between two registers.
-    adder_operands : int
-        The most operands of an adder; see ``ConstantMatrix``.
-    memory : str
-        Where the tables of tanh are stored; see ``Bipartite``.
-    prefix : str
-        What the names of the matrices begin with.
-    word_width : int
-        Bits of a word from layer to layer where no quantiser says how many there are, and no table;
-        0 for ``WORD_WIDTH``.
-    search_runs : int
-        Runs of the search for each matrix; see ``ConstantMatrix``.
-
-    Raises
-    ------
-    InputError
-        For a word that is too short, or longer than that of the integer network, and for a number
-        of runs below 1 or above ``MOST_RUNS``.
+    adders_per_clock: The most adders between two registers.
+    adder_operands: The most operands of an adder; see ``ConstantMatrix``.
+    memory: Where the tables of tanh are stored; see ``Bipartite``.
+    prefix: What the names of the matrices begin with.
+    word_width: Bits of a word from layer to layer where no quantiser says how many there are, and
+        no table; 0 for ``WORD_WIDTH``.
+    search_runs: Runs of the search for each matrix; see ``ConstantMatrix``.
     """
 
     adders_per_clock: int
@@ -89,17 +73,12 @@ class Chosen:
 class Compiled:
     """A network in matrices and tables.
 
-    Attributes
-    ----------
-    layers : tuple of ConstantMatrix
-    activations : tuple of tuple of Bipartite
-        For each hidden layer the table of each row; empty where the finish is the activation.
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
-    constant_nodes : int
-        Hidden nodes that are not built, because they never change: they are part of biases.
-    ranges : tuple of Range
-        Of the hidden layers in which saturation would be an error.
+    activations: For each hidden layer the table of each row; empty where the finish is the
+        activation.
+    useless_nodes: Hidden nodes that are not built, because no output uses them.
+    constant_nodes: Hidden nodes that are not built, because they never change: they are part of
+        biases.
+    ranges: Of the hidden layers in which saturation would be an error.
     """
 
     layers: tuple[ConstantMatrix, ...]
@@ -113,11 +92,7 @@ class Compiled:
 class LayerWord:
     """A word of the integer network that a matrix takes: ``scale * code + offset``.
 
-    Attributes
-    ----------
-    ends : tuple of int
-        The least and the largest code.
-    scale, offset : int
+    ends: The least and the largest code.
     """
 
     ends: tuple[int, int]
@@ -129,14 +104,9 @@ class LayerWord:
 class LayerWords:
     """The words from one layer to the next, by their number in the integer network.
 
-    Attributes
-    ----------
-    fmt : Fix
-        Format of the codes that stand for them.
-    live : dict
-        Those that the matrix takes, in the order of its samples.
-    fixed : dict
-        The values of those that never change.
+    fmt: Format of the codes that stand for them.
+    live: Those that the matrix takes, in the order of its samples.
+    fixed: The values of those that never change.
     """
 
     fmt: Fix
@@ -152,20 +122,8 @@ class LayerWords:
 def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
     """The matrices and tables of an integer network.
 
-    Parameters
-    ----------
-    network : IntegerNetwork
-        It takes samples alone.
-    chosen : Chosen
+    network: It takes samples alone.
 
-    Raises
-    ------
-    InputError
-        For functions other than tanh, for numbers that a matrix does not take, and for a width of
-        words that no layer has.
-
-    Notes
-    -----
     If a layer has a quantiser, no bit of any sum is cut, and words keep all their bits. Then every
     word is that of the integer network, unless it comes from a table, and so is every output: ties
     are as exact as there. Other networks keep ``word_width`` bits of a word, and ``GUARD`` bits

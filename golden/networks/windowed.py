@@ -1,7 +1,5 @@
 """Windowed: a network that also reads samples of past frames."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.block import Block
@@ -18,18 +16,8 @@ from golden.window import Window
 class Windowed(Network):
     """y = network(x now, x some frames before): a frame window in front of a network (ours).
 
-    Parameters
-    ----------
-    network : Network
-        A network between two streams.
-    window : Window
-        The samples that the network reads.
-
-    Raises
-    ------
-    InputError
-        For a network with another number of inputs, and for one that takes no stream of samples,
-        must be loaded with an image, or has a past itself.
+    network: A network between two streams.
+    window: The samples that the network reads.
     """
 
     block = "windowed"

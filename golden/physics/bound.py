@@ -10,8 +10,6 @@ both only affect the gauges under the load, and a triangle gives the readings of
 rectangle.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -37,17 +35,10 @@ _ROUNDING = 1e-9
 def slopes_by_codes(sensors: Sequence[StrainSensor], codes: ArrayLike) -> Real:
     """Derivatives of the readings by coded load, position and width.
 
-    Parameters
-    ----------
-    sensors : sequence of StrainSensor
-        Gauges on the same beam.
-    codes : array_like of float, shape (n, 4)
-        Placements as coded targets; see ``loads_from_codes``.
+    sensors: Gauges on the same beam.
+    codes, shape (n, 4): Placements as coded targets; see ``loads_from_codes``.
 
-    Returns
-    -------
-    float array, shape (n, sensors, 3)
-        In V for one unit of the code.
+    Returns, shape (n, sensors, 3): In V for one unit of the code.
     """
     loads = loads_from_codes(codes, sensors[0].beam)
     # Codes count the position from the tip, but the beam counts it from the root.
@@ -62,22 +53,11 @@ def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
     S^-1 J``. It is computed as 1 over the length of that part of a column of ``S^-1/2 J`` that is
     independent of the other columns. This exists even where the inverse does not.
 
-    Parameters
-    ----------
-    slopes : array_like of float, shape (..., readings, unknowns)
-        J, the derivatives of the readings.
-    noise : array_like of float
-        Standard deviation of the noise of each reading, or one number for all; above 0.
+    slopes, shape (..., readings, unknowns): J, the derivatives of the readings.
+    noise: Standard deviation of the noise of each reading, or one number for all; above 0.
 
-    Returns
-    -------
-    float array, shape (..., unknowns)
-        Infinite where the effect of an unknown on the readings can be that of another one.
-
-    Raises
-    ------
-    InputError
-        For noise of 0 or less, or for another number of readings.
+    Returns, shape (..., unknowns): Infinite where the effect of an unknown on the readings can be
+        that of another one.
     """
     least, most = float(np.finfo(np.float64).tiny), float(np.finfo(np.float64).max)
     (sigma,) = checked(noise=(noise, least, most))
@@ -108,19 +88,11 @@ def least_mean_errors(
     reaches the bound have a normal distribution, and their mean magnitude is ``sqrt(2 / pi)`` times
     their standard deviation.
 
-    Parameters
-    ----------
-    sensors, codes
-        See ``slopes_by_codes``.
-    noise : array_like of float
-        See ``least_deviations``.
-    scale : array_like of float, shape (n, 3)
-        The number that is 100 %; see ``golden.metrics.error_scale``.
+    sensors, codes: See ``slopes_by_codes``.
+    noise: See ``least_deviations``.
+    scale, shape (n, 3): The number that is 100 %; see ``golden.metrics.error_scale``.
 
-    Returns
-    -------
-    float array, shape (n, 3)
-        The bounds of load, position and width.
+    Returns, shape (n, 3): The bounds of load, position and width.
     """
     deviations = least_deviations(slopes_by_codes(sensors, codes), noise)
     result: Real = 100 * MEAN_PER_DEVIATION * deviations / np.asarray(scale)

@@ -1,7 +1,5 @@
 """The path from a deflection to a code: sensors and conditioning, thesis sections 3.6 and 6.4."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -25,24 +23,13 @@ SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 
 class ReflectiveSensor:
     """A reflective proximity sensor below the plate, linear within its range (Figure 6.9).
 
-    Parameters
-    ----------
-    rest : float
-        Output in V without deflection, 0 to 100; the thesis has 3.5 to 4.7.
-    sensitivity : float
-        V/m, -1e6 to 1e6. The default of 450 is ours: with it a 10 kg swing moves the sensors by the
-        10 to 60 mV that the thesis reports.
-    linear : float
-        m, 1 um to 1 m. Beyond this deflection, in both directions, the output stays constant. The
-        default of 1 mm is the lower end of the 1 to 2 mm that section 6.2.1 prints for a person
+    rest: Output in V without deflection, 0 to 100; the thesis has 3.5 to 4.7.
+    sensitivity: V/m, -1e6 to 1e6. The default of 450 is ours: with it a 10 kg swing moves the
+        sensors by the 10 to 60 mV that the thesis reports.
+    linear: m, 1 um to 1 m. Beyond this deflection, in both directions, the output stays constant.
+        The default of 1 mm is the lower end of the 1 to 2 mm that section 6.2.1 prints for a person
         on the plate.
-    noise : float
-        Standard deviation of Gaussian noise, V, 0 to 10.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range.
+    noise: Standard deviation of Gaussian noise, V, 0 to 10.
     """
 
     rest: float = 4.1
@@ -59,13 +46,7 @@ class ReflectiveSensor:
         )
 
     def read(self, deflection: ArrayLike, rng: np.random.Generator) -> Real:
-        """Volts for deflections in m; the noise comes from ``rng``.
-
-        Raises
-        ------
-        InputError
-            For NaN or infinity.
-        """
+        """Volts for deflections in m; the noise comes from ``rng``."""
         most = float(np.finfo(np.float64).max)
         (w,) = checked(deflection=(deflection, -most, most))
         volts = self.rest + self.sensitivity * np.clip(w, -self.linear, self.linear)
@@ -76,20 +57,10 @@ class ReflectiveSensor:
 class Conditioning:
     """DC remover, gain, clipping circuit and ADC of one sensor.
 
-    Parameters
-    ----------
-    gain : float
-        G, -1e6 to 1e6; the thesis has 10 for sensors 1 and 3, and 80 for sensor 2.
-    cutoff : float
-        Cut-off of the first-order high pass in Hz, 0 to below half of the rate; with 0, DC passes
-        too.
-    rate : float
-        Samples per second, 1e-3 to 1e9.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range.
+    gain: G, -1e6 to 1e6; the thesis has 10 for sensors 1 and 3, and 80 for sensor 2.
+    cutoff: Cut-off of the first-order high pass in Hz, 0 to below half of the rate; with 0, DC
+        passes too.
+    rate: Samples per second, 1e-3 to 1e9.
     """
 
     gain: float
@@ -106,17 +77,8 @@ class Conditioning:
         The high pass is the bilinear transform of s / (s + omega) with the right cut-off
         (``scipy.signal.butter``). Before the first sample it has settled at ``rest``.
 
-        Parameters
-        ----------
-        volts : array_like of float, shape (n,)
-            At least one sample.
-        rest : float
-            Output of the sensor at rest, in V.
-
-        Raises
-        ------
-        InputError
-            For NaN, infinity or another shape.
+        volts, shape (n,): At least one sample.
+        rest: Output of the sensor at rest, in V.
         """
         most = float(np.finfo(np.float64).max)
         v, r = checked(volts=(volts, -most, most), rest=(rest, -most, most))
@@ -146,17 +108,8 @@ class LowPass:
     It is of first order, which is our choice: thesis section 3.6 prints only the cut-off, and a
     picture.
 
-    Parameters
-    ----------
-    cutoff : float
-        Hz, 1e-6 to below half of the rate.
-    rate : float
-        Samples per second, 1e-3 to 1e9; the default is that of the scans of the four sensors.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range.
+    cutoff: Hz, 1e-6 to below half of the rate.
+    rate: Samples per second, 1e-3 to 1e9; the default is that of the scans of the four sensors.
     """
 
     cutoff: float = LOW_PASS
@@ -172,15 +125,7 @@ class LowPass:
         The filter is the bilinear transform of omega / (s + omega) with the right cut-off
         (``scipy.signal.butter``).
 
-        Parameters
-        ----------
-        volts : array_like of float, shape (n,)
-            At least one sample.
-
-        Raises
-        ------
-        InputError
-            For NaN, infinity or another shape.
+        volts, shape (n,): At least one sample.
         """
         most = float(np.finfo(np.float64).max)
         (v,) = checked(volts=(volts, -most, most))
@@ -195,15 +140,7 @@ class LowPass:
     def settling(self, part: float) -> float:
         """Seconds after a step until only this part of it is left: -ln(part) / (2 pi cutoff).
 
-        Parameters
-        ----------
-        part : float
-            1e-300 to 1.
-
-        Raises
-        ------
-        InputError
-            For a part outside its range, which includes NaN.
+        part: 1e-300 to 1.
         """
         checked(part=(part, 1e-300, 1))
         return -math.log(part) / (2 * math.pi * self.cutoff)

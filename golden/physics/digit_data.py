@@ -4,8 +4,6 @@ The sensors are those that fit the recorded vectors best (``strain_sensor.fit_se
 can use the file in the place of appendix2.csv.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path
@@ -44,26 +42,13 @@ MOST_ROWS = 1_000_000
 def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
     """Random placements, and the readings of the four sensors for them.
 
-    Parameters
-    ----------
-    rows : int
-        1 to a million.
-    seed : int
-        0 or more.
-    noise : float
-        Standard deviation of Gaussian noise on every sensor, V, 0 to 1.
+    rows: 1 to a million.
+    seed: 0 or more.
+    noise: Standard deviation of Gaussian noise on every sensor, V, 0 to 1.
 
-    Returns
-    -------
-    float array, shape (rows, 8)
-        Sensors 1 to 4 in V, within -1 to 1. Then, as coded targets: the load (6 to 23 g), the
-        position (from where the outer edge of the load is 6.35 mm from the tip, up to 127 mm), the
-        width (one of the four of Table 3.1), and the shape.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range.
+    Returns, shape (rows, 8): Sensors 1 to 4 in V, within -1 to 1. Then, as coded targets: the load
+        (6 to 23 g), the position (from where the outer edge of the load is 6.35 mm from the tip, up
+        to 127 mm), the width (one of the four of Table 3.1), and the shape.
     """
     checked(rows=(rows, 1, MOST_ROWS), seed=(seed, 0, 2**63), noise=(noise, 0, 1))
     rng = np.random.default_rng(seed)

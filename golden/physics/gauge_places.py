@@ -5,8 +5,6 @@ reading of each with the standard deviation of its range. So a bound is never la
 of a guess, and means can be computed even over placements whose width no gauge measures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -105,11 +103,6 @@ class Placing:
         From several starts, each gauge in turn moves to its best place among the others, until none
         moves any more. The starts are: one gauge after another where it helps most; evenly spread
         gauges; and the places for comparison.
-
-        Raises
-        ------
-        InputError
-            When there is no room for so many gauges.
         """
         count = self.rig.count
         even = np.linspace(0, len(self.places) - 1, count).round().astype(int).tolist()

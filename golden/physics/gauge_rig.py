@@ -1,7 +1,5 @@
 """A beam on which gauges are to be placed: the TOML file of ``make sensors``."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,38 +100,23 @@ RIG = KeyTable(
 class GaugeRig:
     """The question that is put to ``make sensors``.
 
-    Attributes
-    ----------
-    name : str
-    beam : golden.physics.beam.Beam
-    count : int
-        Number of gauges to place.
-    span : tuple of float
-        Range in m from the root in which a gauge may be.
-    apart : float
-        Least distance of two gauges in m.
-    full_scale, noise : float
-        In V; see the file.
-    noise_strain : float
-    compare : tuple of float
-        Places in m from the root to compare with; may be empty.
-    cell_noise : float
-        Noise of a sensor that reads only the load, as a part of its reading for the heaviest load;
-        infinite where there is no such sensor.
-    masses : tuple of float
-        The least and the largest mass in kg.
-    placements : Loads
-        All placements over which errors are computed.
-    known : tuple of bool
-        Whether load, position and width are known beforehand, which holds for a range of one value.
-    spreads : float array, shape (3,)
-        Standard deviations of mass, position and half-width over the placements, in SI units.
-    percent : float array, shape (placements, 3)
-        Error in percent for one SI unit of mass, position and half-width.
-    outputs : tuple of str
-        The outputs whose errors count.
-    objective : str
-        "mean" or "worst".
+    count: Number of gauges to place.
+    span: Range in m from the root in which a gauge may be.
+    apart: Least distance of two gauges in m.
+    full_scale, noise: In V; see the file.
+    compare: Places in m from the root to compare with; may be empty.
+    cell_noise: Noise of a sensor that reads only the load, as a part of its reading for the
+        heaviest load; infinite where there is no such sensor.
+    masses: The least and the largest mass in kg.
+    placements: All placements over which errors are computed.
+    known: Whether load, position and width are known beforehand, which holds for a range of one
+        value.
+    spreads, shape (3,): Standard deviations of mass, position and half-width over the placements,
+        in SI units.
+    percent, shape (placements, 3): Error in percent for one SI unit of mass, position and
+        half-width.
+    outputs: The outputs whose errors count.
+    objective: "mean" or "worst".
     """
 
     name: str
@@ -156,14 +139,7 @@ class GaugeRig:
 
 
 def load_rig(name: str) -> GaugeRig:
-    """Read a rig by its name, or by a path that ends in ``.toml``.
-
-    Raises
-    ------
-    InputError
-        For an unknown rig, or for a file that cannot be read. For a fault in the file, the message
-        names file, key, what was got and what was expected.
-    """
+    """Read a rig by its name, or by a path that ends in ``.toml``."""
     known = sorted(path.stem for path in FOLDER.glob("*.toml"))
     path = FOLDER / f"{name}.toml" if name in known else Path(name)
     if path.suffix != ".toml":

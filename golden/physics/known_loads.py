@@ -5,8 +5,6 @@ estimator with prior knowledge can be better, and can even determine what the re
 contain. Its least mean error is that of the median of the distribution after the readings.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -27,13 +25,9 @@ _TIE = 1e-6
 def kinds_of(targets: Real, known_loads: bool) -> Real:
     """Load, width and shape of everything that can lie on the beam, shape (kinds, 3).
 
-    Parameters
-    ----------
-    targets : float array, shape (n, 4)
-        Coded placements.
-    known_loads : bool
-        Whether only the loads in ``targets`` are possible. Otherwise any load is possible, which
-        NaN stands for, with any width and any shape that occur in ``targets``.
+    targets, shape (n, 4): Coded placements.
+    known_loads: Whether only the loads in ``targets`` are possible. Otherwise any load is possible,
+        which NaN stands for, with any width and any shape that occur in ``targets``.
     """
     if known_loads:
         found: Real = np.unique(targets[:, [0, 2, 3]], axis=0)
@@ -53,25 +47,14 @@ def least_errors(
 ) -> Real:
     """The mean error of the best such estimator at each placement, in percent.
 
-    Parameters
-    ----------
-    sensors : sequence of StrainSensor
-        The sensors that are read; the estimator knows them.
-    targets : float array, shape (n, 4)
-        Coded placements. They determine the kinds of loads, which are equally likely; see
-        ``kinds_of``.
-    noise : float array, shape (sensors,)
-        Standard deviation in V.
-    scale : float array, shape (n, 4)
-        The number that is 100 %.
-    known_loads : bool
-    draws : int
-        Number of readings at each placement.
-    rng : numpy Generator
+    sensors: The sensors that are read; the estimator knows them.
+    targets, shape (n, 4): Coded placements. They determine the kinds of loads, which are equally
+        likely; see ``kinds_of``.
+    noise, shape (sensors,): Standard deviation in V.
+    scale, shape (n, 4): The number that is 100 %.
+    draws: Number of readings at each placement.
 
-    Returns
-    -------
-    float array, shape (n, 4)
+    Returns: shape (n, 4).
     """
     beam = sensors[0].beam
     farthest = beam.length * 1e3 / POSITION_MM * FULL_SCALE

@@ -1,7 +1,5 @@
 """The surface plate: thesis equations 6.1 to 6.3, for loads and points at any place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,30 +24,19 @@ TERMS = 1000
 class Plate:
     """A thin rectangular plate, simply supported at x = 0 and x = a.
 
-    Parameters
-    ----------
-    length, width : float
-        a (x) and b (y) in m, 1 mm to 1 km; neither may be more than a hundred times the other. The
-        default is the outer plate of thesis section 6.2.1, which is clamped along its long sides.
-    thickness : float
-        t_r in m, 1 um to 1 m.
-    elastic_modulus : float
-        E in Pa, 1 kPa to 10 TPa. The default is steel, 200 GPa; the thesis prints no value.
-    poisson : float
-        nu, 0 to 0.5. The default is steel, 0.3.
-    clamped : bool
-        Whether the edges y = 0 and y = b are clamped (equation 6.3) or simply supported (6.1, 6.2).
+    length, width: a (x) and b (y) in m, 1 mm to 1 km; neither may be more than a hundred times the
+        other. The default is the outer plate of thesis section 6.2.1, which is clamped along its
+        long sides.
+    thickness: t_r in m, 1 um to 1 m.
+    elastic_modulus: E in Pa, 1 kPa to 10 TPa. The default is steel, 200 GPa; the thesis prints no
+        value.
+    poisson: nu, 0 to 0.5. The default is steel, 0.3.
+    clamped: Whether the edges y = 0 and y = b are clamped (equation 6.3) or simply supported (6.1,
+        6.2).
 
-    Notes
-    -----
     Kirchhoff's theory assumes that deflections are small compared with the thickness, that the
     thickness is small compared with the sides, and that loads are static; the plate's own weight is
     left out.
-
-    Raises
-    ------
-    InputError
-        For a dimension or constant outside its range.
     """
 
     length: float = 0.910
@@ -101,21 +88,12 @@ class Plate:
         it has a symmetric and an antisymmetric part. On the axis y = eta = b / 2 the result is
         equation 6.3, whose second sum is printed for that axis only.
 
-        Parameters
-        ----------
-        points : array_like of float, shape (n, 2)
-            x in 0 to a, y in 0 to b, m.
-        loads : array_like of float, shape (k, 2)
-            xi and eta, m.
-        terms : int
-            1 to a million.
+        points, shape (n, 2): x in 0 to a, y in 0 to b, m.
+        loads, shape (k, 2): xi and eta, m.
+        terms: 1 to a million.
 
-        Returns
-        -------
-        float array, shape (n, k)
+        Returns: shape (n, k).
 
-        Notes
-        -----
         Hyperbolic functions appear only as exp(-u) with u of 0 or more. So nothing overflows for
         any number of terms, and factors below the smallest float become 0, as they should. The time
         grows with the number of terms times that of pairs; the memory does not grow with the number
@@ -124,11 +102,6 @@ class Plate:
         **Error**: the sum of the terms that are left out is below ``tail``. Rounding errors are
         1e-13 of the largest deflection for plates with similar sides. For b = a / 100, cancellation
         costs four more digits (tests/test_plate.py).
-
-        Raises
-        ------
-        InputError
-            For a place off the plate, for a number of terms outside its range, and for NaN.
         """
         checked(terms=(terms, 1, MOST_TERMS))
         x, y, xi, eta = self._pairs(points, loads)

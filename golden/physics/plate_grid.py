@@ -1,7 +1,5 @@
 """The plate equation by finite differences, as an independent check of the series."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
@@ -45,23 +43,11 @@ def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Re
     It uses the thirteen-point stencil of the plate equation, which is of second order. At the load,
     where the curvature has no limit, the error is of second order except for a logarithm.
 
-    Parameters
-    ----------
-    plate : Plate
-    load : array_like of float, shape (2,)
-        xi and eta in m; the load acts at the nearest inner node.
-    columns, rows : int
-        Cells along x and y, 4 to 2000.
+    load, shape (2,): xi and eta in m; the load acts at the nearest inner node.
+    columns, rows: Cells along x and y, 4 to 2000.
 
-    Returns
-    -------
-    float array, shape (rows - 1, columns - 1)
-        Node (i, j) is at y = (i + 1) b / rows, x = (j + 1) a / columns.
-
-    Raises
-    ------
-    InputError
-        For cells outside their range, or a load off the plate.
+    Returns, shape (rows - 1, columns - 1): Node (i, j) is at y = (i + 1) b / rows, x = (j + 1) a /
+        columns.
     """
     operator = _biharmonic(plate, columns, rows)
     xi, eta = np.asarray(load, dtype=np.float64)
@@ -77,18 +63,8 @@ def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Re
 def natural_frequency(plate: Plate, density: float, columns: int, rows: int) -> float:
     """Lowest natural frequency in Hz; the error is of second order in the size of the cells.
 
-    Parameters
-    ----------
-    plate : Plate
-    density : float
-        kg/m^3, 1 to 1e5; that of steel is 7850.
-    columns, rows : int
-        Cells along x and y, 4 to 2000.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range.
+    density: kg/m^3, 1 to 1e5; that of steel is 7850.
+    columns, rows: Cells along x and y, 4 to 2000.
     """
     checked(density=(density, 1, 1e5))
     lowest = eigsh(

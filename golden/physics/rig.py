@@ -1,7 +1,5 @@
 """The swing on its plate, and the readings of its three sensors (thesis sections 6.2 to 6.4)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,22 +16,11 @@ from golden.real import Real
 class Rig:
     """A swing in the middle of a plate, with its frames along the plate's length.
 
-    Parameters
-    ----------
-    plate : Plate
-    swing : Swing
-    frames : float
-        Distance of the two A-frames in m; 0.350 in thesis section 6.2.2.
-    offset : float
-        Distance in m of sensors 1 and 3, which lie on the line of the feet, from the middle of the
-        plate's width; sensor 2 lies in the middle. The value is ours: the thesis has them "closely
-        to" the axis, but a sensor on the axis gives the same reading whichever frame carries the
-        load, so that no sensor would detect the wobble.
-
-    Raises
-    ------
-    InputError
-        When a foot or a sensor would be off the plate.
+    frames: Distance of the two A-frames in m; 0.350 in thesis section 6.2.2.
+    offset: Distance in m of sensors 1 and 3, which lie on the line of the feet, from the middle of
+        the plate's width; sensor 2 lies in the middle. The value is ours: the thesis has them
+        "closely to" the axis, but a sensor on the axis gives the same reading whichever frame
+        carries the load, so that no sensor would detect the wobble.
     """
 
     plate: Plate = field(default_factory=Plate)
@@ -80,11 +67,6 @@ class Rig:
         thesis assumes, apart from the wobble, which is our addition. A mass at x off the middle,
         whose support it accelerates by x'' at the height of the axis, shifts the load to one frame
         by (D a_g x - D x'' height) / frames, half of it on each side.
-
-        Raises
-        ------
-        InputError
-            When a foot would have to be held down, because the swing would leave the plate.
         """
         swing = self.swing
         tilt = swing.mass * (GRAVITY * lateral - lateral_acceleration * swing.height) / self.frames

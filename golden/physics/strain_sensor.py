@@ -29,16 +29,10 @@ FARTHEST = 100.0
 class Loads:
     """Loads on the beam in SI units. The arrays are broadcast.
 
-    Parameters
-    ----------
-    mass : float array
-        D in kg.
-    position : float array
-        a in m, from the root to the middle of the load.
-    half_width : float array
-        h in m.
-    triangular : bool array
-        See ``mean_arm``.
+    mass: D in kg.
+    position: a in m, from the root to the middle of the load.
+    half_width: h in m.
+    triangular: See ``mean_arm``.
     """
 
     mass: Real
@@ -54,11 +48,8 @@ class Loads:
 def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
     """The loads on the beam for coded targets (load, position, width, shape; Table 3.1).
 
-    Parameters
-    ----------
-    codes : array_like of float, shape (..., 4)
-        0.9 means 23 g, 127 mm from the tip, and a width of 50.8 mm (``golden.units``).
-    beam : Beam
+    codes, shape (..., 4): 0.9 means 23 g, 127 mm from the tip, and a width of 50.8 mm
+        (``golden.units``).
     """
     load, position, width, shape = np.moveaxis(np.asarray(codes, dtype=np.float64), -1, 0)
     return Loads(
@@ -73,18 +64,12 @@ def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
 class StrainSensor:
     """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
 
-    Parameters
-    ----------
-    gain : float
-        V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
+    gain: V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
         reading.
-    offset : float
-        V_off in V.
-    position : float
-        In m from the root. Below 0 there can be no gauge on this beam. The formula still continues
-        there, so that a fit can show that a sensor does not read a bending moment.
-    beam : Beam
-        The beam; gamma is half of its thickness.
+    offset: V_off in V.
+    position: In m from the root. Below 0 there can be no gauge on this beam. The formula still
+        continues there, so that a fit can show that a sensor does not read a bending moment.
+    beam: The beam; gamma is half of its thickness.
     """
 
     gain: float
@@ -93,26 +78,14 @@ class StrainSensor:
     beam: Beam
 
     def read(self, loads: Loads) -> Real:
-        """Volts for each load, not clipped.
-
-        Raises
-        ------
-        InputError
-            For a mass outside 0 to 1e6 kg or a load beyond the root, which includes NaN.
-        """
+        """Volts for each load, not clipped."""
         mass, arm = self._mass_and_arm(loads)
         strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
         result: Real = self.gain * strain + self.offset
         return result
 
     def slopes(self, loads: Loads) -> Real:
-        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m.
-
-        Raises
-        ------
-        InputError
-            See ``read``.
-        """
+        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
         mass, arm = self._mass_and_arm(loads)
         by_position, by_half_width = arm_slopes(
             loads.position - self.position, loads.half_width, loads.triangular
@@ -135,21 +108,10 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
     It is a least-squares fit over all readings. For each position, gain and offset follow from a
     linear solution, so SciPy searches only the position, starting from the root.
 
-    Parameters
-    ----------
-    readings : array_like of float, shape (n,)
-        Readings in V.
-    loads : Loads
-        A load for each reading.
-    beam : Beam
-    spread : bool
-        Whether to take the width of the loads into account (``mean_arm``); otherwise equation 3.5
-        is used as printed, for a load at a point.
-
-    Raises
-    ------
-    InputError
-        For fewer than four readings, for NaN or infinite ones, or for another number of loads.
+    readings, shape (n,): Readings in V.
+    loads: A load for each reading.
+    spread: Whether to take the width of the loads into account (``mean_arm``); otherwise equation
+        3.5 is used as printed, for a load at a point.
     """
     most = float(np.finfo(np.float64).max)
     (volts,) = checked(readings=(readings, -most, most))
@@ -179,12 +141,9 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
 def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[StrainSensor]:
     """Fit each sensor.
 
-    Parameters
-    ----------
-    table : array_like of float, shape (rows, sensors + 4)
-        Readings, then load, position, width and shape as coded targets.
-    beam, spread
-        See ``fit_sensor``, which also raises the same errors.
+    table, shape (rows, sensors + 4): Readings, then load, position, width and shape as coded
+        targets.
+    beam, spread: See ``fit_sensor``, which also raises the same errors.
     """
     rows = np.asarray(table, dtype=np.float64)
     loads = loads_from_codes(rows[:, -len(COLUMNS) :], beam)

@@ -1,7 +1,5 @@
 """The swing of thesis section 6.3.2 and Appendix 7: motion, bearing forces and foot forces."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -35,29 +33,17 @@ MOST_SAMPLES = 10_000_000
 class Swing:
     """A pendulum between two A-frames. The default is the rig of thesis section 6.2.2.
 
-    Parameters
-    ----------
-    mass : float
-        D in kg, 1 mg to 1000 t.
-    arm : float
-        I'_p, the distance from the axis to the centre of the mass, 1 mm to 100 m.
-    gyration : float
-        Radius of gyration of the mass about its own centre in m, 0 to 100. The moment of inertia of
-        Appendix 7, equation 3, is J_x = D gyration^2. With 0 the motion is that of equation 2 as
-        printed.
-    damping : float
-        kappa in m/s, 0 or more; the rate kappa / arm may be up to 1e6 1/s. Appendix 7 has 0.05.
-    leg : float
-        I_p, the length of a leg, 1 mm to 100 m.
-    feet : float
-        Distance of the two feet of a frame in m, above 0 and below two legs; it determines 2 psi.
-    frame_mass : float
-        Mass in kg, 0 to 1e6, of everything that does not swing, distributed equally on all feet.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range.
+    mass: D in kg, 1 mg to 1000 t.
+    arm: I'_p, the distance from the axis to the centre of the mass, 1 mm to 100 m.
+    gyration: Radius of gyration of the mass about its own centre in m, 0 to 100. The moment of
+        inertia of Appendix 7, equation 3, is J_x = D gyration^2. With 0 the motion is that of
+        equation 2 as printed.
+    damping: kappa in m/s, 0 or more; the rate kappa / arm may be up to 1e6 1/s. Appendix 7 has
+        0.05.
+    leg: I_p, the length of a leg, 1 mm to 100 m.
+    feet: Distance of the two feet of a frame in m, above 0 and below two legs; it determines 2 psi.
+    frame_mass: Mass in kg, 0 to 1e6, of everything that does not swing, distributed equally on all
+        feet.
     """
 
     mass: float = 10.0
@@ -111,16 +97,10 @@ class Swing:
 class Motion:
     """The motion of a swing over time.
 
-    Attributes
-    ----------
-    time : float array, shape (n,)
-        Time in s, from 0.
-    angle : float array, shape (n,)
-        phi in rad; 0 when hanging, and positive towards foot 2.
-    speed : float array, shape (n,)
-        In rad/s.
-    evaluations : int
-        Number of evaluations of the differential equation.
+    time, shape (n,): Time in s, from 0.
+    angle, shape (n,): phi in rad; 0 when hanging, and positive towards foot 2.
+    speed, shape (n,): In rad/s.
+    evaluations: Number of evaluations of the differential equation.
     """
 
     time: Real
@@ -141,44 +121,23 @@ def swing_motion(
 ) -> Motion:
     """Solve Appendix 7, equation 2: phi'' + kappa / I'_p phi' + (D a_g I'_p / J) sin(phi) = 0.
 
-    Parameters
-    ----------
-    swing : Swing
-    start : float
-        phi_initial in rad, -pi to pi. The swing is released at rest. pi is upright, where the swing
-        stays because nothing pushes it.
-    seconds : float
-        Duration; it must give two to ten million samples.
-    rate : float
-        Samples per second, 1e-3 to 1e9; the thesis captured 200.
-    method : str, optional
-        RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. The default is
+    start: phi_initial in rad, -pi to pi. The swing is released at rest. pi is upright, where the
+        swing stays because nothing pushes it.
+    seconds: Duration; it must give two to ten million samples.
+    rate: Samples per second, 1e-3 to 1e9; the thesis captured 200.
+    method: RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. The default is
         DOP853, or LSODA if the swing is overdamped, with a damping rate above two natural
         frequencies; see docs/physics.md for the measured errors and times behind this choice.
-    tolerance : float
-        Relative tolerance, 2.3e-14 to 0.1; the absolute tolerance is a thousandth of it.
-    most_evaluations : int
-        The most work that is allowed, above 0. An explicit method needs as many evaluations as the
-        damping rate times the seconds, however large the tolerance is.
+    tolerance: Relative tolerance, 2.3e-14 to 0.1; the absolute tolerance is a thousandth of it.
+    most_evaluations: The most work that is allowed, above 0. An explicit method needs as many
+        evaluations as the damping rate times the seconds, however large the tolerance is.
 
-    Returns
-    -------
-    Motion
-        Samples at 0, 1 / rate, ...; there are ``seconds`` times ``rate`` of them.
+    Returns: Samples at 0, 1 / rate, ...; there are ``seconds`` times ``rate`` of them.
 
-    Notes
-    -----
     **Error** with the defaults over 4 s (table ``swing``): 2e-10 rad in the plain case, 1e-10 rad
     with strong damping, and 6e-8 rad when started from 179.9 degrees, where an error at the start
     grows about a thousandfold. Without damping the energy drifts by less than 1e-8 in 1000 periods
     (table ``stability``).
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range, which includes NaN, or an unknown method.
-    ArithmeticError
-        When the method gives up before the end, or needs more evaluations than allowed.
     """
     checked(
         start=(start, -math.pi, math.pi),
@@ -232,19 +191,9 @@ def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
     It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
     damping of ``swing`` is ignored.
 
-    Parameters
-    ----------
-    swing : Swing
-    start : float
-        In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright start
-        is infinite.
-    time : array_like of float
-        In s, 0 to 1e9.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range, which includes NaN.
+    start: In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright
+        start is infinite.
+    time: In s, 0 to 1e9.
     """
     most = math.pi - 1e-6
     _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
@@ -262,16 +211,7 @@ def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Re
     point mass, D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass, like the drag of
     the air, and not on the bearing.
 
-    Parameters
-    ----------
-    swing : Swing
-    angle, speed : array_like of float
-        phi in rad and phi' in rad/s, finite. They are broadcast.
-
-    Raises
-    ------
-    InputError
-        For NaN or infinity.
+    angle, speed: phi in rad and phi' in rad/s, finite. They are broadcast.
     """
     phi, rate = checked(angle=(angle, -1e12, 1e12), speed=(speed, -1e12, 1e12))
     inertia = swing.gyration**2 / (swing.arm**2 + swing.gyration**2)

@@ -52,15 +52,10 @@ LEAST_WOBBLE = 0.75
 class Recording:
     """One run of the swing.
 
-    Attributes
-    ----------
-    sensors : float array, shape (n, 3)
-        Output of the ADC in V, as values of Fix(14,13).
-    place : float array, shape (n, 3)
-        x (wobble), y = arm sin(phi), z = arm (1 - cos(phi)) of the mass in m, relative to where it
-        hangs.
-    clipped : int
-        Number of samples beyond the range of the ADC.
+    sensors, shape (n, 3): Output of the ADC in V, as values of Fix(14,13).
+    place, shape (n, 3): x (wobble), y = arm sin(phi), z = arm (1 - cos(phi)) of the mass in m,
+        relative to where it hangs.
+    clipped: Number of samples beyond the range of the ADC.
     """
 
     sensors: Real
@@ -78,25 +73,12 @@ def record(
 ) -> Recording:
     """Release the swing and record it.
 
-    Parameters
-    ----------
-    angle : float
-        Angle at release in degrees, -60 to 60.
-    seed : int
-        0 or more; determines the noise and the wobble (6 to 8 mm at release, with any phase).
-    noise : float
-        Standard deviation at each reflective sensor in V, 0 to 10.
-    seconds : float
-        See ``swing_motion``; the default is 25.
-    rig : Rig, optional
-        The default is a frame of 10 kg on the plate of the thesis.
-    rate : float
-        Samples per second.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range, or an angle that lifts a foot.
+    angle: Angle at release in degrees, -60 to 60.
+    seed: 0 or more; determines the noise and the wobble (6 to 8 mm at release, with any phase).
+    noise: Standard deviation at each reflective sensor in V, 0 to 10.
+    seconds: See ``swing_motion``; the default is 25.
+    rig: The default is a frame of 10 kg on the plate of the thesis.
+    rate: Samples per second.
     """
     checked(angle=(angle, -60, 60), seed=(seed, 0, 2**63))
     rig = Rig(swing=Swing(frame_mass=FRAME_MASS)) if rig is None else rig
@@ -125,12 +107,8 @@ def record(
 class Coding:
     """Coded target = (place - offset) * scale, computed from the training run as in section 6.4.4.
 
-    Attributes
-    ----------
-    offset : float array, shape (3,)
-        The mean of each coordinate in m.
-    scale : float array, shape (3,)
-        In 1/m: 0.7 divided by the largest magnitude after the offset.
+    offset, shape (3,): The mean of each coordinate in m.
+    scale, shape (3,): In 1/m: 0.7 divided by the largest magnitude after the offset.
     """
 
     offset: Real
@@ -152,20 +130,9 @@ def write_recordings(
 ) -> list[Path]:
     """Write a run for each angle. The first one trains, and its coding is used for all.
 
-    Parameters
-    ----------
-    folder : Path
-    seed : int
-        Seed of the first run; run n after it has seed + n.
-    angles : sequence of float
-        In degrees; at least one.
-    noise : float
-        See ``record``.
-
-    Raises
-    ------
-    InputError
-        See ``record``. Also if there is no angle.
+    seed: Seed of the first run; run n after it has seed + n.
+    angles: In degrees; at least one.
+    noise: See ``record``.
     """
     if not angles:
         raise InputError("angles: got none, expected at least one")

@@ -1,7 +1,5 @@
 """The lateral wobble of the swing. It is our addition: the thesis measures it without a model."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -18,22 +16,12 @@ class Wobble:
 
     It is independent of the pendulum: the frames rock sideways on the plate, with the mass on them.
 
-    Parameters
-    ----------
-    amplitude : float
-        Amplitude in m at time 0, 0 to 10. 8 mm give the mean of 9 mm from end to end in thesis
-        Table 6.2.
-    frequency : float
-        omega / (2 pi) in Hz, 1e-3 to 1e6; the default of 1.9 is no multiple of the swing's 0.7 Hz.
-    ratio : float
-        zeta, 0 to 0.5; with the default the wobble decays about as fast as the swing.
-    phase : float
-        In rad, -2 pi to 2 pi: x = amplitude cos(phase) at time 0.
-
-    Raises
-    ------
-    InputError
-        For a value outside its range.
+    amplitude: Amplitude in m at time 0, 0 to 10. 8 mm give the mean of 9 mm from end to end in
+        thesis Table 6.2.
+    frequency: omega / (2 pi) in Hz, 1e-3 to 1e6; the default of 1.9 is no multiple of the swing's
+        0.7 Hz.
+    ratio: zeta, 0 to 0.5; with the default the wobble decays about as fast as the swing.
+    phase: In rad, -2 pi to 2 pi: x = amplitude cos(phase) at time 0.
     """
 
     amplitude: float = 0.008
@@ -50,13 +38,7 @@ class Wobble:
         )
 
     def displacement(self, time: ArrayLike) -> tuple[Real, Real]:
-        """x in m and x'' in m/s^2 at times from 0 to 1e9 s.
-
-        Raises
-        ------
-        InputError
-            For a time outside its range, which includes NaN.
-        """
+        """x in m and x'' in m/s^2 at times from 0 to 1e9 s."""
         (t,) = checked(time=(time, 0, 1e9))
         omega = 2 * math.pi * self.frequency
         # The roots of the characteristic equation are -zeta omega +- i omega sqrt(1 - zeta^2).

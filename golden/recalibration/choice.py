@@ -1,7 +1,5 @@
 """Chooses which placements to make, how many, and how often to read them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -26,12 +24,8 @@ MOST_CANDIDATES = 500
 class Proposed:
     """A placement that is proposed.
 
-    Attributes
-    ----------
-    row : int
-        Row of the recording, from 0.
-    expected : Planned
-        The expectation with this placement and those before it.
+    row: Row of the recording, from 0.
+    expected: The expectation with this placement and those before it.
     """
 
     row: int
@@ -47,11 +41,7 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
     best; its ``C`` is computed from all chosen rows, because differences lose digits. No row is
     proposed twice, because the network's own error there would count twice.
 
-    Parameters
-    ----------
-    recorded : Sensitivity
-    times : int
-        How often each placement will be read.
+    times: How often each placement will be read.
     """
     rows = spread_out(len(recorded.recorded), MOST_CANDIDATES)
     there = recorded.recorded.at(rows)
@@ -87,11 +77,8 @@ class Plan:
 def plan(recorded: Sensitivity) -> Plan | None:
     """The fewest readings with which nearly all expected drifts are surely corrected.
 
-    Returns
-    -------
-    Plan or None
-        None where even ``MOST_PLACEMENTS`` placements, read most often, are not enough because the
-        networks' own errors hide such a drift.
+    Returns: None where even ``MOST_PLACEMENTS`` placements, read most often, are not enough because
+        the networks' own errors hide such a drift.
     """
     found: list[Plan] = []
     for times in REPEATS if recorded.noise.any() else REPEATS[:1]:

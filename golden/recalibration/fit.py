@@ -19,8 +19,6 @@ If the placements tell little compared with their noise, ``theta`` stays near 0,
 correction.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -40,14 +38,10 @@ LEAST_SPAN = 2.0**-13
 class Fit:
     """The knowledge of the drift after some placements.
 
-    Attributes
-    ----------
-    theta : float array, shape (2 sensors,)
-        The most likely drift; see ``Sensitivity``.
-    root : float array, shape (2 sensors, 2 sensors)
-        The uncertainty of the drift as a lower triangle L of the covariance L L^T. Unlike a rounded
-        covariance it is never negative, however much the placements tell of some directions and
-        however little of others.
+    theta, shape (2 sensors,): The most likely drift; see ``Sensitivity``.
+    root, shape (2 sensors, 2 sensors): The uncertainty of the drift as a lower triangle L of the
+        covariance L L^T. Unlike a rounded covariance it is never negative, however much the
+        placements tell of some directions and however little of others.
     """
 
     theta: Real
@@ -57,14 +51,10 @@ class Fit:
 def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
     """Estimate how far the sensors have drifted.
 
-    Parameters
-    ----------
-    recorded : Sensitivity
-    placements : Placements
-    start : float array, shape (2 sensors,), optional
-        Where the descent starts. By default there are two descents, and the better result is used.
-        One starts from no correction, the other from the correction that brings the readings next
-        to those recorded at the nearest placement. The first alone could end in another minimum.
+    start, shape (2 sensors,): Where the descent starts. By default there are two descents, and the
+        better result is used. One starts from no correction, the other from the correction that
+        brings the readings next to those recorded at the nearest placement. The first alone could
+        end in another minimum.
     """
     scene, samples = recorded.scene, placements.inputs
     roots = np.linalg.cholesky(recorded.spread(placements))
@@ -97,10 +87,7 @@ def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None
 def root_of_inverse(slopes: Real) -> Real:
     """The lower triangle L with L L^T = (J^T J)^-1, without the product, which doubles the digits.
 
-    Parameters
-    ----------
-    slopes : float array, shape (equations, unknowns)
-        J, of full rank.
+    slopes, shape (equations, unknowns): J, of full rank.
     """
     inverse = np.linalg.inv(np.linalg.qr(slopes, mode="r"))
     lower = np.linalg.qr(inverse.T, mode="r").T  # type: ignore[attr-defined]
@@ -130,14 +117,10 @@ def by_chance(recorded: Sensitivity, placements: Placements) -> float:
 class LeftOut:
     """Errors of placements that took no part in the correction, in percent.
 
-    Attributes
-    ----------
-    before, after : float array, shape (placements, outputs)
-        Errors without a correction, and with a correction that is fitted to all other placements.
-    expected : float array, shape (placements, outputs)
-        Expected standard deviations of ``after``.
-    spread : float array, shape (placements, outputs)
-        The part of these that does not come from drift.
+    before, after, shape (placements, outputs): Errors without a correction, and with a correction
+        that is fitted to all other placements.
+    expected, shape (placements, outputs): Expected standard deviations of ``after``.
+    spread, shape (placements, outputs): The part of these that does not come from drift.
     """
 
     before: Real
@@ -155,12 +138,7 @@ class LeftOut:
 def left_out(recorded: Sensitivity, placements: Placements, all_of_them: Fit) -> LeftOut:
     """Leave out one placement after another, with all of its readings.
 
-    Parameters
-    ----------
-    recorded : Sensitivity
-    placements : Placements
-    all_of_them : Fit
-        Fit to all placements, from which the fits without one of them start.
+    all_of_them: Fit to all placements, from which the fits without one of them start.
     """
     before = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
     spread = np.einsum("roo->ro", recorded.spread(placements))

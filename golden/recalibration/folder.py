@@ -9,8 +9,6 @@ one that the correction turns into the recorded reading. So the errors of the co
 remain if only gain and offset have changed.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Sequence
@@ -62,16 +60,7 @@ def now_read(scene: Scene, correction: Sequence[Scale], recorded: Real) -> Real:
 def scene_file(scene: Scene, target: str) -> Path:
     """The path of the copy's scene file: a ``.toml`` file, or the scene's name in a folder.
 
-    Parameters
-    ----------
-    scene : Scene
-    target : str
-        File or folder; empty for ``build/<scene>/recalibrated``.
-
-    Raises
-    ------
-    InputError
-        For the folder of the scene itself.
+    target: File or folder; empty for ``build/<scene>/recalibrated``.
     """
     folder = Path(target) if target else BUILD / scene.name / "recalibrated"
     path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
@@ -86,17 +75,8 @@ def scene_file(scene: Scene, target: str) -> Path:
 def check_copy(scene: Scene, path: Path, force: bool = False) -> None:
     """Refuse to replace files that are not of an earlier copy of the same scene.
 
-    Parameters
-    ----------
-    scene : Scene
-    path : Path
-        See ``scene_file``.
-    force : bool
-        Whether any files may be replaced.
-
-    Raises
-    ------
-    InputError
+    path: See ``scene_file``.
+    force: Whether any files may be replaced.
     """
     if not path.is_relative_to(BUILD):
         check_folder(path.parent)
@@ -127,20 +107,9 @@ def write_copy(
 ) -> list[Path]:
     """Write the copy, and return the files that were written.
 
-    Parameters
-    ----------
-    scene : Scene
-    correction : sequence of Scale
-        One for each sensor; see ``fit``.
-    provenance : dict
-        Entries that are added to the provenance of each network.
-    path : Path
-        See ``scene_file``.
-
-    Raises
-    ------
-    InputError
-        For files that cannot be read or written.
+    correction: One for each sensor; see ``fit``.
+    provenance: Entries that are added to the provenance of each network.
+    path: See ``scene_file``.
     """
     weights = _weights(scene, path)
     data = path.parent / scene.data_path.name
@@ -185,13 +154,7 @@ def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> N
 
 
 def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
-    """The scene file with other names for its files.
-
-    Raises
-    ------
-    InputError
-        When the names cannot be found and replaced in the text of the file.
-    """
+    """The scene file with other names for its files."""
     text = scene.path.read_text(encoding="utf-8")
     raw = tomllib.loads(text)
     wanted = raw | {

@@ -18,8 +18,6 @@ linear. Each drift determines the readings that the sensors would have given in 
 the networks compute the outputs for them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,14 +53,11 @@ LEAST_GAIN = 0.1
 class Outlook:
     """The expectation over the recording.
 
-    Attributes
-    ----------
-    before, after : float array, shape (outputs,)
-        Expected root mean square errors without and with the correction, in percent.
-    before_unsure, after_unsure : float array, shape (outputs,)
-        The standard deviations of these errors.
-    chance, chances : float, and float array, shape (outputs,)
-        Probability that the correction lowers the mean square of all outputs, and of each output.
+    before, after, shape (outputs,): Expected root mean square errors without and with the
+        correction, in percent.
+    before_unsure, after_unsure, shape (outputs,): The standard deviations of these errors.
+    chance, chances, shape (outputs,): Probability that the correction lowers the mean square of all
+        outputs, and of each output.
     """
 
     before: Real
@@ -96,12 +91,8 @@ def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftO
 class Planned:
     """The expectation over the recording before any placement is read.
 
-    Attributes
-    ----------
-    before, after : float array, shape (outputs,)
-        As in ``Outlook``, but computed from the derivatives.
-    sure : float
-        The part of the expected drifts that would surely be corrected.
+    before, after, shape (outputs,): As in ``Outlook``, but computed from the derivatives.
+    sure: The part of the expected drifts that would surely be corrected.
     """
 
     before: Real
@@ -163,16 +154,10 @@ def _sure(chances: Real) -> NDArray[np.bool_]:
 def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
     """The probabilities that corrections improve all outputs together, and each output.
 
-    Parameters
-    ----------
-    recorded : Sensitivity
-    thetas : float array, shape (corrections, 2 sensors)
-    root : float array, shape (2 sensors, 2 sensors)
-        ``Fit.root``.
+    thetas: shape (corrections, 2 sensors).
+    root, shape (2 sensors, 2 sensors): ``Fit.root``.
 
-    Returns
-    -------
-    float array, shape (corrections, 1 + outputs)
+    Returns: shape (corrections, 1 + outputs).
     """
     each = recorded.squares
     reach = thetas @ np.concatenate([each.mean(axis=0)[np.newaxis], each])

@@ -26,14 +26,9 @@ LEAST_FREE = 4
 class Placements:
     """Known placements, each of them once, with the mean of its readings.
 
-    Attributes
-    ----------
-    inputs : float array, shape (placements, sensors)
-        Means of the readings as signals.
-    targets, scale : float array, shape (placements, outputs)
-        As in ``Vectors``.
-    times : float array, shape (placements,)
-        How often each placement was read.
+    inputs, shape (placements, sensors): Means of the readings as signals.
+    targets, scale, shape (placements, outputs): As in ``Vectors``.
+    times, shape (placements,): How often each placement was read.
     """
 
     inputs: Real
@@ -60,12 +55,8 @@ def numbers_of(path: Path, columns: Sequence[str]) -> Real | None:
 
     It is None if there is no such column, or if a sensor or an output of the scene has this name.
 
-    Parameters
-    ----------
-    path : Path
-        Path of a file that has been read before; see ``read_table``.
-    columns : sequence of str
-        Columns of the scene.
+    path: Path of a file that has been read before; see ``read_table``.
+    columns: Columns of the scene.
     """
     if COLUMN in columns or COLUMN not in read_csv_file(path).names:
         return None
@@ -78,23 +69,10 @@ def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray
 
     Rows with equal outputs are not combined, because something that is not an output may differ.
 
-    Parameters
-    ----------
-    vectors : Vectors
-    numbers : float array, shape (rows,), or None
-        The number of each row; None if each row is a placement of its own.
+    numbers, shape (rows,): The number of each row; None if each row is a placement of its own.
 
-    Returns
-    -------
-    Placements
-        The placements, in the order in which they first occur.
-    int array, shape (rows,)
-        The index of the placement of each row.
-
-    Raises
-    ------
-    InputError
-        For rows of one placement with different outputs.
+    Returns: The placements, in the order in which they first occur.
+    Returns, shape (rows,): The index of the placement of each row.
     """
     if numbers is None:
         numbers = np.arange(len(vectors.inputs), dtype=np.float64)
@@ -122,17 +100,10 @@ def noise_of_repeats(vectors: Vectors, found: Placements, place: NDArray[np.intp
     Equation: it is the root of the sum over all readings of the squared differences from the mean
     of the placement, divided by the number of readings minus the number of placements.
 
-    Parameters
-    ----------
-    vectors : Vectors
-    found : Placements
-    place : int array, shape (rows,)
-        See ``grouped``.
+    place, shape (rows,): See ``grouped``.
 
-    Returns
-    -------
-    float array, shape (sensors,), or None
-        As signals; None if the number of readings minus that of placements is below ``LEAST_FREE``.
+    Returns, shape (sensors,): As signals; None if the number of readings minus that of placements
+        is below ``LEAST_FREE``.
     """
     free = len(place) - len(found)
     if free < LEAST_FREE:

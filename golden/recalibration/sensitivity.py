@@ -28,15 +28,9 @@ NEAREST = 3
 def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
     """Outputs of the networks in floating point, and their derivatives by the sensors.
 
-    Parameters
-    ----------
-    scene : Scene
-    samples : float array, shape (rows, sensors)
-        The samples as signals.
+    samples, shape (rows, sensors): The samples as signals.
 
-    Returns
-    -------
-    float array, shape (rows, outputs); float array, shape (rows, outputs, sensors)
+    Returns: shape (rows, outputs); float array, shape (rows, outputs, sensors).
     """
     rows, sensors = samples.shape
     outputs, slopes = np.empty((rows, 0)), np.empty((rows, 0, sensors))
@@ -60,13 +54,9 @@ class Sensitivity:
     sensor, and then that of each offset, in standard deviations of the expected drift. So before
     any reading ``theta`` has mean 0 and covariance ``I``.
 
-    Attributes
-    ----------
-    scene : Scene
-    gain, offset : float array, shape (sensors,)
-        Standard deviations of the expected drift; the offset is a signal.
-    noise : float array, shape (sensors,)
-        Standard deviation of one reading as a signal.
+    gain, offset, shape (sensors,): Standard deviations of the expected drift; the offset is a
+        signal.
+    noise, shape (sensors,): Standard deviation of one reading as a signal.
     """
 
     scene: Scene
@@ -78,13 +68,8 @@ class Sensitivity:
     def of(cls, scene: Scene, noise: Real, drift: Disturbance | None = None) -> Sensitivity:
         """The sensitivity of a scene.
 
-        Parameters
-        ----------
-        scene : Scene
-        noise : float array, shape (sensors,)
-            Standard deviation of one reading as a signal.
-        drift : Disturbance, optional
-            Gain and offset of the expected drift, in the unit of the readings. The default is
+        noise, shape (sensors,): Standard deviation of one reading as a signal.
+        drift: Gain and offset of the expected drift, in the unit of the readings. The default is
             that of ``expected_drift``.
         """
         if drift is None:
@@ -106,12 +91,10 @@ class Sensitivity:
     def drifted(self, samples: Real, theta: Real, least_gain: float) -> Real:
         """Samples that the correction turns into these, which the sensors would give now.
 
-        Parameters
-        ----------
-        samples : float array, shape (rows, sensors)
-        theta : float array, shape (2 sensors,)
-        least_gain : float
-            Lower limit for gains of the correction, whose inverse would otherwise have no limit.
+        samples: shape (rows, sensors).
+        theta: shape (2 sensors,).
+        least_gain: Lower limit for gains of the correction, whose inverse would otherwise have no
+            limit.
         """
         found = self.correction(theta)
         return signals(samples, [replace(s, factor=max(s.factor, least_gain)) for s in found])
@@ -187,9 +170,7 @@ class Sensitivity:
         if that is more: a network is worst at the ends of its range, and just there a placement
         tells most.
 
-        Returns
-        -------
-        float array, shape (placements, outputs, outputs)
+        Returns: shape (placements, outputs, outputs).
         """
         near = self.nearest(placements)
         count, sensors = placements.inputs.shape

@@ -1,7 +1,5 @@
 """A network from elsewhere, for which a scene is drafted."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,13 +21,7 @@ SPARE = 0.1
 
 @dataclass(frozen=True)
 class Brought:
-    """A network file, and what a scene must say about it.
-
-    Parameters
-    ----------
-    path : Path
-    held : Held
-    """
+    """A network file, and what a scene must say about it."""
 
     path: Path
     held: Held
@@ -62,14 +54,7 @@ class Brought:
 
 
 def brought(path: Path, found: Survey) -> Brought:
-    """The network at ``path``, for the columns of a recording.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, or has another number of inputs or outputs than there are
-        sensors, and outputs or labels.
-    """
+    """The network at ``path``, for the columns of a recording."""
     held = held_in(path)
     missing = [name for name in held.names if name not in held.arrays]
     if missing or np.ndim(held.arrays["w1"]) != 2:

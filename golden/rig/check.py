@@ -4,8 +4,6 @@ Each function checks one part and returns a finding for everything in it, also f
 ``make train`` stops at the faults among ``before_training``.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """Finds what the numbers of rows of each class spoil, before anything is trained on them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, several
@@ -19,13 +17,7 @@ MOST_NUMBERS, ROWS_EACH = 12, 5
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """What is found in the classes of a scene; nothing if its outputs are numbers.
-
-    Raises
-    ------
-    InputError
-        See ``read_recorded`` and ``split_of``.
-    """
+    """What is found in the classes of a scene; nothing if its outputs are numbers."""
     if not scene.labels:
         return []
     wanted, split = read_recorded(scene).targets, split_of(scene)

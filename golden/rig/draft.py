@@ -1,7 +1,5 @@
 """The text of a scene for a recording, with comments that explain what was chosen."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -144,14 +142,8 @@ def draft(
 ) -> str:
     """The text of the scene at ``path``.
 
-    Parameters
-    ----------
-    found : Survey
-    path : Path
-    hardware : Scene, optional
-        Scene whose hardware reads the sensors.
-    network : Brought, optional
-        The network that the scene is for. It is not trained.
+    hardware: Scene whose hardware reads the sensors.
+    network: The network that the scene is for. It is not trained.
     """
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)

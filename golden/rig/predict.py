@@ -1,7 +1,5 @@
 """Computes what a scene's hardware gives for new readings."""
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import dataclass
@@ -32,18 +30,13 @@ NO_PAST = "no whole past"
 class Prediction:
     """Outputs for new readings, of the rows that have a complete past.
 
-    Attributes
-    ----------
-    outputs : float array, shape (rows, outputs)
-        The same, bit by bit, as those of the hardware, in the units of the outputs. Of classes,
-        1 for that which is decided and 0 for the others.
-    codes : int64 array, shape (rows, outputs)
-        The outputs as codes.
-    distances : float array, shape (rows,)
-    reasons : list of str
-        See ``TrainedOn``; also each hidden layer that saturates.
-    ranges : list of str
-        The range of each hidden layer in which saturation would be an error, and what saturates.
+    outputs, shape (rows, outputs): The same, bit by bit, as those of the hardware, in the units of
+        the outputs. Of classes, 1 for that which is decided and 0 for the others.
+    codes, shape (rows, outputs): The outputs as codes.
+    distances: shape (rows,).
+    reasons: See ``TrainedOn``; also each hidden layer that saturates.
+    ranges: The range of each hidden layer in which saturation would be an error, and what
+        saturates.
     """
 
     outputs: Real
@@ -54,13 +47,7 @@ class Prediction:
 
 
 def readings_of(scene: Scene, recording: CsvFile) -> Real:
-    """The sensors' columns of a recording, shape (rows, sensors).
-
-    Raises
-    ------
-    InputError
-        For all columns that are missing or hold anything but numbers, in one message.
-    """
+    """The sensors' columns of a recording, shape (rows, sensors)."""
     found = []
     columns = []
     for name in scene.sensors:
@@ -129,11 +116,6 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
     """Write every column of the recording unchanged, and behind them the columns of results.
 
     A row without a complete past has no outputs and no distance, and is marked as outside.
-
-    Raises
-    ------
-    InputError
-        When the recording already has a column with the name of a result.
     """
     columns = result_columns(scene)
     added = [*columns, *CLOSING]
@@ -159,12 +141,7 @@ def decimals(factor: float) -> int:
 
 
 def check_place(scene: Scene, source: Path, path: Path, force: bool = False) -> None:
-    """Refuse to overwrite a file that is read, or one that holds no predictions; see ``FORCE=1``.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse to overwrite a file that is read, or one without predictions; see ``FORCE=1``."""
 
     def predicted(there: Path) -> bool:
         return first_line(there).endswith(",".join(["", *CLOSING]))

@@ -3,8 +3,6 @@
 Each function checks one thing and returns its findings, which are often none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -67,12 +65,8 @@ def at_ends(columns: Mapping[str, Real], known: Sequence[float] = ()) -> list[Fi
 
     Sensors that end at the same reading are in one finding.
 
-    Parameters
-    ----------
-    columns : mapping of str to float array
-        The readings of each sensor.
-    known : sequence of float
-        Readings that a scene has named in ``data.ends``; nothing is found there.
+    columns: The readings of each sensor.
+    known: Readings that a scene has named in ``data.ends``; nothing is found there.
     """
     ending: dict[tuple[float, str], dict[str, int]] = {}
     for name, values in columns.items():

@@ -5,8 +5,6 @@ these often carry the same information. Errors are those on rows that took no pa
 see ``golden.training.split``. The networks are in floating point with tanh, and read only sensors.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -30,15 +28,9 @@ from golden.training.task import LEAST_ROWS
 class Recording:
     """The readings of the sensors and the outputs that belong to them.
 
-    Attributes
-    ----------
-    readings : float array, shape (rows, columns)
-        The readings in the unit of the sensors.
-    targets, scale : float arrays, shape (rows, outputs)
-        The outputs, and the divisors of their errors.
-    sensors : tuple of str
-        The sensor of each column; a sensor whose past is used has several columns.
-    outputs : tuple of str
+    readings, shape (rows, columns): The readings in the unit of the sensors.
+    targets, scale, shape (rows, outputs): The outputs, and the divisors of their errors.
+    sensors: The sensor of each column; a sensor whose past is used has several columns.
     """
 
     readings: Real
@@ -53,13 +45,7 @@ class Recording:
         return tuple(dict.fromkeys(self.sensors))
 
     def columns(self, kept: Sequence[str]) -> NDArray[np.int64]:
-        """The columns of some sensors.
-
-        Raises
-        ------
-        InputError
-            For no sensor, or for an unknown name.
-        """
+        """The columns of some sensors."""
         unknown = [name for name in kept if name not in self.sensors]
         if unknown or not kept:
             raise InputError(
@@ -73,18 +59,11 @@ class Recording:
 class Effort:
     """The settings with which networks are trained.
 
-    Attributes
-    ----------
-    hidden : int
-        Number of hidden nodes of each network.
-    starts : int
-        Number of networks, of which the validation rows choose one.
-    together : bool
-        Whether one network has all outputs; otherwise each output has its own network.
-    disturbance : Disturbance
-        The expected disturbance of the readings, in every part of the rows.
-    optimiser, steps, patience, weight_decay
-        As in ``golden.scene.sections.Training``.
+    hidden: Number of hidden nodes of each network.
+    starts: Number of networks, of which the validation rows choose one.
+    together: Whether one network has all outputs; otherwise each output has its own network.
+    disturbance: The expected disturbance of the readings, in every part of the rows.
+    optimiser, steps, patience, weight_decay: As in ``golden.scene.sections.Training``.
     """
 
     hidden: int = 8
@@ -101,12 +80,9 @@ class Effort:
 class Errors:
     """Errors of trained networks, in percent of the scale, shape (splits, outputs).
 
-    Attributes
-    ----------
-    validation : float array
-        Root mean squares on the rows that chose among the starts. They decide what is left out.
-    rms, mean : float arrays
-        Root mean squares and mean magnitudes on the test rows, which decided nothing.
+    validation: Root mean squares on the rows that chose among the starts. They decide what is left
+        out.
+    rms, mean: Root mean squares and mean magnitudes on the test rows, which decided nothing.
     """
 
     validation: Real
@@ -118,12 +94,7 @@ class Errors:
 class Removal:
     """A step with one sensor less.
 
-    Attributes
-    ----------
-    dropped : str
-        Name of the sensor that was left out; empty in the first step, which has all sensors.
-    kept : tuple of str
-    errors : Errors
+    dropped: Name of the sensor that was left out; empty in the first step, which has all sensors.
     """
 
     dropped: str
@@ -157,22 +128,10 @@ def held_out(
 ) -> Errors:
     """Errors of networks that read only some of the sensors.
 
-    Parameters
-    ----------
-    recording : Recording
-    splits : sequence of Split
-        The splits; networks are trained anew for each.
-    kept : sequence of str
-        The sensors that the networks read.
-    effort : Effort
-    seed : int
-        Seed of starting weights and disturbance. The same seed, splits and sensors give the same
+    splits: The splits; networks are trained anew for each.
+    kept: The sensors that the networks read.
+    seed: Seed of starting weights and disturbance. The same seed, splits and sensors give the same
         result on one machine, with any number of cores.
-
-    Raises
-    ------
-    InputError
-        For no sensor, or for an unknown name.
     """
     columns = recording.columns(kept)
     outputs = range(len(recording.outputs))
@@ -209,12 +168,8 @@ def one_after_another(
 
     The validation rows decide what is left out, by the mean over the splits.
 
-    Parameters
-    ----------
-    recording, splits, effort, seed
-        See ``held_out``.
-    known : sequence of Removal
-        Results of ``without_each`` for the same arguments, which are then not computed again.
+    recording, splits, effort, seed: See ``held_out``.
+    known: Results of ``without_each`` for the same arguments, which are then not computed again.
     """
     found = {step.kept: step for step in known}
     names = recording.names

@@ -8,8 +8,6 @@ other sensors, show how much of it follows from anything. Networks have smaller 
 ``golden.rig.sensors_needed`` trains them, which takes minutes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -47,23 +45,14 @@ FOLLOWS, WORSE, LOST = 0.1, 2.0, 0.05
 class Telling:
     """Mean errors on held-out rows, in percent as a scene counts them, shape (outputs,).
 
-    Attributes
-    ----------
-    outputs : tuple of str
-    constant : float array
-        Errors of a constant, the mean of the rows that train, which needs no sensor.
-    whole : float array
-        Errors with all sensors.
-    without : dict
-        Errors without each sensor, by its name.
-    follows : dict
-        Part of the variance of each sensor, on held-out rows, that follows from the outputs, or
-        from the outputs and the other sensors if that is more. It is below 0 where a constant fits
-        better.
-    together : tuple of str
-        The sensors of ``nothing`` that can be left out at once.
-    without_together : float array
-        Errors without all of these.
+    constant: Errors of a constant, the mean of the rows that train, which needs no sensor.
+    whole: Errors with all sensors.
+    without: Errors without each sensor, by its name.
+    follows: Part of the variance of each sensor, on held-out rows, that follows from the outputs,
+        or from the outputs and the other sensors if that is more. It is below 0 where a constant
+        fits better.
+    together: The sensors of ``nothing`` that can be left out at once.
+    without_together: Errors without all of these.
     """
 
     outputs: tuple[str, ...]
@@ -161,11 +150,6 @@ def telling_of(scene: Scene) -> Telling | None:
     """Measure how much the sensors of a scene tell.
 
     It is None if there are too few rows or too many sensors.
-
-    Raises
-    ------
-    InputError
-        See ``split_of`` and ``Scene.vectors``.
     """
     split = split_of(scene)
     few = min(len(split.validation), len(split.test)) < LEAST_OTHERS

@@ -7,8 +7,6 @@ of its standard deviation, and K holds the same exponential for every two of the
 l and ridges r, those with the least error on held-out rows are used. Nothing is random.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,14 +30,9 @@ SAME = 1e-6
 class SmoothMap:
     """A fitted function; the equation is that of the module.
 
-    Parameters
-    ----------
-    inputs, values : float arrays, shapes (rows, inputs) and (rows, values)
-        The rows that are fitted.
-    length : float
-        l as a part of the root of the number of inputs, above 0.
-    ridge : float
-        r, above 0.
+    inputs, values, shapes (rows, inputs) and (rows, values): The rows that are fitted.
+    length: l as a part of the root of the number of inputs, above 0.
+    ridge: r, above 0.
     """
 
     inputs: Real
@@ -88,10 +81,7 @@ def spread(columns: Real) -> Real:
 def fitted(inputs: Real, values: Real, held_inputs: Real, held_values: Real) -> SmoothMap:
     """The function with the least error on held-out rows, in units of standard deviations.
 
-    Parameters
-    ----------
-    inputs, values : float arrays, shapes (rows, inputs) and (rows, values)
-    held_inputs, held_values : float arrays of as many columns
+    inputs, values: shapes (rows, inputs) and (rows, values).
     """
     unit = spread(values)
 

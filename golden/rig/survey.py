@@ -1,7 +1,5 @@
 """Examines a recording as a whole: the role of each column, and what must be said about it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,16 +16,10 @@ from golden.table import Column, CsvFile, suggest
 class Survey:
     """The parts of a recording from which a scene can be made.
 
-    Attributes
-    ----------
-    recording : CsvFile
-    sensors, outputs : dict
-        Columns by name: the sensors in the order of the file, the outputs in that of the user.
-    classes : str
-        The column of labels, instead of outputs; empty if there is none.
-    left_out : dict
-        Names of the other columns, with the reasons why they are no sensors.
-    findings : list of Finding
+    sensors, outputs: Columns by name: the sensors in the order of the file, the outputs in that of
+        the user.
+    classes: The column of labels, instead of outputs; empty if there is none.
+    left_out: Names of the other columns, with the reasons why they are no sensors.
     """
 
     recording: CsvFile

@@ -5,8 +5,6 @@ nothing, and the network cannot know that. Two things reveal such a reading: an 
 range of the targets, and readings that the outputs do not explain.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,19 +42,13 @@ class TrainedOn:
     / limit``. S is the mean of r r' on held-out rows. The limit is such that the part FALSE_ALARMS
     of rows like these is farther away.
 
-    Parameters
-    ----------
-    outputs : sequence of str
-    low, high : float arrays, shape (outputs,)
-        The range of the targets in the rows that trained, in the units of the outputs.
-    states : SmoothMap
-        The map f, from outputs to readings in the units of the sensors.
-    whitening : float array, shape (inputs, inputs)
-        The matrix W with ``W' W = S^-1``.
-    limit : float
-    held, stretches : int
-        Number of rows with which the limit was chosen, and how many of these count as independent.
-        Rows next to each other in the file may all be near the limit for the same reason.
+    low, high, shape (outputs,): The range of the targets in the rows that trained, in the units of
+        the outputs.
+    states: The map f, from outputs to readings in the units of the sensors.
+    whitening, shape (inputs, inputs): The matrix W with ``W' W = S^-1``.
+    held, stretches: Number of rows with which the limit was chosen, and how many of these count as
+        independent. Rows next to each other in the file may all be near the limit for the same
+        reason.
     """
 
     outputs: Sequence[str]
@@ -107,20 +99,16 @@ def learnt(
 ) -> TrainedOn:
     """The states that recorded rows show, and how far other rows like these are from them.
 
-    Parameters
-    ----------
-    outputs : sequence of str
-    readings, targets : float arrays, shapes (rows, inputs) and (rows, outputs)
-        Rows to which the states are fitted, in the units of the columns.
-    held_readings, held_outputs : float arrays, shapes (held, inputs) and (held, outputs)
-        Rows that took no part in the fit, and the outputs of the hardware for them.
-    least : float array, shape (inputs,)
-        The least standard deviation of the readings, which is that of their codes.
-    ends : pair of float arrays, shape (outputs,), optional
-        The range of the outputs, where other rows trained too; by default that of ``targets``.
-    stretches : int, optional
-        Number of stretches of the file from which the held-out rows come; by default each row
-        counts.
+    readings, targets, shapes (rows, inputs) and (rows, outputs): Rows to which the states are
+        fitted, in the units of the columns.
+    held_readings, held_outputs, shapes (held, inputs) and (held, outputs): Rows that took no part
+        in the fit, and the outputs of the hardware for them.
+    least, shape (inputs,): The least standard deviation of the readings, which is that of their
+        codes.
+    ends, shape (outputs,): The range of the outputs, where other rows trained too; by default that
+        of ``targets``.
+    stretches: Number of stretches of the file from which the held-out rows come; by default each
+        row counts.
     """
     low, high = ends or (targets.min(axis=0), targets.max(axis=0))
     explained = np.clip(held_outputs, low, high)

@@ -1,7 +1,5 @@
 """Writes a scene for recorded readings to a file."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -24,12 +22,7 @@ def names_of(text: str) -> list[str]:
 
 
 def check_sensors(found: Survey, hardware: Scene) -> None:
-    """Refuse a recording with other sensors than those that a scene's hardware reads.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a recording with other sensors than those that a scene's hardware reads."""
     got = tuple(found.sensors)
     if got != hardware.sensors:
         why = "".join(
@@ -48,20 +41,8 @@ def write_scene(
 ) -> Scene:
     """Write the scene, after a check that it can be read.
 
-    Parameters
-    ----------
-    found : Survey
-    path : Path
-    hardware : Scene, optional
-        Scene whose hardware has read the sensors, and will run the networks.
-    network : Brought, optional
-        The network that the scene is for.
-
-    Raises
-    ------
-    InputError
-        When the file, or a network that training would write, already exists, and when the scene
-        cannot name the network that is there.
+    hardware: Scene whose hardware has read the sensors, and will run the networks.
+    network: The network that the scene is for.
     """
     with replace_file(path) as temporary:
         temporary.write_text(draft(found, path, hardware, network), encoding="utf-8")

@@ -34,12 +34,6 @@ def build_twin(scene: Scene, lean: bool) -> Network:
 
     These are a frame window, a front end, a readout and an AXI4-Stream. If ``lean`` is set,
     hardware that the weights make useless is left out; see ``constants_of``.
-
-    Raises
-    ------
-    InputError
-        See ``load_network`` and ``constants_of``; also for a front end that cannot make the
-        network's frames.
     """
     scene = scene.chosen
     design, trained, settings = DESIGNS[scene.design], scene.networks(), scene.settings(lean)

@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 
 
 def task_of(scene: Scene) -> SizingTask:
-    """The networks of a scene, its settings and its recorded frames.
-
-    Raises
-    ------
-    InputError
-        When the networks or the recordings cannot be read.
-    """
+    """The networks of a scene, its settings and its recorded frames."""
     around = {
         "a section [front_end]": scene.front_end is not None,
         "a section [visualisation]": scene.visualisation is not None,
@@ -44,13 +38,7 @@ def task_of(scene: Scene) -> SizingTask:
 
 
 def compared(scene: Scene) -> tuple[list[Sized], list[Refused]]:
-    """Every design of a scene with its costs, and those that cannot be built.
-
-    Raises
-    ------
-    InputError
-        See ``task_of``.
-    """
+    """Every design of a scene with its costs, and those that cannot be built."""
     task = task_of(scene)
     found = all_sized(task, CANDIDATES)
     return (

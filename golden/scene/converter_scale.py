@@ -28,11 +28,8 @@ SIGNALS = Scale()
 def part_scale(part: ConverterPart, reference: float = 0.0) -> Scale:
     """The scale of a part: the readings for which the signals of its codes stand.
 
-    Parameters
-    ----------
-    part : ConverterPart
-    reference : float
-        The part's reference in the unit of the readings; 0 for readings that are the part's codes.
+    reference: The part's reference in the unit of the readings; 0 for readings that are the part's
+        codes.
     """
     straight = part.coding == STRAIGHT
     whole = reference or float(1 << (part.bits if straight else part.bits - 1))
@@ -43,14 +40,6 @@ def converter_scales(scene: Scene) -> dict[str, Scale]:
     """The scale of each sensor whose scale is fixed by the scene's converter.
 
     Empty for a scene without a converter, and for readings that are signals.
-
-    Raises
-    ------
-    MissingFileError
-        See ``read_recorded``.
-    InputError
-        When the scene sets a scale that is not the converter's, or when the readings are neither
-        signals nor codes of the converter.
     """
     front_end = scene.front_end
     if front_end is None or not front_end.converter:

@@ -1,7 +1,5 @@
 """The keys of a scene's section ``[data]``."""
 
-from __future__ import annotations
-
 from golden.scene.past import MOST_PAST
 from golden.scene.scale import AUTO
 from golden.schema import Alternatives, Key, KeyTable, List, Map, Number, Span, Text, Whole

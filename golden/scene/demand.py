@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 
 
 def demand(hardware: dict[str, Any], path: Path) -> Demand:
-    """The limits of a section ``[hardware]``.
-
-    Raises
-    ------
-    InputError
-        For an interval that is given twice, or that is below a clock.
-    """
+    """The limits of a section ``[hardware]``."""
     rate, interval = hardware["frames_a_second"], hardware["interval"]
     if rate:
         if interval:
@@ -46,13 +40,7 @@ def demand(hardware: dict[str, Any], path: Path) -> Demand:
 
 
 def price(hardware: dict[str, Any], path: Path) -> Price:
-    """The prices of a section ``[hardware]``.
-
-    Raises
-    ------
-    InputError
-        Where no design is to be chosen, and for prices that are all 0.
-    """
+    """The prices of a section ``[hardware]``."""
     for key in ("device", "prices"):
         if hardware.get(key) and hardware["design"] != UNDECIDED:
             raise InputError(
@@ -68,13 +56,7 @@ def price(hardware: dict[str, Any], path: Path) -> Price:
 
 
 def choice_of(scene: Scene) -> Choice:
-    """The design that is chosen for a scene whose design is "auto".
-
-    Raises
-    ------
-    InputError
-        See ``choose`` and ``task_of``.
-    """
+    """The design that is chosen for a scene whose design is "auto"."""
     wanted, task = scene.demand, task_of(scene)
     if scene.front_end and not wanted.clocks:
         wanted = replace(wanted, clocks=scene.front_end.clocks_left(scene.window))
@@ -100,18 +82,9 @@ def chosen(scene: Scene, choice: Choice) -> Scene:
 def check_demand(scene: Scene, network: Network, framed: Network) -> None:
     """Refuse a design that is slower than the scene demands, or whose frames must not overlap.
 
-    Parameters
-    ----------
-    scene : Scene
-    network : Network
-        The networks alone, whose clocks count.
-    framed : Network
-        The same behind the memory of past samples, if there is one, which may take longer from
+    network: The networks alone, whose clocks count.
+    framed: The same behind the memory of past samples, if there is one, which may take longer from
         frame to frame.
-
-    Raises
-    ------
-    InputError
     """
     around = {
         "a section [front_end]": scene.front_end is not None,

@@ -1,7 +1,5 @@
 """The section ``[front_end]`` of a scene, which says how its sensors are read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
@@ -73,20 +71,14 @@ FRONT_END = KeyTable(
 class FrontEnd:
     """The front end that a scene describes.
 
-    Attributes
-    ----------
-    counter_width : int
-        Bits of the counter of a scan, which takes 2**counter_width clocks.
-    sample_at : float
-        The moment in a slot at which the converter's code is accepted, as a fraction of the slot.
-    rate_hz : float
-        Scans per second that are requested; 0 where one scan follows another at once.
-    converter : str
-        Name of the part that is read; empty for codes behind an analogue multiplexer.
-    reference : float
-        The converter's reference in the unit of the readings; 0 where the scene does not state it.
-    clock_mhz : float
-        The clock for which the scene is meant.
+    counter_width: Bits of the counter of a scan, which takes 2**counter_width clocks.
+    sample_at: The moment in a slot at which the converter's code is accepted, as a fraction of the
+        slot.
+    rate_hz: Scans per second that are requested; 0 where one scan follows another at once.
+    converter: Name of the part that is read; empty for codes behind an analogue multiplexer.
+    reference: The converter's reference in the unit of the readings; 0 where the scene does not
+        state it.
+    clock_mhz: The clock for which the scene is meant.
     """
 
     counter_width: int
@@ -120,23 +112,11 @@ class FrontEnd:
         )
 
     def scan_sequencer(self, network: Network) -> ScanSequencer:
-        """The sequencer that makes frames for ``network``.
-
-        Raises
-        ------
-        InputError
-            When the counter is too narrow for the frame, or the slot too short for ``sample_at``.
-        """
+        """The sequencer that makes frames for ``network``."""
         return self._sequencer(network.inputs, network.input_controller.inputs)
 
     def converter_reader(self, network: Network) -> ConverterReader:
-        """The reader that makes frames for ``network`` from the codes of ``converter``.
-
-        Raises
-        ------
-        InputError
-            When the counter is too narrow for the part, or the part has too few channels.
-        """
+        """The reader that makes frames for ``network`` from the codes of ``converter``."""
         return ConverterReader(
             SIGNAL,
             PARTS[self.converter],
@@ -152,11 +132,6 @@ class FrontEnd:
 
         With a past, a frame window sends the samples, and those of a converter are sent when the
         scan is complete. In both cases they come one per clock.
-
-        Raises
-        ------
-        InputError
-            See ``scan_sequencer``.
         """
         if not window.plain:
             return self.scan_clocks - len(window.taps)
@@ -181,14 +156,7 @@ class FrontEnd:
 
 
 def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
-    """The front end of a section whose keys have been checked one by one.
-
-    Raises
-    ------
-    InputError
-        For a ``sample_at`` with a converter, which has its own timing; for a reference without a
-        converter; and for a rate that leaves no time for the slots or that no counter reaches.
-    """
+    """The front end of a section whose keys have been checked one by one."""
     own = FRONT_END.keys["sample_at"].default
     if values["converter"] and values["sample_at"] != own:
         raise InputError(

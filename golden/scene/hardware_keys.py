@@ -1,7 +1,5 @@
 """The keys of a scene's section ``[hardware]``."""
 
-from __future__ import annotations
-
 from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS

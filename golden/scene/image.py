@@ -1,7 +1,5 @@
 """The image of a scene, for its own hardware or for that of another scene."""
 
-from __future__ import annotations
-
 from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
@@ -11,18 +9,8 @@ from golden.scene.scene import Scene
 def scene_image(scene: Scene, hardware: Engine) -> Image:
     """The image with which ``hardware`` runs a scene.
 
-    Parameters
-    ----------
-    scene : Scene
-        It may have any design, but must use no past samples; only its networks enter the image.
-    hardware : Engine
-        An engine that can be reloaded.
-
-    Raises
-    ------
-    InputError
-        See ``load_network``. Also for past samples, for a precision or an activation that the
-        engine does not have, and for an image that does not fit.
+    scene: It may have any design, but must use no past samples; only its networks enter the image.
+    hardware: An engine that can be reloaded.
     """
     if hardware.loaded is None:
         raise InputError(f"{hardware.entity}: hardware.reload: got false, expected true")

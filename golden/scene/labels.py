@@ -42,10 +42,6 @@ def outputs_or_classes(data: Mapping[str, Any], path: Path) -> None:
     """Refuse a scene with both outputs and classes, or with neither.
 
     ``data`` is the section as it was written, without a key that is left out.
-
-    Raises
-    ------
-    InputError
     """
     if "outputs" not in data and "classes" not in data:
         raise InputError(
@@ -60,12 +56,7 @@ def outputs_or_classes(data: Mapping[str, Any], path: Path) -> None:
 
 
 def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
-    """Refuse keys that cannot be combined with classes.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse keys that cannot be combined with classes."""
     data, network = values["data"], values["network"]
     classes = data["classes"]
     if classes in data["sensors"]:
@@ -87,15 +78,7 @@ def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
 
 
 def read_labels(paths: Sequence[Path], where: Mapping[str, float], column: str) -> tuple[str, ...]:
-    """The different labels in a column, whole numbers by value and texts by alphabet.
-
-    Raises
-    ------
-    InputError
-        See ``read_texts`` and ``rows_where``. Also for numbers that are not whole, for two labels
-        that are the same number, for a label that stands for a missing one, for fewer than two or
-        too many labels, and for another label in each row.
-    """
+    """The different labels in a column, whole numbers by value and texts by alphabet."""
     found: list[str] = []
     for path in paths:
         texts = read_texts(path, column)
@@ -104,12 +87,7 @@ def read_labels(paths: Sequence[Path], where: Mapping[str, float], column: str) 
 
 
 def ordered(rows: Sequence[str], place: str) -> tuple[str, ...]:
-    """The labels of some rows in their order; see ``read_labels``.
-
-    Raises
-    ------
-    InputError
-    """
+    """The labels of some rows in their order; see ``read_labels``."""
     labels = set(rows)
     missing = sorted(label for label in labels if label.lower() in MISSING)
     if missing:
@@ -196,12 +174,7 @@ def class_scale(network: Trained, readings: Real) -> Scale:
 
 
 def check_labels(scene: Scene) -> None:
-    """Refuse a network that was trained here for other labels than the scene has.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a network that was trained here for other labels than the scene has."""
     for path in scene.weights_paths:
         labels = (read_provenance(path) or {}).get("labels")
         if labels is not None and tuple(labels) != scene.labels:

@@ -32,12 +32,7 @@ ONLY: dict[str, tuple[object, ...]] = {
 
 
 def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse what an engine that learns does not have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse what an engine that learns does not have."""
     hardware, network, data = (values[name] for name in ("hardware", "network", "data"))
     if not hardware["learning"]:
         return
@@ -68,13 +63,7 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
-    """The networks of a scene behind sensors that are corrected, and the step of each output.
-
-    Raises
-    ------
-    InputError
-        For networks that have not one hidden layer of tanh each.
-    """
+    """The networks of a scene behind sensors that are corrected, and the step of each output."""
     taught = Corrected.of(scene.mlps(), *expected_drift(scene))
     vectors = scene.vectors()
     steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
@@ -82,13 +71,7 @@ def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
 
 
 def that_learns(scene: Scene, network: Network) -> Network:
-    """The engine of a scene, if the scene says so one that learns.
-
-    Raises
-    ------
-    InputError
-        For networks that have not one hidden layer of tanh each; see also ``LearningEngine``.
-    """
+    """The engine of a scene, if the scene says so one that learns."""
     if not scene.learning:
         return network
     assert isinstance(network, Engine), "no other design is let through"

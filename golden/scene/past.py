@@ -1,7 +1,5 @@
 """The samples of past frames that a scene's networks read: ``data.window``, ``data.recordings``."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from os.path import normpath
@@ -22,11 +20,6 @@ def read_window(data: dict[str, Any], path: Path) -> Window:
     """Read ``data.window``: one list of delays for all sensors, or a list for some of them.
 
     Of a sensor that the table does not name, only the newest sample is read.
-
-    Raises
-    ------
-    InputError
-        For an unknown sensor, and for delays that do not ascend.
     """
     written, sensors = data["window"], data["sensors"]
     if not isinstance(written, dict):
@@ -67,15 +60,7 @@ def window_text(window: Window, sensors: Sequence[str]) -> str:
 
 
 def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) -> None:
-    """Refuse settings that cannot be combined with samples of past frames.
-
-    Raises
-    ------
-    InputError
-        For hardware that cannot use a past, for rows that are left out, for rows or blocks that
-        share samples with rows in another part of the split, and for columns with the name of a
-        past sample.
-    """
+    """Refuse settings that cannot be combined with samples of past frames."""
     data, training = values["data"], values["training"]
     if window.plain:
         return
@@ -120,11 +105,6 @@ def recordings(data: dict[str, Any], path: Path) -> list[str]:
     """The names in ``data.file`` or ``data.recordings``; a scene has exactly one of these keys.
 
     ``data`` is the section as it was written, without a key that is left out.
-
-    Raises
-    ------
-    InputError
-        For both keys or none, and for two names of the same file.
     """
     file: str | None = data.get("file")
     several: list[str] | None = data.get("recordings")

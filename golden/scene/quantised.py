@@ -24,11 +24,6 @@ def quantised_lines(scene: Scene) -> list[str]:
     The file is evaluated node by node in double precision, on readings that are rounded to the
     codes of samples as the hardware rounds them; the line also says how many codes this rounding
     changes. A network that reads outputs of an earlier one is left out.
-
-    Raises
-    ------
-    InputError
-        See ``networks`` and ``vectors`` of ``Scene``.
     """
     vectors = scene.vectors()
     codes = vectors.codes
@@ -68,11 +63,8 @@ def file_codes(network: Trained, readings: Real) -> Iterator[Codes]:
     The network is evaluated node by node in double precision. The codes end at the first layer
     without a quantiser.
 
-    Parameters
-    ----------
-    network : Mlp or DenseNetwork
-        As its file holds it.
-    readings : float array, shape (frames, inputs)
+    network: As its file holds it.
+    readings: shape (frames, inputs).
     """
     for found in passed(network, readings):
         quantiser = found.layer.quantiser

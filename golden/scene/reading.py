@@ -1,7 +1,5 @@
 """Reads scenes, by name or from a file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -68,13 +66,6 @@ def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by a path that ends in ``.toml``.
 
     The group in front of a name, as in ``comparison/digit-lanes1``, may be left out.
-
-    Raises
-    ------
-    InputError
-        For an unknown scene, in which case the message lists those there are; for a file that
-        cannot be read; and for faults in the file. For each fault the message names file, key, what
-        was got and what was expected.
     """
     known = [*scene_names(), *class_names()]
     every = [*known, *comparison_names()]
@@ -158,13 +149,7 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
 
 
 def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
-    """Those attributes of a scene that are checked while they are made.
-
-    Raises
-    ------
-    InputError
-        For all faults in all of them, in one message.
-    """
+    """Those attributes of a scene that are checked while they are made."""
     data, hardware = values["data"], values["hardware"]
     clock_mhz = hardware["clock_mhz"]
     found: list[Finding] = []

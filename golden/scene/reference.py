@@ -1,7 +1,5 @@
 """The figures of the thesis with which a scene is compared."""
 
-from __future__ import annotations
-
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -26,14 +24,7 @@ def thesis_table(key: str) -> dict[str, Any]:
 
 
 def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
-    """The largest mean errors of the thesis that a scene names, in percent, one for each output.
-
-    Raises
-    ------
-    InputError
-        When golden/data/thesis_numbers.toml has no such table, or the table has another number of
-        figures.
-    """
+    """The largest mean errors of the thesis that a scene names, in percent, one for each output."""
     figures = thesis_table(key).get("simulation")
     if figures is None or len(figures) != outputs:
         raise InputError(

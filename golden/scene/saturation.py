@@ -28,11 +28,6 @@ def saturating(scene: Scene) -> list[str]:
     For the outputs the networks are evaluated in floating point, which is fast for every design.
     The later networks of a cascade get the outputs of earlier ones before these saturate, so in a
     cascade only the first output that is named is certain.
-
-    Raises
-    ------
-    InputError
-        See ``mlps`` and ``vectors`` of ``Scene``.
     """
     vectors = scene.vectors()
     with np.errstate(over="ignore", invalid="ignore"):
@@ -82,11 +77,7 @@ def held(scene: Scene) -> list[str]:
 def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
     """For each hidden layer whose range is from the data, how many sums saturate in each frame.
 
-    Parameters
-    ----------
-    scene : Scene
-    codes : int64 array, shape (frames, inputs)
-        Codes of the networks' inputs.
+    codes, shape (frames, inputs): Codes of the networks' inputs.
     """
     return scene.twin().core.saturations(codes)
 
@@ -94,13 +85,8 @@ def hidden_saturations(scene: Scene, codes: Codes) -> dict[str, Codes]:
 def range_lines(scene: Scene, counts: dict[str, Codes], rows: str = "recorded frames") -> list[str]:
     """For each hidden layer in which saturation would be an error its range, and what saturates.
 
-    Parameters
-    ----------
-    scene : Scene
-    counts : dict
-        See ``hidden_saturations``.
-    rows : str
-        What the frames are, in words.
+    counts: See ``hidden_saturations``.
+    rows: What the frames are, in words.
     """
     return [
         f"{one.text}; {_counted('', counts[one.layer], rows)}" if one.from_data else one.text

@@ -11,8 +11,6 @@ from its data sheet; see ``golden.scene.converter_scale``. A network file maps r
 in their units, whoever trained it; the scales are folded into its weights when it is read.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -41,10 +39,7 @@ LARGEST = 1e150
 class Scale:
     """The scale of one column.
 
-    Attributes
-    ----------
-    offset, factor : float
-        Both are in the unit of the column; the factor is above 0.
+    offset, factor: Both are in the unit of the column; the factor is above 0.
     """
 
     offset: float = 0.0
@@ -72,13 +67,7 @@ def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
 
 
 def on_signals(network: Some, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Some:
-    """Turn a network on readings into the same network on signals, which the hardware holds.
-
-    Raises
-    ------
-    InputError
-        When a weight is too large for a float.
-    """
+    """Turn a network on readings into the same network on signals, which the hardware holds."""
     into, out = _arrays(inputs), _arrays(outputs)
     layers = [*layers_of(network)]
     first = layers[0]
@@ -112,11 +101,6 @@ def range_scale(column: Real) -> Scale:
     """The scale for "auto": the range of these readings, extended by a quarter at both ends.
 
     The factor is rounded to three digits, so that it can be read and copied.
-
-    Raises
-    ------
-    InputError
-        When all readings are equal, or when they are too large to subtract.
     """
     low, high = float(column.min()), float(column.max())
     half = high / 2 - low / 2
@@ -134,13 +118,7 @@ def with_units(data: dict[str, Any]) -> list[str]:
 
 
 def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
-    """Read ``data.scale``, which maps a column to its scale or to "auto".
-
-    Raises
-    ------
-    InputError
-        For a column that is neither a sensor nor an output.
-    """
+    """Read ``data.scale``, which maps a column to its scale or to "auto"."""
     written, columns = data["scale"], with_units(data)
     if written == AUTO:
         return dict.fromkeys(columns, AUTO)
@@ -153,12 +131,7 @@ def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
 
 
 def refuse_other_column(key: str, name: str, columns: Sequence[str], path: Path) -> None:
-    """Refuse a name in ``data.<key>`` that is neither a sensor nor an output.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a name in ``data.<key>`` that is neither a sensor nor an output."""
     if name not in columns:
         raise InputError(
             f"{path}: data.{key}: {name!r} is no sensor and no output, expected one of "

@@ -52,68 +52,35 @@ STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
 class Scene:
     """One scene, read and checked.
 
-    Attributes
-    ----------
-    name : str
-        The file's name without its ending.
-    path : Path
-    data_paths : tuple of Path
-        The recordings. No recording is the continuation of another.
-    sensors, outputs : tuple of str
-        Columns of the recorded vectors. If there are classes, each of them is an output.
-    classes : str
-        Column of the labels that the network tells apart; empty if outputs are numbers.
-    labels : tuple of str
-        The labels, in the order of the outputs; empty if outputs are numbers.
-    window : Window
-        The samples that the networks read, of the newest frame and of past frames.
-    group_by : str
-        Column of the positions over which equation 3.15 averages; empty where there are no
+    name: The file's name without its ending.
+    data_paths: The recordings. No recording is the continuation of another.
+    sensors, outputs: Columns of the recorded vectors. If there are classes, each of them is an
+        output.
+    classes: Column of the labels that the network tells apart; empty if outputs are numbers.
+    labels: The labels, in the order of the outputs; empty if outputs are numbers.
+    window: The samples that the networks read, of the newest frame and of past frames.
+    group_by: Column of the positions over which equation 3.15 averages; empty where there are no
         positions.
-    where : dict
-        Columns, each with the value that it has in the rows that are used.
-    full_scale : dict
-        For each output whose error is divided by a constant instead of by the target, this constant
-        in the output's unit.
-    length_mm : dict
-        The full scale of an output in millimetres.
-    scale : dict
-        Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
-    units : dict
-        Columns with the names of their units.
-    ends : tuple of float
-        Readings at which sensors end by their nature.
-    reference : str
-        Table of golden/data/thesis_numbers.toml to compare with; empty for none.
-    arrangement : str
-    members : tuple of Member
-        The networks, in the order of the outputs.
-    design : str
-        A name of ``DESIGNS``, or "auto"; see ``chosen``.
-    design_options : dict
-        The options of the design that the scene sets.
-    activation : str
-    activation_options : dict
-        The options of the activation that the scene sets.
-    precision : Precision
-    clock_mhz : float
-    interface : str
-        ``stream``, the network's own ports, or ``axi_stream``.
-    argmax : bool
-        Whether the hardware gives the index and the margin of the largest output.
-    learning : str
-        The rule by which the hardware learns; empty for none.
-    training : Training
-    front_end : FrontEnd or None
-        How the sensors are read, where the scene has that section.
-    visualisation : Visualisation or None
-        The profile of the load, where the scene has that section.
-    uart : Uart or None
-        The serial line, where the scene has that section.
-    demand : Demand
-        How fast the networks must be.
-    price : Price
-        What hardware costs where the design is to be chosen.
+    where: Columns, each with the value that it has in the rows that are used.
+    full_scale: For each output whose error is divided by a constant instead of by the target, this
+        constant in the output's unit.
+    length_mm: The full scale of an output in millimetres.
+    scale: Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
+    units: Columns with the names of their units.
+    ends: Readings at which sensors end by their nature.
+    reference: Table of golden/data/thesis_numbers.toml to compare with; empty for none.
+    members: The networks, in the order of the outputs.
+    design: A name of ``DESIGNS``, or "auto"; see ``chosen``.
+    design_options: The options of the design that the scene sets.
+    activation_options: The options of the activation that the scene sets.
+    interface: ``stream``, the network's own ports, or ``axi_stream``.
+    argmax: Whether the hardware gives the index and the margin of the largest output.
+    learning: The rule by which the hardware learns; empty for none.
+    front_end: How the sensors are read, where the scene has that section.
+    visualisation: The profile of the load, where the scene has that section.
+    uart: The serial line, where the scene has that section.
+    demand: How fast the networks must be.
+    price: What hardware costs where the design is to be chosen.
     """
 
     name: str
@@ -196,13 +163,7 @@ class Scene:
         return f"{self.activation} ({options})" if options else self.activation
 
     def hidden_text(self) -> str:
-        """What hidden nodes compute: the hardware's approximation of tanh, or other activations.
-
-        Raises
-        ------
-        InputError
-            See ``load_network``.
-        """
+        """What hidden nodes compute: the hardware's approximation of tanh, or other activations."""
         layers = [layer for network in self.networks() for layer in layers_of(network)[:-1]]
         kinds = {"tanh": self.activation_text, "sigmoid": f"sigmoid by {self.activation_text}"}
         named = [
@@ -225,23 +186,11 @@ class Scene:
         return read_vectors(self)
 
     def networks(self) -> list[Trained]:
-        """The trained networks in floating point, on signals, read once.
-
-        Raises
-        ------
-        InputError
-            See ``load_network`` and ``trained_scales``.
-        """
+        """The trained networks in floating point, on signals, read once."""
         return self._networks
 
     def mlps(self) -> list[Mlp]:
-        """The networks, for callers that only handle one hidden layer of tanh.
-
-        Raises
-        ------
-        InputError
-            See ``networks``; and for a network of another kind.
-        """
+        """The networks, for callers that only handle one hidden layer of tanh."""
         found = []
         for member, network in zip(self.members, self.networks(), strict=True):
             if not isinstance(network, Mlp):
@@ -376,13 +325,7 @@ class Scene:
 
     @cached_property
     def choice(self) -> Choice | None:
-        """The design that is chosen; None where the scene names one.
-
-        Raises
-        ------
-        InputError
-            When no design is fast enough.
-        """
+        """The design that is chosen; None where the scene names one."""
         return choice_of(self) if self.design == UNDECIDED else None
 
     @cached_property

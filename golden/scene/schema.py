@@ -1,7 +1,5 @@
 """Everything that a scene may hold: its sections and their keys."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from golden.dense import ACTIVATIONS

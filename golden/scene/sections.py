@@ -1,7 +1,5 @@
 """Checks the sections of a scene, and turns them into the objects that they describe."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -66,28 +64,16 @@ class Training:
 class Member:
     """One network of a scene.
 
-    Attributes
-    ----------
-    inputs : int
-        Number of samples and, in a cascade, of the outputs of earlier networks.
-    hidden : int
-        Hidden nodes of the only hidden layer. With 0 there are as many nodes, and layers, as in
+    inputs: Number of samples and, in a cascade, of the outputs of earlier networks.
+    hidden: Hidden nodes of the only hidden layer. With 0 there are as many nodes, and layers, as in
         the network file, and training searches ``training.hidden``.
-    outputs : tuple of str
-    weights_path : Path
-    layers : tuple of int
-        Hidden nodes of each layer, where there are several or a scene has classes; empty where
+    layers: Hidden nodes of each layer, where there are several or a scene has classes; empty where
         there is one, or the file tells. Training for classes then takes no hidden layer.
-    activations : tuple of str
-        Of each hidden layer; empty takes those of the network file.
-    nearest : bool
-        Whether a quantised network may be rounded to what the hardware holds.
-    functions : tuple of Function
-        The functions that activations may name.
-    function_files : tuple of Path
-        The files from which the points of some of them come.
-    labels : tuple of str
-        The labels that the outputs stand for; empty if outputs are numbers.
+    activations: Of each hidden layer; empty takes those of the network file.
+    nearest: Whether a quantised network may be rounded to what the hardware holds.
+    functions: The functions that activations may name.
+    function_files: The files from which the points of some of them come.
+    labels: The labels that the outputs stand for; empty if outputs are numbers.
     """
 
     inputs: int
@@ -110,13 +96,7 @@ class Member:
         )
 
     def load(self) -> Trained:
-        """The trained network.
-
-        Raises
-        ------
-        InputError
-            See ``load_network``; and for other activations than the scene asks for.
-        """
+        """The trained network."""
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
         network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
@@ -144,25 +124,14 @@ def _rounded(layer: Dense) -> Dense:
 
 
 def beside(path: Path, key: str, name: str) -> Path:
-    """The file that a scene names relative to its own folder, in a path without ``..``.
-
-    Raises
-    ------
-    InputError
-        For a text that cannot be the name of a file.
-    """
+    """The file that a scene names relative to its own folder, in a path without ``..``."""
     if not name or not name.isprintable():
         raise InputError(f"{path}: {key}: got {name!r}, expected the name of a file")
     return Path(os.path.normpath(path.parent / name))
 
 
 def check_data(data: dict[str, Any], path: Path) -> None:
-    """Refuse columns, units and a reference that are not possible.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse columns, units and a reference that are not possible."""
     both = [name for name in data["outputs"] if name in data["sensors"]]
     if both:
         raise InputError(
@@ -186,13 +155,7 @@ def check_data(data: dict[str, Any], path: Path) -> None:
 
 
 def training(values: dict[str, Any], path: Path) -> Training:
-    """Turn the section ``[training]`` into a ``Training``.
-
-    Raises
-    ------
-    InputError
-        For columns that do not fit the split.
-    """
+    """Turn the section ``[training]`` into a ``Training``."""
     kept = {key: values[key] for key in values if key not in ("noise", "drift")}
     read = {
         "hidden": tuple(values["hidden"]),
@@ -205,12 +168,7 @@ def training(values: dict[str, Any], path: Path) -> Training:
 
 
 def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a search for the hidden layers of a network whose layers are fixed otherwise.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a search for the hidden layers of a network whose layers are fixed otherwise."""
     training, network = values["training"], values["network"]
     layers, place = training.get("layers"), f"{path}: training.layers"
     if layers is None:
@@ -237,12 +195,7 @@ def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse networks of learned functions in a scene that cannot train or keep them.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse networks of learned functions in a scene that cannot train or keep them."""
     training, network = values["training"], values["network"]
     place = f"{path}: training.functions: got {training['functions']!r}"
     if not training["functions"]:
@@ -265,12 +218,7 @@ def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a number of signed digits that no network of the scene can have.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a number of signed digits that no network of the scene can have."""
     digits, tolerance = (values["training"][key] for key in ("digits", "digits_tolerance"))
     place, fewest = f"{path}: training.digits", digits == FEWEST
     if tolerance != DIGITS_TOLERANCE and not fewest:
@@ -311,12 +259,7 @@ def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
 
 
 def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a combination of design, arrangement, interface and surrounding sections.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a combination of design, arrangement, interface and surrounding sections."""
     hardware, arrangement = values["hardware"], values["network"]["arrangement"]
     design = DESIGNS.get(hardware["design"])
     if design and arrangement not in design.arrangements:
@@ -371,12 +314,7 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a serial line without an instrument for it, and settings that need such a line.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a serial line without an instrument for it, and settings that need such a line."""
     lined, drawn = "uart" in values, values.get("visualisation", {})
     if lined and not values.get("front_end", {}).get("converter"):
         raise InputError(
@@ -391,13 +329,7 @@ def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> None:
-    """Refuse settings that cannot be combined with an engine that can be reloaded.
-
-    Raises
-    ------
-    InputError
-        For anything ``around`` the engine, and for sizes of a memory that the scene does not have.
-    """
+    """Refuse settings that cannot be combined with an engine that can be reloaded."""
     if hardware["reload"] and around:
         raise InputError(
             f"{path}: hardware.reload: got true with {around[0]}, expected false: only a "
@@ -412,13 +344,7 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
 
 
 def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
-    """The design's own options that the scene sets.
-
-    Raises
-    ------
-    InputError
-        For an option of another design.
-    """
+    """The design's own options that the scene sets."""
     # Any design may have limits to its clocks.
     limits = {"clocks", "interval"}
     known = sorted({name for other in DESIGNS.values() for name in other.options} - limits)
@@ -439,12 +365,7 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
 
 
 def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -> None:
-    """Refuse options of a design where the design is to be chosen.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse options of a design where the design is to be chosen."""
     # In thesis precision the activation is part of what is asked for.
     own = ["activation", "activation_options"] if hardware["precision"] == EXACT.name else []
     for name in (*names, *own):
@@ -456,14 +377,7 @@ def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -
 
 
 def check_activation(hardware: dict[str, Any], path: Path) -> str:
-    """The activation's name; where the scene names none, that of the precision.
-
-    Raises
-    ------
-    InputError
-        For options that the activation does not have, or a precision or a design for which it is
-        not made.
-    """
+    """The activation's name; where the scene names none, that of the precision."""
     precision = PRECISIONS[hardware["precision"]]
     # Of the design that is to be chosen, nothing is known yet.
     design = DESIGNS.get(hardware["design"], Design)
@@ -574,13 +488,7 @@ def _listed(value: Any) -> list[Any]:
 def _functions(
     network: dict[str, Any], hidden: list[int], path: Path, files: Mapping[str, Path]
 ) -> tuple[Function, ...]:
-    """The functions that a scene defines, some of them by points in files.
-
-    Raises
-    ------
-    InputError
-        For a function that cannot be read, and for an activation that names none of them.
-    """
+    """The functions that a scene defines, some of them by points in files."""
     with naming(path):
         given = network["functions"] | {name: _points(file) for name, file in files.items()}
         found = tuple(read_function(name, given[name]) for name in network["functions"])
@@ -602,13 +510,7 @@ def _points(file: Path) -> dict[str, list[float]]:
 def _layers(
     hidden: list[int], activations: tuple[str, ...], arrangement: str, path: Path
 ) -> tuple[int, ...]:
-    """The hidden nodes of each layer of a network of several; empty for one hidden layer.
-
-    Raises
-    ------
-    InputError
-        For no nodes, and for activations of another number of layers.
-    """
+    """The hidden nodes of each layer of a network of several; empty for one hidden layer."""
     single = arrangement == "single"
     if activations and not single:
         raise InputError(

@@ -23,12 +23,8 @@ if TYPE_CHECKING:
 def story(scales: dict[str, Scale], network: Trained) -> dict[str, Any]:
     """What the provenance of a network says about the scales with which it was trained.
 
-    Parameters
-    ----------
-    scales : dict
-        The scale of every column that has one. If none has, the result is empty.
-    network : Mlp or DenseNetwork
-        The network as its file holds it.
+    scales: The scale of every column that has one. If none has, the result is empty.
+    network: The network as its file holds it.
     """
     table = {name: {"offset": s.offset, "factor": s.factor} for name, s in scales.items()}
     return {"scale": table, "scale_of": _digest(network)} if scales else {}
@@ -38,14 +34,6 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
     """The scale of every column that has one.
 
     It comes from the scene, from the data sheet of the converter or, for "auto", from training.
-
-    Raises
-    ------
-    MissingFileError
-        When a scale is "auto" and there is no network yet.
-    InputError
-        When a network was not trained here, or with another scale than the other networks; see also
-        ``converter_scales``.
     """
     found = {name: scale for name, scale in scene.scale.items() if isinstance(scale, Scale)}
     found |= scene.converter_scales

@@ -1,7 +1,5 @@
 """The section ``[uart]`` of a scene: the serial line between the instrument and a computer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -30,12 +28,8 @@ TOLERANCE = Fraction(2, 100)
 class Uart:
     """The serial line that a scene describes.
 
-    Attributes
-    ----------
-    baud : int
-        Requested bits per second.
-    divisor : int
-        Clocks per bit.
+    baud: Requested bits per second.
+    divisor: Clocks per bit.
     """
 
     baud: int
@@ -43,13 +37,7 @@ class Uart:
 
 
 def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
-    """The serial line of a section whose keys have been checked one by one.
-
-    Raises
-    ------
-    InputError
-        For a rate from which the clock deviates by more than 2 %.
-    """
+    """The serial line of a section whose keys have been checked one by one."""
     baud = values["baud"]
     clock = Fraction(str(clock_mhz)) * 1_000_000
     most = clock / LEAST_DIVISOR

@@ -36,17 +36,11 @@ Number = TypeVar("Number", Real, Rows)
 class Recording:
     """The rows of one file that a scene uses, in the units of the columns.
 
-    Attributes
-    ----------
-    path : Path
-    sensors : float array, shape (rows, sensors)
-        If there is a window, the rows follow each other in time.
-    targets : float array, shape (rows, outputs)
-        If the scene has classes, 1 for the class of the row and 0 for the others.
-    groups : float array, shape (rows,)
-        Positions; zeros where the scene has none.
-    numbers : int array, shape (rows,)
-        Numbers of these rows in the file, counted from 0.
+    sensors, shape (rows, sensors): If there is a window, the rows follow each other in time.
+    targets, shape (rows, outputs): If the scene has classes, 1 for the class of the row and 0 for
+        the others.
+    groups, shape (rows,): Positions; zeros where the scene has none.
+    numbers, shape (rows,): Numbers of these rows in the file, counted from 0.
     """
 
     path: Path
@@ -61,11 +55,6 @@ class Recorded:
     """Inputs and targets of a scene's networks, for every row that has a complete past.
 
     The rows of the recordings follow each other, one recording after the other.
-
-    Attributes
-    ----------
-    recordings : tuple of Recording
-    window : Window
     """
 
     recordings: tuple[Recording, ...]
@@ -112,14 +101,7 @@ class Recorded:
 
 
 def read_recorded(scene: Scene) -> Recorded:
-    """Read the rows that a scene uses.
-
-    Raises
-    ------
-    InputError
-        See ``read_table`` and ``rows_where``. Also for a recording that is no longer than the past
-        that the networks read.
-    """
+    """Read the rows that a scene uses."""
     past = scene.window.past
     recordings = tuple(_recording(scene, path) for path in scene.data_paths)
     for one in recordings:
@@ -148,25 +130,16 @@ def _recording(scene: Scene, path: Path) -> Recording:
 class Vectors:
     """Recorded vectors as the hardware uses them: inputs and targets as signals, inputs as codes.
 
-    Attributes
-    ----------
-    inputs : float array, shape (rows, inputs)
-        Inputs of the networks; without a past these are the frames.
-    targets : float array, shape (rows, outputs)
-    scale : float array, shape (rows, outputs)
-        The divisor of an error, as a signal: the target or a full scale.
-    groups : float array, shape (rows,)
-        Positions in the unit of their column.
-    codes : int64 array, shape (rows, inputs)
-    recordings : tuple of int64 array, shape (frames, sensors)
-        The codes of the frames of each recording, as they are sent to the hardware. If there is a
-        window, these are more frames than there are rows.
-    saturated : int
-        Readings outside [-1, 1) that were replaced by the nearest code.
-    outside : tuple of str
-        A sentence for each sensor with readings outside the range of the codes.
-    classes : bool
-        Whether the outputs stand for classes, with one-hot targets.
+    inputs, shape (rows, inputs): Inputs of the networks; without a past these are the frames.
+    targets: shape (rows, outputs).
+    scale, shape (rows, outputs): The divisor of an error, as a signal: the target or a full scale.
+    groups, shape (rows,): Positions in the unit of their column.
+    codes: shape (rows, inputs).
+    recordings, shape (frames, sensors): The codes of the frames of each recording, as they are sent
+        to the hardware. If there is a window, these are more frames than there are rows.
+    saturated: Readings outside [-1, 1) that were replaced by the nearest code.
+    outside: A sentence for each sensor with readings outside the range of the codes.
+    classes: Whether the outputs stand for classes, with one-hot targets.
     """
 
     inputs: Real
@@ -204,15 +177,7 @@ class Vectors:
 
 
 def read_vectors(scene: Scene) -> Vectors:
-    """Read the recorded vectors of a scene, and quantise them.
-
-    Raises
-    ------
-    InputError
-        See ``read_recorded`` and ``trained_scales``. Also for a target outside the range of the
-        codes, for a target of 0 where the error is relative to the target, and for a sensor with
-        more than a tenth of its readings outside the range.
-    """
+    """Read the recorded vectors of a scene, and quantise them."""
     rows = read_recorded(scene)
     scales = scene.scales(scene.outputs)
     targets = signals(rows.targets, scales)
@@ -254,13 +219,7 @@ def read_vectors(scene: Scene) -> Vectors:
 
 
 def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
-    """A sentence for each sensor with readings outside the range of the codes.
-
-    Raises
-    ------
-    InputError
-        When they are more than a tenth of the sensor's readings.
-    """
+    """A sentence for each sensor with readings outside the range of the codes."""
     sentences = []
     scales = scene.scales(scene.sensors)
     files = ", ".join(str(one.path) for one in rows.recordings)

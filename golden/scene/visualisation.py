@@ -1,7 +1,5 @@
 """The section ``[visualisation]`` of a scene, which says what is drawn, and where."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -60,13 +58,8 @@ VISUALISATION = KeyTable(
 class Visualisation:
     """The profile that a scene describes.
 
-    Attributes
-    ----------
-    load_profile : LoadProfile
-    results : tuple of int
-        Indices of the scene's outputs that are load, position, width and shape.
-    analogue : str
-        One of ``ANALOGUE``, or empty.
+    results: Indices of the scene's outputs that are load, position, width and shape.
+    analogue: One of ``ANALOGUE``, or empty.
     """
 
     load_profile: LoadProfile
@@ -77,21 +70,9 @@ class Visualisation:
 def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
     """The profile of a section whose keys have been checked one by one.
 
-    Parameters
-    ----------
-    values : dict
-        The keys of ``VISUALISATION``.
-    data : dict
-        The checked section ``[data]``. The lengths of position and width in it determine C.
-    path : Path
-        The scene's file, which messages name.
-
-    Raises
-    ------
-    InputError
-        For an output that the scene does not have, that is named twice or that has a scale; for an
-        output whose length in millimetres is not known; for a ramp outside the format; and for a C
-        that is too large.
+    values: The keys of ``VISUALISATION``.
+    data: The checked section ``[data]``. The lengths of position and width in it determine C.
+    path: The scene's file, which messages name.
     """
     outputs = data["outputs"]
     scaled = outputs if data["scale"] == AUTO else data["scale"]

@@ -1,7 +1,5 @@
 """Writes the memory image of a scene as files, in three formats."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from golden.engine.image import Image
@@ -38,13 +36,7 @@ def write_image(image: Image, name: str, folder: Path) -> None:
 
 
 def hardware_of(scene: Scene) -> Engine:
-    """The reloadable engine of a scene.
-
-    Raises
-    ------
-    InputError
-        For a scene whose hardware is not a reloadable engine.
-    """
+    """The reloadable engine of a scene."""
     if scene.design_options.get("reload"):
         core = scene.twin().core
         assert isinstance(core, Engine), "only an engine has the option reload"

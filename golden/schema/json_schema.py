@@ -1,7 +1,5 @@
 """The JSON schema of a file, with which an editor completes and checks the file."""
 
-from __future__ import annotations
-
 import json
 
 from golden.schema.keys import KeyTable

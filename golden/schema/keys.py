@@ -1,7 +1,5 @@
 """A table of a TOML file: its keys, each with a kind, a default and a meaning."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,17 +15,11 @@ REQUIRED = object()
 class Key:
     """One key of a table.
 
-    Parameters
-    ----------
-    kind : Kind
-    default : object
-        Value of the key where it is left out. For a table it may be ``{}``, which is read as a
+    default: Value of the key where it is left out. For a table it may be ``{}``, which is read as a
         table without keys. None means that there is no value, and ``REQUIRED`` that the key must
         not be left out.
-    meaning : str
-        Description for pages and editors, in Markdown.
-    shown : str
-        Text that a page shows instead of the default.
+    meaning: Description for pages and editors, in Markdown.
+    shown: Text that a page shows instead of the default.
     """
 
     kind: Kind
@@ -40,15 +32,10 @@ class Key:
 class KeyTable(Kind):
     """A table with these keys and no others.
 
-    Parameters
-    ----------
-    keys : mapping of str to Key
-    noun : str
-        Word, with a blank behind it, that a message puts before the name of a key; empty for none.
-    name : str
-        Name of the table in a message.
-    said : str
-        What a message expects if the table has other keys or if keys are missing. If it is empty,
+    noun: Word, with a blank behind it, that a message puts before the name of a key; empty for
+        none.
+    name: Name of the table in a message.
+    said: What a message expects if the table has other keys or if keys are missing. If it is empty,
         each key is reported by itself.
     """
 

@@ -1,7 +1,5 @@
 """The kinds of values, and how each appears in messages, in pages and in a JSON schema."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -34,14 +32,9 @@ class Kind:
     because a value of the wrong type cannot be checked further. Rules between keys are checked
     together with ``outside``. ``place`` is the beginning of a message.
 
-    Attributes
-    ----------
-    choices : tuple of str
-        The texts that are allowed; empty where every text is.
-    said : str
-        What a message expects, instead of the kind's own text.
-    absent : bool
-        Whether 0 means that the key is left out, so that 0 itself cannot be requested.
+    choices: The texts that are allowed; empty where every text is.
+    said: What a message expects, instead of the kind's own text.
+    absent: Whether 0 means that the key is left out, so that 0 itself cannot be requested.
     """
 
     choices: tuple[str, ...] = ()
@@ -119,16 +112,10 @@ class Anything(Kind):
 class Text(Kind):
     """A text.
 
-    Parameters
-    ----------
-    choices : tuple of str
-        The texts that are allowed; empty where every text is.
-    some : bool
-        Whether the text must not be empty.
-    said : str
-        What a message expects, instead of ``text`` or the choices.
-    begins : str
-        A text that begins with it is allowed beside the choices; empty for none.
+    choices: The texts that are allowed; empty where every text is.
+    some: Whether the text must not be empty.
+    said: What a message expects, instead of ``text`` or the choices.
+    begins: A text that begins with it is allowed beside the choices; empty for none.
     """
 
     choices: tuple[str, ...] = ()
@@ -161,15 +148,9 @@ class Text(Kind):
 class Number(Kind):
     """A number; a whole number is one too.
 
-    Parameters
-    ----------
-    span : Span
-    said : str
-        What a message expects, instead of type and span.
-    finite : bool
-        Whether NaN and the infinities are refused, whatever the span.
-    absent : bool
-        Whether 0 means that the key is left out, so that 0 itself cannot be requested.
+    said: What a message expects, instead of type and span.
+    finite: Whether NaN and the infinities are refused, whatever the span.
+    absent: Whether 0 means that the key is left out, so that 0 itself cannot be requested.
     """
 
     span: Span | None = None
@@ -225,18 +206,10 @@ class Whole(Number):
 class List(Kind):
     """A list of values of one kind.
 
-    Parameters
-    ----------
-    of : Kind
-    said : str
-        What a message expects of the contents.
-    name : str
-    least, most : int
-        Least and largest number of values.
-    once : bool
-        Whether each value may stand in the list only once.
-    rising : bool
-        Whether no value may be less than the one before it.
+    said: What a message expects of the contents.
+    least, most: Least and largest number of values.
+    once: Whether each value may stand in the list only once.
+    rising: Whether no value may be less than the one before it.
     """
 
     of: Kind
@@ -318,13 +291,8 @@ class Each(Kind):
 class Map(Kind):
     """A table whose names are not known beforehand, such as those of columns.
 
-    Parameters
-    ----------
-    of : Kind
-    names : tuple of str
-        The names that are allowed; empty where every name is.
-    said : str
-        What a message expects if anything in the table is wrong. If it is empty, each value is
+    names: The names that are allowed; empty where every name is.
+    said: What a message expects if anything in the table is wrong. If it is empty, each value is
         reported by itself.
     """
 
@@ -370,11 +338,7 @@ class Map(Kind):
 class Alternatives(Kind):
     """One of several kinds; if more than one accepts a value, the first one counts.
 
-    Parameters
-    ----------
-    kinds : tuple of Kind
-    said : str
-        What a message expects, instead of the names of the kinds.
+    said: What a message expects, instead of the names of the kinds.
     """
 
     kinds: tuple[Kind, ...]

@@ -1,7 +1,5 @@
 """Shows the keys of a table as rows of a page."""
 
-from __future__ import annotations
-
 from golden.schema.keys import REQUIRED, Key, KeyTable
 
 

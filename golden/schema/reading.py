@@ -1,7 +1,5 @@
 """Reads a TOML file, and checks it against its declaration."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,25 +13,13 @@ from golden.schema.kinds import Kind
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Read the contents of a file.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or is not TOML.
-    """
+    """Read the contents of a file."""
     with reading(path, "TOML"):
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
-    """Read every key of a file with its value, check each by itself, and fill in the defaults.
-
-    Raises
-    ------
-    InputError
-        See ``read_toml``, ``check_names``, ``values_of`` and ``refuse_outside``.
-    """
+    """Read every key of a file with its value, check each by itself, and fill in the defaults."""
     raw = read_toml(path)
     check_names(raw, table, path)
     values = values_of(raw, table, path)
@@ -42,24 +28,12 @@ def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
 
 
 def check_names(raw: dict[str, Any], table: KeyTable, path: Path) -> None:
-    """Refuse unknown names, values in the place of a table, and numbers too large for TOML.
-
-    Raises
-    ------
-    InputError
-        For all of them, in one message.
-    """
+    """Refuse unknown names, values in the place of a table, and numbers too large for TOML."""
     _refuse([*table.strangers(raw, ""), *_long(raw, "")], path)
 
 
 def values_of(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any]:
-    """Every key with its value, after a check of types and choices, with defaults filled in.
-
-    Raises
-    ------
-    InputError
-        For all keys that are missing or have a wrong value.
-    """
+    """Every key with its value, after a check of types and choices, with defaults filled in."""
     _refuse([*table.faults(raw, "")], path)
     found: dict[str, Any] = table.filled(raw)
     return found
@@ -68,19 +42,8 @@ def values_of(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any
 def refuse_outside(values: Any, kind: Kind, place: str, path: Path) -> None:
     """Refuse numbers that are too large or too small.
 
-    Parameters
-    ----------
-    values : object
-        The values that ``values_of`` returns.
-    kind : Kind
-    place : str
-        The place of the values in the file; empty for the whole file.
-    path : Path
-
-    Raises
-    ------
-    InputError
-        For all of them, in one message.
+    values: The values that ``values_of`` returns.
+    place: The place of the values in the file; empty for the whole file.
     """
     _refuse([*kind.outside(values, place)], path)
 

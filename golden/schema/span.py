@@ -1,7 +1,5 @@
 """The range in which a number may lie."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -11,12 +9,8 @@ from typing import Any
 class Span:
     """The numbers between two ends, each of which may be missing. NaN and infinities never fit.
 
-    Parameters
-    ----------
-    least, most : float or None
-        Ends that are part of the range.
-    above, below : float or None
-        Ends that are not part of the range.
+    least, most: Ends that are part of the range.
+    above, below: Ends that are not part of the range.
     """
 
     least: float | None = None

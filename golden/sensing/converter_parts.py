@@ -1,7 +1,5 @@
 """Analogue-to-digital converters that can be bought: their interfaces and limits as data."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -23,41 +21,25 @@ class ConverterPart:
     clock n is the one on the wire at the n-th rising edge. While ``cs_n`` is high the converter
     does not drive ``miso``, and a pull-up holds it at 1.
 
-    Parameters
-    ----------
-    name : str
-    bits : int
-        Bits of a code, which is sent with the most significant bit first.
-    coding : str
-        STRAIGHT or TWOS.
-    commands : tuple of str
-        For each channel the bits that select it, from clock 1 on. All later bits are 0.
-    first : int
-        The clock of the code's most significant bit.
-    clocks : int
-        Number of clocks of a transfer.
-    zeros : tuple of int
-        Clocks in which the converter drives 0, against the pull-up.
-    mirrored : bool
-        Whether the converter repeats the code in reverse order, beginning with its second least
-        significant bit.
-    fastest_khz, slowest_khz : int
-        The highest and the lowest frequency of ``sclk``.
-    high_ns, low_ns : int
-        The shortest times for which ``sclk`` may be high and low.
-    select_ns, deselect_ns : int
-        The shortest time from the fall of ``cs_n`` to the first rise of ``sclk``, and the shortest
-        time for which ``cs_n`` may be high.
-    setup_ns, hold_ns : int
-        The shortest times for which a bit must be stable on ``mosi`` before and after a rise of
-        ``sclk``.
-    output_ns, release_ns : int
-        The longest time from a fall of ``sclk`` to the next bit, and from the rise of ``cs_n``
-        until ``miso`` is released.
-    acquisition_clocks, acquisition_ns : Fraction, int
-        For how many clocks of a transfer the converter tracks its input, and for how long it must.
-    source : str
-        The data sheet.
+    bits: Bits of a code, which is sent with the most significant bit first.
+    coding: STRAIGHT or TWOS.
+    commands: For each channel the bits that select it, from clock 1 on. All later bits are 0.
+    first: The clock of the code's most significant bit.
+    clocks: Number of clocks of a transfer.
+    zeros: Clocks in which the converter drives 0, against the pull-up.
+    mirrored: Whether the converter repeats the code in reverse order, beginning with its second
+        least significant bit.
+    fastest_khz, slowest_khz: The highest and the lowest frequency of ``sclk``.
+    high_ns, low_ns: The shortest times for which ``sclk`` may be high and low.
+    select_ns, deselect_ns: The shortest time from the fall of ``cs_n`` to the first rise of
+        ``sclk``, and the shortest time for which ``cs_n`` may be high.
+    setup_ns, hold_ns: The shortest times for which a bit must be stable on ``mosi`` before and
+        after a rise of ``sclk``.
+    output_ns, release_ns: The longest time from a fall of ``sclk`` to the next bit, and from the
+        rise of ``cs_n`` until ``miso`` is released.
+    acquisition_clocks, acquisition_ns: For how many clocks of a transfer the converter tracks its
+        input, and for how long it must.
+    source: The data sheet.
     """
 
     name: str

@@ -1,7 +1,5 @@
 """Converter reader: makes frames with a converter of several channels on an SPI."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -31,30 +29,14 @@ class ConverterReader(Scan):
     that repeats its code must repeat it unchanged. A scan in which a transfer fails one of these
     tests yields no frame.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the samples.
-    part : ConverterPart
-    inputs : int
-        Number of sensors; each is at the channel of its own number.
-    slots : int
-        Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
-    counter_width : int
-        Bits of the counter for turn and clock together; all turns take 2**counter_width clocks.
-    clock_mhz : float
-        Clock of the hardware. With it every limit of the part is kept.
-    pause : int
-        Clocks without a transfer between the turns and the next scan.
+    fmt: Format of the samples.
+    inputs: Number of sensors; each is at the channel of its own number.
+    slots: Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
+    counter_width: Bits of the counter for turn and clock together; all turns take 2**counter_width
+        clocks.
+    clock_mhz: Clock of the hardware. With it every limit of the part is kept.
+    pause: Clocks without a transfer between the turns and the next scan.
 
-    Raises
-    ------
-    InputError
-        When a parameter is outside its range. For a counter that is too narrow for the part the
-        message names the least width.
-
-    Notes
-    -----
     Codes with fewer bits than ``fmt`` are extended by zeros. Code c of the part stands for the
     middle of the voltages that give it, so nothing is added to the part's own error, which is half
     of its own step. Codes with more bits are rounded half up and saturated. This adds an error of
@@ -183,13 +165,7 @@ class ConverterReader(Scan):
         return 3
 
     def process(self, codes: ArrayLike) -> Codes:
-        """The samples for codes of the converter.
-
-        Raises
-        ------
-        InputError
-            For a code that the converter cannot send.
-        """
+        """The samples for codes of the converter."""
         signed = self._signed(check_unsigned(codes, self.part.bits, f"{self.entity} codes"))
         if self.shift <= 0:
             return np.asarray(signed << -self.shift, dtype=np.int64)
@@ -202,13 +178,7 @@ class ConverterReader(Scan):
         return np.asarray((codes ^ half) - half, dtype=np.int64)
 
     def converted(self, voltages: ArrayLike) -> Codes:
-        """The codes of an ideal converter for voltages in codes of ``fmt``, each the nearest one.
-
-        Raises
-        ------
-        InputError
-            For a code outside ``fmt``.
-        """
+        """The nearest codes of an ideal converter for voltages in codes of ``fmt``."""
         levels = self.fmt.check(voltages, f"{self.entity} voltages")
         own = Fix(self.part.bits, 0)
         if self.shift >= 0:
@@ -223,10 +193,8 @@ class ConverterReader(Scan):
     def received(self, bits: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
         """Codes of transfers, and whether a working converter can have sent them.
 
-        Parameters
-        ----------
-        bits : array_like of int, shape (..., part.clocks + 1)
-            The level of ``miso`` before the transfer and in each of its clocks.
+        bits, shape (..., part.clocks + 1): The level of ``miso`` before the transfer and in each of
+            its clocks.
         """
         part, sent = self.part, np.asarray(bits, dtype=np.int64)
         code = sent[..., part.first : part.last + 1]

@@ -1,7 +1,5 @@
 """Frame window: stores past frames, and sends the samples of them that a network reads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,25 +17,12 @@ from golden.window import Window
 class FrameWindow(Block):
     """Stores good frames in a ring. After each, it sends samples of this frame and of past ones.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the samples.
-    window : Window
-        The samples that leave.
-    slots : int
-        Number of further elements, of any content, that a network's frame has after its samples.
-    spacing : int
-        Least clocks that the network needs from the last sample of one good frame to the last
+    fmt: Format of the samples.
+    window: The samples that leave.
+    slots: Number of further elements, of any content, that a network's frame has after its samples.
+    spacing: Least clocks that the network needs from the last sample of one good frame to the last
         sample of the next. It is 0, and its counter is left out, where a frame has enough samples.
 
-    Raises
-    ------
-    InputError
-        For a negative number, or when frames could follow each other faster than they are sent.
-
-    Notes
-    -----
     A frame is judged like by ``InputController``: a frame that has the wrong length or ends too
     early raises one error and is not stored. After a reset nothing leaves before ``past`` good
     frames have come. Until then the contents of the ring are not used, so the ring needs no reset.
@@ -137,15 +122,7 @@ class FrameWindow(Block):
     def process(self, frames: ArrayLike) -> Codes:
         """The samples that leave, shape (frames - past, taps), for good frames after a reset.
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (frames, sensors)
-            Good frames in the order of time.
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``fmt``.
+        frames, shape (frames, sensors): Good frames in the order of time.
         """
         codes = self.fmt.check(frames, f"{self.entity} frames", self.sensors)
         return self.window.frames(codes).astype(np.int64)

@@ -1,7 +1,5 @@
 """What blocks that read sensors in turn have in common: a counter of turns, and a pause."""
 
-from __future__ import annotations
-
 from golden.block import Block
 from golden.input_error import InputError
 
@@ -21,12 +19,7 @@ class Scan(Block):
     pause: int
 
     def check_pause(self) -> None:
-        """Refuse a pause that the counter cannot reach.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a pause that the counter cannot reach."""
         most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
         if not 0 <= self.pause <= most:
             raise InputError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")

@@ -1,7 +1,5 @@
 """Scan sequencer: reads the sensors in turn through an analogue multiplexer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,27 +22,14 @@ class ScanSequencer(Scan):
     converter's code is accepted. Where scans need not follow each other as fast as possible, the
     counter pauses between them, so that the samples of a frame stay close together in time.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the converter's codes and of the samples.
-    inputs : int
-        Number of sensors.
-    slots : int
-        Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
-    counter_width : int
-        Bits of the counter for slot and clock together; all slots take 2**counter_width clocks.
-    sample_clock : int
-        Clock of a slot in which the code is accepted, counted from 0. In clock 0 the address is
-        still that of the slot before.
-    pause : int
-        Clocks between the slots and the next scan, in which the first sensor is selected.
-
-    Raises
-    ------
-    InputError
-        When a parameter is outside its range. For a counter that is too narrow the message names
-        the least width.
+    fmt: Format of the converter's codes and of the samples.
+    inputs: Number of sensors.
+    slots: Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
+    counter_width: Bits of the counter for slot and clock together; all slots take 2**counter_width
+        clocks.
+    sample_clock: Clock of a slot in which the code is accepted, counted from 0. In clock 0 the
+        address is still that of the slot before.
+    pause: Clocks between the slots and the next scan, in which the first sensor is selected.
     """
 
     block = "scan_sequencer"
@@ -152,14 +137,7 @@ class ScanSequencer(Scan):
     def process(self, scans: ArrayLike) -> Codes:
         """Frames, shape (scans, slots), from the converter's codes in every clock of the scans.
 
-        Parameters
-        ----------
-        scans : array_like of int, shape (scans, scan_clocks)
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``fmt``.
+        scans: shape (scans, scan_clocks).
         """
         codes = self.fmt.check(scans, f"{self.entity} codes", self.scan_clocks)
         return codes[..., self.sample_clocks]

@@ -1,7 +1,5 @@
 """Stream multiplexer: puts a network's result into its slot among the samples."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,17 +16,8 @@ from golden.port import CLOCKED, Port, input_port, output_port
 class StreamMultiplexer(Block):
     """Replaces element ``slot`` of every frame by the result it holds (thesis section 5.5).
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of elements and result.
-    slot : int
-        Position that is replaced, counted from 0 at the start of a frame.
-
-    Raises
-    ------
-    InputError
-        When slot is negative.
+    fmt: Format of elements and result.
+    slot: Position that is replaced, counted from 0 at the start of a frame.
     """
 
     block = "stream_multiplexer"
@@ -83,22 +72,11 @@ class StreamMultiplexer(Block):
     ) -> Codes:
         """The elements that leave, for the elements that arrive after a reset.
 
-        Parameters
-        ----------
-        data : array_like of int
-            Codes of ``fmt``, one per element.
-        last : array_like of bool
-            The ``last`` flag of each element.
-        clock, result_clock : array_like of int
-            The clocks in which each element and each result arrive. A result is held from the next
-            clock on.
-        results : array_like of int
-            Codes of ``fmt``.
-
-        Raises
-        ------
-        InputError
-            For codes outside ``fmt``, or a slot that comes before the first result.
+        data: Codes of ``fmt``, one per element.
+        last: The ``last`` flag of each element.
+        clock, result_clock: The clocks in which each element and each result arrive. A result is
+            held from the next clock on.
+        results: Codes of ``fmt``.
         """
         elements = self.fmt.check(data, f"{self.entity} data")
         words = self.fmt.check(results, f"{self.entity} results")

@@ -28,12 +28,8 @@ from golden.sizing.routed import Routed, routed_size
 class Candidate:
     """A design with the options that make it another one.
 
-    Attributes
-    ----------
-    design : str
-        A name of ``DESIGNS``.
-    options : mapping
-        Keys of a scene's section ``[hardware]``.
+    design: A name of ``DESIGNS``.
+    options: Keys of a scene's section ``[hardware]``.
     """
 
     design: str
@@ -102,26 +98,15 @@ CANDIDATES = (
 class SizingTask:
     """What is to be built.
 
-    Attributes
-    ----------
-    arrangement : str
-    networks : sequence of Mlp or DenseNetwork
-    settings : Settings
-        Those of the scene; the activation is "" if the scene leaves it to the design, and
+    settings: Those of the scene; the activation is "" if the scene leaves it to the design, and
         ``options`` are those of its own design.
-    design : str
-        The scene's own design, whose options ``settings`` has; "auto" for none.
-    serial : tuple of str
-        What the scene has around its networks that needs outputs one after the other, such as
+    design: The scene's own design, whose options ``settings`` has; "auto" for none.
+    serial: What the scene has around its networks that needs outputs one after the other, such as
         "a section [front_end]".
-    decides : bool
-        Whether the scene asks for the number of the largest output.
-    frames : int64 array, shape (frames, inputs)
-        Codes of the recorded frames.
-    overlaps : bool
-        Whether frames may overlap in the networks.
-    interval : int
-        The most clocks from frame to frame that the scene allows; 0 for no limit.
+    decides: Whether the scene asks for the number of the largest output.
+    frames, shape (frames, inputs): Codes of the recorded frames.
+    overlaps: Whether frames may overlap in the networks.
+    interval: The most clocks from frame to frame that the scene allows; 0 for no limit.
     """
 
     arrangement: str
@@ -139,20 +124,11 @@ class SizingTask:
 class Sized:
     """A design and what it costs.
 
-    Attributes
-    ----------
-    candidate : Candidate
-    options : mapping
-        All options of the design, those that the scene sets included.
-    network : Network
-    size : Size
-        Estimated LUTs and flip-flops of a Virtex-II.
-    multipliers : int
-    block_rams : int
-        Of a Virtex-II.
-    worst, mean : float
-        The largest and the mean magnitude of the difference from the network in floating point,
-        over all outputs of the recorded frames, in units of 2**-13.
+    options: All options of the design, those that the scene sets included.
+    size: Estimated LUTs and flip-flops of a Virtex-II.
+    block_rams: Of a Virtex-II.
+    worst, mean: The largest and the mean magnitude of the difference from the network in floating
+        point, over all outputs of the recorded frames, in units of 2**-13.
     """
 
     candidate: Candidate
@@ -208,14 +184,8 @@ class Sized:
 class Cells:
     """What a design takes of a family.
 
-    Attributes
-    ----------
-    size : Size
-    multipliers, block_rams : int
-    spread : float or None
-        The largest error of an estimate of LUTs in per cent; None if it is unknown.
-    clock_mhz : float or None
-        The clock that is expected; None if it is unknown.
+    spread: The largest error of an estimate of LUTs in per cent; None if it is unknown.
+    clock_mhz: The clock that is expected; None if it is unknown.
     """
 
     size: Size
@@ -241,13 +211,7 @@ def kind_of(design: str, options: Mapping[str, object]) -> str:
 
 
 def build(task: SizingTask, candidate: Candidate) -> Network:
-    """The networks of a task in a design.
-
-    Raises
-    ------
-    InputError
-        When the design does not take them.
-    """
+    """The networks of a task in a design."""
     design = DESIGNS[candidate.design]
     if task.arrangement not in design.arrangements:
         raise InputError(

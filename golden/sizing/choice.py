@@ -1,7 +1,5 @@
 """Chooses the smallest design that is fast enough, for ``design = "auto"``."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,14 +24,9 @@ UNDECIDED = "auto"
 class Demand:
     """How fast the networks of a scene must be; 0 stands for no limit.
 
-    Attributes
-    ----------
-    clocks : int
-        The most clocks from the last sample to the last output.
-    interval : int
-        The most clocks from frame to frame.
-    frames_a_second : float
-        The rate from which ``interval`` comes, where the scene gives one.
+    clocks: The most clocks from the last sample to the last output.
+    interval: The most clocks from frame to frame.
+    frames_a_second: The rate from which ``interval`` comes, where the scene gives one.
     """
 
     clocks: int = 0
@@ -56,12 +49,7 @@ class Demand:
         return max([got / most for got, most in pairs if most], default=0.0)
 
     def refuse(self, network: Network, design: str, more: str = "") -> None:
-        """Refuse a network that is too slow.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a network that is too slow."""
         clocks, interval = network.output_clocks[-1], network.interval
         if self.clocks and clocks > self.clocks:
             raise InputError(
@@ -88,15 +76,9 @@ NO_DEMAND = Demand()
 class Choice:
     """The design that was chosen, and what is beside it.
 
-    Attributes
-    ----------
-    row : Sized
-    cells : Cells
-    demand : Demand
-    price : Price
-    smaller, faster : Sized or None
-        The dearest design that is cheaper, which is too slow or coarse; and the cheapest that takes
-        fewer clocks, or frames more often where there is only a limit to their interval.
+    smaller, faster: The dearest design that is cheaper, which is too slow or coarse; and the
+        cheapest that takes fewer clocks, or frames more often where there is only a limit to their
+        interval.
     """
 
     row: Sized
@@ -144,11 +126,6 @@ def choose(
     """The cheapest design of a task that meets a demand.
 
     A coarse design is taken only where no other one meets it.
-
-    Raises
-    ------
-    InputError
-        When no design meets it; the message names the nearest.
     """
     found = all_sized(task, candidates)
     rows = [one for one in found if isinstance(one, Sized) and one.cells(price.device.family)]

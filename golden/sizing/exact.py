@@ -4,8 +4,6 @@ Yosys makes the same of each block, whatever stands around it, so a count of its
 its memories is exact; ``tests/test_sizing.py`` compares it with every recorded synthesis.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -21,13 +19,7 @@ HALF_WORDS = 1024
 
 
 def multipliers(top: Block) -> int:
-    """Multipliers of 18 x 18 bits in a block and its parts.
-
-    Raises
-    ------
-    InputError
-        For an activation whose products nobody has counted.
-    """
+    """Multipliers of 18 x 18 bits in a block and its parts."""
     own = _MULTIPLIERS[top.block](top) if top.block in _MULTIPLIERS else 0
     return own + sum(map(multipliers, top.parts()))
 

@@ -4,8 +4,6 @@ Each function here describes one kind of block by a few numbers: sums of widths 
 registers, of words in LUTs. ``golden.sizing.model`` fits how many cells each of them costs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -41,10 +39,7 @@ Numbers = tuple[float, ...]
 class Features:
     """What the own cells of a block depend on.
 
-    Attributes
-    ----------
-    luts, flip_flops : tuple of float
-        The numbers for each, in an order of the block's kind.
+    luts, flip_flops: The numbers for each, in an order of the block's kind.
     """
 
     luts: Numbers
@@ -65,13 +60,7 @@ def _adds_alone(matrix: ConstantMatrix) -> bool:
 
 
 def features_of(block: Block) -> Features:
-    """The numbers by which the own cells of a block, without its parts, are estimated.
-
-    Raises
-    ------
-    InputError
-        For a block whose cells nobody has described here.
-    """
+    """The numbers by which the own cells of a block, without its parts, are estimated."""
     if block.block not in _FEATURES:
         raise InputError(f"{block.entity}: got a block {block.block!r}, whose cells have no model")
     return _FEATURES[block.block](block)

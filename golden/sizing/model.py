@@ -41,21 +41,12 @@ COLUMNS: tuple[str, ...] = (
 class Recorded:
     """The own cells of one entity of a network that was synthesised.
 
-    Attributes
-    ----------
-    network : str
-        The scene, or the scene and the design that was made of its networks.
-    weights : str
-        The first file of the network's weights; networks that share it are held out together.
-    design : str
-        The design as ``golden.sizing.candidates`` names it.
-    entity, group : str
-        See ``group_of``.
-    count : int
-        How often the network has the entity.
-    luts, flip_flops : int
-        Cells of a Virtex-II, without those of the entity's parts.
-    features : Features
+    network: The scene, or the scene and the design that was made of its networks.
+    weights: The first file of the network's weights; networks that share it are held out together.
+    design: The design as ``golden.sizing.candidates`` names it.
+    entity, group: See ``group_of``.
+    count: How often the network has the entity.
+    luts, flip_flops: Cells of a Virtex-II, without those of the entity's parts.
     """
 
     network: str
@@ -156,13 +147,7 @@ def model() -> Model:
 
 
 def own_size(group: str, features: Features, known: Model) -> Size:
-    """The estimated own cells of a block.
-
-    Raises
-    ------
-    InputError
-        For a block that no recorded network has.
-    """
+    """The estimated own cells of a block."""
     if group not in known:
         raise InputError(f"{group}: got a block that no recorded synthesis has")
     pairs = zip((features.luts, features.flip_flops), known[group], strict=True)
@@ -201,11 +186,7 @@ def instances(top: Block) -> list[tuple[Block, int]]:
 class Held:
     """A recorded network, and what the model says of it that was fitted to all others.
 
-    Attributes
-    ----------
-    network, design : str
-    luts, estimated : float
-        Recorded, and as the others would have it.
+    luts, estimated: Recorded, and as the others would have it.
     """
 
     network: str

@@ -1,7 +1,5 @@
 """What hardware costs: its share of a device, or prices that a scene gives."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from golden.sizing.candidates import Cells
@@ -11,13 +9,8 @@ from golden.sizing.candidates import Cells
 class Device:
     """What a device has.
 
-    Attributes
-    ----------
-    name : str
-        The maker's name.
-    family : str
-        "xc2v" or "ecp5", as ``make designs`` names it.
-    luts, multipliers, block_rams : int
+    name: The maker's name.
+    family: "xc2v" or "ecp5", as ``make designs`` names it.
     """
 
     name: str
@@ -46,14 +39,9 @@ DEFAULT = "XC2V3000"
 class Price:
     """The price of a LUT, of a multiplier and of a block RAM.
 
-    Attributes
-    ----------
-    device : Device
-    lut, multiplier, block_ram : float
-        In any unit. Without prices of a scene, each is its share of all that the device has, in
-        per cent.
-    shares : bool
-        Whether they are these shares.
+    lut, multiplier, block_ram: In any unit. Without prices of a scene, each is its share of all
+        that the device has, in per cent.
+    shares: Whether they are these shares.
     """
 
     device: Device

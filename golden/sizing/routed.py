@@ -5,8 +5,6 @@ each kind of design has its own ratio to the cells of a Virtex-II, and its own s
 ``routed.csv`` holds those that were placed and routed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -37,14 +35,8 @@ COLUMNS: tuple[str, ...] = (
 class Placed:
     """A network that was placed and routed.
 
-    Attributes
-    ----------
-    network, design : str
-        As in ``golden.sizing.model.Recorded``.
-    path : int
-        See ``path_of``.
-    luts, flip_flops, multipliers, block_rams : int
-    clock_mhz : float
+    network, design: As in ``golden.sizing.model.Recorded``.
+    path: See ``path_of``.
     """
 
     network: str
@@ -61,13 +53,8 @@ class Placed:
 class Routed:
     """An estimate.
 
-    Attributes
-    ----------
-    size : Size
-    spread : float or None
-        See ``spread_of``.
-    clock_mhz : float or None
-        None where it is unknown; see ``clock_of``.
+    spread: See ``spread_of``.
+    clock_mhz: None where it is unknown; see ``clock_of``.
     """
 
     size: Size

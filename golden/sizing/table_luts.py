@@ -6,8 +6,6 @@ fewest. The choice between two LUTs is a wide multiplexer of their slice and tak
 more does not always fit there; how many LUTs it takes is fitted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import lru_cache
 from itertools import combinations

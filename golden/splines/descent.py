@@ -1,7 +1,5 @@
 """Levenberg-Marquardt on the normal equations, with early stopping by other rows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -20,10 +20,8 @@ FLAT, STRAIGHT, CURVED = 0, 1, 2
 class Edges:
     """What every edge is.
 
-    Attributes
-    ----------
-    first : int array, shape (hidden, inputs)
-    second : int array, shape (outputs, hidden)
+    first: shape (hidden, inputs).
+    second: shape (outputs, hidden).
     """
 
     first: NDArray[np.int64]
@@ -90,11 +88,8 @@ def coefficients(network: SplineNetwork) -> list[Real]:
 def bends(network: SplineNetwork, inputs: Real) -> tuple[Real, Real]:
     """How far each edge is from straight and from flat, in every output.
 
-    Returns
-    -------
-    two float arrays, shape (edges, rows, outputs)
-        What the outputs change, in first order, if the edge becomes the straight line, or the
-        constant, that is nearest on these rows.
+    Returns, shape (edges, rows, outputs): What the outputs change, in first order, if the edge
+        becomes the straight line, or the constant, that is nearest on these rows.
     """
     sums = network.sums(network.spread(inputs))
     values, slopes = network.hidden.at(sums)

@@ -1,7 +1,5 @@
 """What the outputs of a network cost on rows: squared errors, or for classes the cross-entropy."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

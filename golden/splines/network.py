@@ -22,17 +22,11 @@ STARTING_SIZES, STARTING_SLOPE = (0.6, 0.4), 0.3
 class SplineNetwork:
     """The sums ``s_h = sum over i of f_hi(x_i)`` and ``y_o = b_o + sum over h of g_oh(s_h)``.
 
-    Parameters
-    ----------
-    bases : tuple of Basis
-        The splines of each input.
-    hidden : Basis
-        The splines of every hidden sum.
-    first : float array, shape (hidden, inputs, splines of an input)
-        The coefficients of the functions f.
-    second : float array, shape (outputs, hidden, splines of a hidden sum)
-        The coefficients of the functions g.
-    biases : float array, shape (outputs,)
+    bases: The splines of each input.
+    hidden: The splines of every hidden sum.
+    first, shape (hidden, inputs, splines of an input): The coefficients of the functions f.
+    second, shape (outputs, hidden, splines of a hidden sum): The coefficients of the functions g.
+    biases: shape (outputs,).
     """
 
     bases: tuple[Basis, ...]

@@ -1,7 +1,5 @@
 """The function that training minimises for a network of learned functions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,13 +18,9 @@ from golden.training.objective import Rows
 class Penalty:
     """What a coefficient costs besides the errors.
 
-    Attributes
-    ----------
-    bend : float
-        Factor of the squared second differences of the coefficients of each function, which keeps
+    bend: Factor of the squared second differences of the coefficients of each function, which keeps
         functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
-    size : float
-        Factor of the squared coefficients.
+    size: Factor of the squared coefficients.
     """
 
     bend: float
@@ -39,17 +33,10 @@ class SplineObjective:
 
     Where the words of hidden sums are not exact, the errors that come from them are added.
 
-    Parameters
-    ----------
-    like : SplineNetwork
-        A network with the splines that are trained.
-    rows : Rows
-    penalty : Penalty
-    freedom : float array, shape (coefficients, parameters)
-        The coefficients are ``freedom @ parameters``; see ``Edges.freedom``.
-    loss : Loss
-    word_error : float
-        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
+    like: A network with the splines that are trained.
+    freedom, shape (coefficients, parameters): The coefficients are ``freedom @ parameters``; see
+        ``Edges.freedom``.
+    word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     like: SplineNetwork

@@ -30,23 +30,15 @@ PARTS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1, 0.05)
 class SplineSettings:
     """The settings of one candidate.
 
-    Attributes
-    ----------
-    nodes : int
-        Hidden sums.
-    intervals, hidden_intervals : int
-        Of the splines of an input, and of a hidden sum. Where the first is 0, functions of inputs
-        are straight.
-    bend : float
-        See ``Penalty``; for as many rows as train.
-    size : float
-        See ``Penalty``.
-    steps, patience : int
-        The most evaluations of a descent, and how many points without a better one end it.
-    loss : Loss
-        What the outputs cost on rows.
-    word_error : float
-        The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
+    nodes: Hidden sums.
+    intervals, hidden_intervals: Of the splines of an input, and of a hidden sum. Where the first is
+        0, functions of inputs are straight.
+    bend: See ``Penalty``; for as many rows as train.
+    size: See ``Penalty``.
+    steps, patience: The most evaluations of a descent, and how many points without a better one end
+        it.
+    loss: What the outputs cost on rows.
+    word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
     """
 
     nodes: int
@@ -64,13 +56,7 @@ class SplineSettings:
 class Learned:
     """A trained network with its edges and the settings that it was trained with.
 
-    Attributes
-    ----------
-    network : SplineNetwork
-    edges : Edges
-    settings : SplineSettings
-    rows : int
-        The number of rows on which it was trained first, for which the penalty is meant.
+    rows: The number of rows on which it was trained first, for which the penalty is meant.
     """
 
     network: SplineNetwork
@@ -155,12 +141,7 @@ def pruned(
     An edge becomes straight, or flat, if that changes the outputs by less than a part of the error
     of the network, each in the measure of the loss. All others compensate for it.
 
-    Parameters
-    ----------
-    learned : Learned
-    training, validation : Rows
-    error : callable
-        The error of a network on rows.
+    error: The error of a network on rows.
     """
     allowed = COST * error(learned, validation)
     present = learned.error(training)

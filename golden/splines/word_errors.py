@@ -1,7 +1,5 @@
 """What words of the hidden sums that are not exact add to the errors of a network."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +15,10 @@ class WordErrors:
     In first order, the error of a word becomes that of an output times the slope of the function
     between them. Errors of different words are independent, so the squares are added up.
 
-    Parameters
-    ----------
-    part : float
-        The root mean square of the error of a word, as a part of the range that its sum has on
+    part: The root mean square of the error of a word, as a part of the range that its sum has on
         the rows.
-    spread : float array, shape (rows, inputs * splines)
-        The splines of the inputs of the rows.
-    scale : float array, shape (rows, outputs)
-        By what errors of the outputs are divided.
+    spread, shape (rows, inputs * splines): The splines of the inputs of the rows.
+    scale, shape (rows, outputs): By what errors of the outputs are divided.
     """
 
     part: float

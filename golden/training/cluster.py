@@ -1,7 +1,5 @@
 """A search on a Dask cluster: first finds the scheduler at an address, then uses its workers."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import queue
@@ -24,13 +22,7 @@ NO_MESSAGE = (MemoryError, struct.error, OverflowError, EOFError, UnicodeDecodeE
 
 @contextmanager
 def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
-    """Compute candidates on the Dask scheduler at this address, or on this machine if it is None.
-
-    Raises
-    ------
-    InputError
-        When Dask is not installed, or no scheduler answers within ``limit`` seconds.
-    """
+    """Compute candidates on the Dask scheduler at this address; without one, on this machine."""
     if cluster is None:
         yield
         return

@@ -24,8 +24,6 @@ Several weights can be rounded at once, for which all others compensate together
 updated less often, which is most of the work.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
@@ -78,15 +76,9 @@ SLACK = 0.02  # so much fewer digits than asked for will do
 class Grid:
     """The numbers that the weights and biases of a network can have, in the order of ``packed``.
 
-    Attributes
-    ----------
-    like : Mlp or DenseNetwork
-        A network with the same layers.
-    lsb : float array
-    low, high : int
-        The least and the largest code, which both formats share.
-    weights : bool array
-        Which of them are weights; the others are biases.
+    like: A network with the same layers.
+    low, high: The least and the largest code, which both formats share.
+    weights: Which of them are weights; the others are biases.
     """
 
     like: Trained
@@ -135,14 +127,8 @@ def grid_of(network: Trained, width: int) -> Grid:
 class Aim:
     """The error that is minimised on a grid: that of the objective's training rows.
 
-    Attributes
-    ----------
-    objective : Objective
-    grid : Grid
-    hold : float
-        How much the Hessian is damped from which compensations come, as a part of its diagonal.
-    together : int
-        How many weights are rounded at once.
+    hold: How much the Hessian is damped from which compensations come, as a part of its diagonal.
+    together: How many weights are rounded at once.
     """
 
     objective: Objective
@@ -169,16 +155,10 @@ class Aim:
 def rows_of(task: Task, network: Trained, frames: Frames, recorded: Frames, misses: Real) -> Rows:
     """The rows whose error is minimised when ``network`` gets fewer digits.
 
-    Parameters
-    ----------
-    task : Task
-    network : Mlp or DenseNetwork
-    frames : Frames
-        The rows that train, with disturbance.
-    recorded : Frames
-        The same rows as recorded, each of them once.
-    misses : float array, shape (outputs,)
-        The error of each output against which its deviation is weighted, in any unit.
+    frames: The rows that train, with disturbance.
+    recorded: The same rows as recorded, each of them once.
+    misses, shape (outputs,): The error of each output against which its deviation is weighted, in
+        any unit.
     """
     activation = task.scene.scheme.real
     taught = teacher_frames(recorded, task)
@@ -243,14 +223,8 @@ def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
 def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Real:
     """Round a trained network, giving each weight as many digits as are worth their price.
 
-    Parameters
-    ----------
-    aim : Aim
-    start : float array
-    price : float
-        Price of a digit, in the unit of the error.
-    rng : Generator
-        Source of the random factors that change the order.
+    price: Price of a digit, in the unit of the error.
+    rng: Source of the random factors that change the order.
     """
     grid, vector = aim.grid, start.copy()
     free = np.ones(len(start), dtype=bool)
@@ -321,19 +295,7 @@ def at_most(
 
     Returns the point, and the price that led to it, as a part of ``_unit``.
 
-    Parameters
-    ----------
-    aim : Aim
-    start : float array
-    count : int
-    rng : Generator
-    prices : tuple of float, optional
-        The range in which the price is searched; ``PRICES`` by default.
-
-    Raises
-    ------
-    InputError
-        When no price leads to so few digits.
+    prices: The range in which the price is searched; ``PRICES`` by default.
     """
     low, high = np.log(prices or PRICES)
     best: tuple[Real, float] | None = None
@@ -364,12 +326,8 @@ def _unit(aim: Aim, start: Real) -> float:
 class FewDigits:
     """Reduces the digits of one network of a scene.
 
-    Attributes
-    ----------
-    task : Task
-        Task of the chosen network, whose validation rows decide.
-    chosen : Mlp or DenseNetwork
-        The network as it was trained.
+    task: Task of the chosen network, whose validation rows decide.
+    chosen: The network as it was trained.
     """
 
     task: Task
@@ -505,12 +463,9 @@ def with_few_digits(
 
     Each is fitted on the rows that it has seen. Without ``training.refit`` there is one.
 
-    Parameters
-    ----------
-    few : FewDigits
-        For the chosen network.
-    tested, written : tuple of Task and network
-        The networks that were trained further, on training and validation rows and on all rows.
+    few: For the chosen network.
+    tested, written: The networks that were trained further, on training and validation rows and on
+        all rows.
     """
     found = [few.on_training_rows()]
     settings, count = few.task.scene.training, few.asked

@@ -1,7 +1,5 @@
 """Levenberg-Marquardt: least squares over all weights at once, through SciPy's MINPACK."""
 
-from __future__ import annotations
-
 from scipy.optimize import least_squares
 
 from golden.real import Real

@@ -1,7 +1,5 @@
 """The function that training minimises, with either optimiser, and early stopping."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -17,11 +15,9 @@ from golden.real import Real
 class Rows:
     """Some rows of the recorded vectors.
 
-    Attributes
-    ----------
-    inputs : float array, shape (rows, inputs)
-    targets, scale : float arrays, shape (rows, outputs)
-        ``scale`` is the divisor of an error: the target or a full scale.
+    inputs: shape (rows, inputs).
+    targets, scale, shape (rows, outputs): ``scale`` is the divisor of an error: the target or a
+        full scale.
     """
 
     inputs: Real
@@ -61,16 +57,9 @@ class Objective:
     is the point with the least error there. After ``patience`` such points without a new best one,
     ``EarlyStop`` ends the descent.
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Inputs, hidden nodes and outputs.
-    activation : callable
-        Value and slope of the hidden layer.
-    training, validation : Rows
-    weight_decay : float
-        Factor that keeps weights small, and with them Q_j and Y_i.
-    patience : int
+    shape: Inputs, hidden nodes and outputs.
+    activation: Value and slope of the hidden layer.
+    weight_decay: Factor that keeps weights small, and with them Q_j and Y_i.
     """
 
     shape: tuple[int, int, int]
@@ -95,13 +84,7 @@ class Objective:
         return unpack(vector, self.shape)
 
     def residuals(self, vector: Real) -> Real:
-        """Scaled errors, then the weights times the root of the decay.
-
-        Raises
-        ------
-        EarlyStop
-            See the class.
-        """
+        """Scaled errors, then the weights times the root of the decay."""
         network = self.network(vector)
         errors = self.training.residuals(network, self.activation)
         result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])

@@ -6,8 +6,6 @@ The second finds the outputs by linear least squares. I. T. Nabney, "NETLAB: Alg
 Recognition", Springer, 2002.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.cluster.vq import kmeans2
 from scipy.special import softmax
@@ -32,17 +30,8 @@ def squared_distances(points: Real, centres: Real) -> Real:
 def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
     """Centres of a mixture of ``count`` round Gaussians, shape (count, inputs).
 
-    Parameters
-    ----------
-    inputs : float array, shape (rows, inputs)
-    count : int
-    rng : Generator
-        Determines where k-means begins.
-
-    Raises
-    ------
-    InputError
-        For fewer distinct rows than Gaussians.
+    inputs: shape (rows, inputs).
+    rng: Determines where k-means begins.
     """
     distinct = len(np.unique(inputs, axis=0))
     if not 1 <= count <= distinct:
@@ -75,19 +64,9 @@ def train_rbf(inputs: Real, targets: Real, hidden: int, rng: np.random.Generator
     wide functions that overlap. (The mixture's own widths suit the inputs and not the targets: on
     the recorded vectors they give ten times the error.)
 
-    Parameters
-    ----------
-    inputs : float array, shape (rows, inputs)
-    targets : float array, shape (rows, outputs)
-    hidden : int
-        2 or more.
-    rng : Generator
-
-    Raises
-    ------
-    InputError
-        For fewer than two nodes, since their distance gives the width, or for fewer distinct rows
-        than nodes.
+    inputs: shape (rows, inputs).
+    targets: shape (rows, outputs).
+    hidden: 2 or more.
     """
     if hidden < 2:
         raise InputError(f"hidden: got {hidden}, expected 2 or more")

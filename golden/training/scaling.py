@@ -1,7 +1,5 @@
 """Determines the scales for ``data.scale = "auto"`` from the recordings, before training."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from golden.input_error import InputError
@@ -17,11 +15,6 @@ def scaled(scene: Scene) -> Scene:
     The scale of a sensor comes from the rows that train, because nothing about the other rows is
     known beforehand. The scale of an output comes from all rows, because its range is required and
     not learnt. Sensors that a converter reads have the scale of its data sheet.
-
-    Raises
-    ------
-    InputError
-        See ``read_recorded``, ``split_of``, ``range_scale`` and ``converter_scales``.
     """
     wanted = scene.auto
     kept = {n: s for n, s in scene.scale.items() if s != AUTO or n in wanted}

@@ -6,8 +6,6 @@ difference of gradients and kept positive by a scale that grows where the quadra
 error is poor and shrinks where it is good; no line search is needed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -24,15 +22,9 @@ SCALE_RANGE = (1e-15, 1e100)
 def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-12) -> Real:
     """The point that SCG reaches from ``start``.
 
-    Parameters
-    ----------
-    evaluate : callable
-        Value and gradient at a point.
-    start : float array
-    steps : int
-        Most steps, each of two evaluations.
-    tolerance : float
-        Stop when neither the value, relative to itself, nor any coordinate moves by more.
+    evaluate: Value and gradient at a point.
+    steps: Most steps, each of two evaluations.
+    tolerance: Stop when neither the value, relative to itself, nor any coordinate moves by more.
     """
     point = start
     value, gradient = evaluate(point)

@@ -16,8 +16,6 @@ another processor, BLAS or tanh may round the last bit in another way, and for S
 thousand rows another number of threads has the same effect.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
@@ -43,15 +41,10 @@ OPTIMISERS = {"levenberg-marquardt": levenberg_marquardt.descend, "scg": scg.des
 class Result:
     """The result of one candidate.
 
-    Attributes
-    ----------
-    hidden, restart : int
-        The hidden nodes and the number of the start, which identify the candidate.
-    validation, test : float
-        Root mean square of the bit-true errors in percent, under the scene's disturbance; infinite
-        for a refused candidate.
-    refused : str
-        Why the candidate does not fit in the hardware's formats; empty if it does.
+    hidden, restart: The hidden nodes and the number of the start, which identify the candidate.
+    validation, test: Root mean square of the bit-true errors in percent, under the scene's
+        disturbance; infinite for a refused candidate.
+    refused: Why the candidate does not fit in the hardware's formats; empty if it does.
     """
 
     hidden: int
@@ -93,17 +86,8 @@ def train(
 ) -> Mlp:
     """Train the network of one candidate.
 
-    Parameters
-    ----------
-    task : Task
-    hidden, restart : int
-    objective : callable
-        Makes the objective of each descent; another one than the default can watch the progress.
-
-    Raises
-    ------
-    InputError
-        When its weights do not fit in the hardware's formats.
+    objective: Makes the objective of each descent; another one than the default can watch the
+        progress.
     """
     shape = (task.training.inputs.shape[1], hidden, task.training.targets.shape[1])
     rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, restart])
@@ -112,13 +96,7 @@ def train(
 
 
 def refitted(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
-    """Train a network further, from its present weights, on more rows; nothing ends it early.
-
-    Raises
-    ------
-    InputError
-        When its weights do not fit in the hardware's formats.
-    """
+    """Train a network further, from its present weights, on more rows; nothing ends it early."""
     return descended(task, mlp, frames, frames)
 
 
@@ -129,13 +107,7 @@ def descended(
     validation: Frames,
     objective: Callable[..., Objective] = Objective,
 ) -> Mlp:
-    """The network that the descents reach from ``start``, on tanh and the scene's activation.
-
-    Raises
-    ------
-    InputError
-        When its weights do not fit in the hardware's formats.
-    """
+    """The network that the descents reach from ``start``, on tanh and the scene's activation."""
     settings = task.scene.training
     normal, plain = task.normal, [Scale()] * len(start.b2)
     normalised = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
@@ -158,13 +130,7 @@ def measure(task: Task, hidden: int, restart: int) -> Result:
 
 
 def bit_true_errors(task: Task, network: Trained) -> tuple[float, float]:
-    """The bit-true errors of the validation and of the test rows, under the scene's disturbance.
-
-    Raises
-    ------
-    InputError
-        When the weights do not fit in the hardware's formats.
-    """
+    """The bit-true errors of the validation and of the test rows, under the scene's disturbance."""
     return bit_true_error(task, network, task.validation), bit_true_error(task, network, task.test)
 
 
@@ -189,14 +155,9 @@ def candidates(task: Task) -> list[tuple[int, int]]:
 def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     """The result of every candidate, in order, as soon as it is known.
 
-    Parameters
-    ----------
-    task : Task
-    record : Path
-        Results are appended to this file; those that it already holds are not computed again.
-    workers : int
-        Number of processes; -1 for one per core. On one machine the result does not depend on it.
-        joblib runs them, so ``joblib.parallel_config`` can name a cluster.
+    record: Results are appended to this file; those that it already holds are not computed again.
+    workers: Number of processes; -1 for one per core. On one machine the result does not depend on
+        it. joblib runs them, so ``joblib.parallel_config`` can name a cluster.
     """
     known = {(r.hidden, r.restart): r for r in _read(record)}
     missing = [c for c in candidates(task) if c not in known]

@@ -37,13 +37,7 @@ class Split:
 
 
 def split_of(scene: Scene) -> Split:
-    """The split that ``training.split`` of a scene requests.
-
-    Raises
-    ------
-    InputError
-        For too few rows, blocks or groups, or for a missing column of ``training.split_by``.
-    """
+    """The split that ``training.split`` of a scene requests."""
     settings = scene.training
     runs, values = _columns(scene)
     place = f"{scene.data_text}: training.split of {scene.path}"
@@ -63,20 +57,9 @@ def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
     In every stretch of one part these are the first rows, as many as the past is long, unless a
     recording begins there.
 
-    Parameters
-    ----------
-    split : Split
-    runs : int array, shape (rows,)
-        The recording of each row, as a number.
-    past : int
-        How many rows a row reaches back.
-    place : str
-        The beginning of a message.
-
-    Raises
-    ------
-    InputError
-        When no row is left of a part.
+    runs, shape (rows,): The recording of each row, as a number.
+    past: How many rows a row reaches back.
+    place: The beginning of a message.
     """
     parts = {name: getattr(split, name) for name in ("training", "validation", "test")}
     part = np.zeros(len(runs), dtype=np.int64)
@@ -134,13 +117,7 @@ def _columns(scene: Scene) -> tuple[Numbers, Real]:
 
 
 def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
-    """Split rows at random.
-
-    Raises
-    ------
-    InputError
-        For fewer than 8 rows, since a part would then hold a single row or none.
-    """
+    """Split rows at random."""
     if rows < 8:
         raise InputError(f"{place}: got {rows} rows, expected at least 8 to split in 50, 25, 25 %")
     return _halves(rows, seed)
@@ -149,17 +126,8 @@ def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
 def split_groups(values: Real, seed: int, place: str = "groups") -> Split:
     """Split groups of rows at random; rows with the same ``values`` stay together.
 
-    Parameters
-    ----------
-    values : float array, shape (rows, columns)
-    seed : int
-    place : str
-        The beginning of a message.
-
-    Raises
-    ------
-    InputError
-        For fewer than 4 groups, since a part would then have none.
+    values: shape (rows, columns).
+    place: The beginning of a message.
     """
     groups, member = np.unique(values, axis=0, return_inverse=True)
     if len(groups) < 4:
@@ -184,18 +152,8 @@ def split_blocks(values: Real, block_rows: int, seed: int, place: str = "blocks"
     and then those of the next run, are dealt out to ``PARTS`` in turn. So every run of two or more
     blocks has one that trains.
 
-    Parameters
-    ----------
-    values : float array, shape (rows, columns)
-    block_rows : int
-    seed : int
-    place : str
-        The beginning of a message.
-
-    Raises
-    ------
-    InputError
-        For fewer than 4 blocks, since a part would then have none.
+    values: shape (rows, columns).
+    place: The beginning of a message.
     """
     borders = np.flatnonzero((values[1:] != values[:-1]).any(axis=1)) + 1
     rng = np.random.default_rng(seed)

@@ -1,7 +1,5 @@
 """The networks of a scene at the stages of training: chosen, tested and written."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import cast
 
@@ -17,21 +15,13 @@ from golden.training.task import Task, task_for
 class Stages:
     """The networks so far. Each of them sees the earlier ones of its own stage.
 
-    Attributes
-    ----------
-    scene : Scene
-    chosen : list of Mlp
-        Networks trained on the training rows, and chosen by the validation rows.
-    tested : list of Mlp
-        The same networks; with ``training.refit`` they are trained further on training and
+    chosen: Networks trained on the training rows, and chosen by the validation rows.
+    tested: The same networks; with ``training.refit`` they are trained further on training and
         validation rows, so that they contain nothing of the test rows.
-    written : list of Mlp
-        The same networks; with ``training.refit`` they are trained further on all rows. They are as
-        they will be read from their files.
-    files : list of Mlp
-        The written networks as their files hold them.
-    full : list of dict
-        With ``training.digits``: for each network its three stages before digits were removed.
+    written: The same networks; with ``training.refit`` they are trained further on all rows. They
+        are as they will be read from their files.
+    files: The written networks as their files hold them.
+    full: With ``training.digits``: for each network its three stages before digits were removed.
     """
 
     scene: Scene
@@ -46,14 +36,7 @@ class Stages:
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, hidden: int, restart: int) -> None:
-        """Add the next network, from the candidate that was chosen.
-
-        Raises
-        ------
-        InputError
-            When its weights do not fit in the hardware's formats, or when it cannot have so few
-            digits.
-        """
+        """Add the next network, from the candidate that was chosen."""
         number = len(self.chosen)
         chosen = self._as_read(train(self.task(self.chosen, number), hidden, restart), number)
         tested = written = chosen

@@ -39,13 +39,10 @@ LEAST_ROWS = {"training": TRAINED_ROWS, "validation": MEASURED_ROWS, "test": MEA
 class Frames(Rows):
     """Rows as the sensors give them.
 
-    Attributes
-    ----------
-    inputs : float array, shape (rows, inputs)
-        The inputs in training: the quantised samples and, in a cascade, the outputs of earlier
-        networks, bit-true or in floating point according to ``training.earlier_outputs``.
-    codes : int64 array, shape (rows, inputs)
-        The inputs of the hardware.
+    inputs, shape (rows, inputs): The inputs in training: the quantised samples and, in a cascade,
+        the outputs of earlier networks, bit-true or in floating point according to
+        ``training.earlier_outputs``.
+    codes, shape (rows, inputs): The inputs of the hardware.
     """
 
     codes: Codes
@@ -59,19 +56,11 @@ class Frames(Rows):
 class Task:
     """The training of one network, with its inputs and targets.
 
-    Attributes
-    ----------
-    scene : Scene
-    number : int
-        Index of the network in the scene.
-    split : Split
-    recorded : Frames
-        All rows as they were recorded.
-    training, validation, test : Frames
-        The parts of the split under ``training.noise`` and ``training.drift``; without these, as
-        recorded. They are the same for every candidate.
-    known, every : Frames
-        Training and validation rows together, and all rows, under the same disturbance.
+    number: Index of the network in the scene.
+    recorded: All rows as they were recorded.
+    training, validation, test: The parts of the split under ``training.noise`` and
+        ``training.drift``; without these, as recorded. They are the same for every candidate.
+    known, every: Training and validation rows together, and all rows, under the same disturbance.
     """
 
     scene: Scene
@@ -101,24 +90,12 @@ class Task:
         ]
 
     def bit_true(self, network: Trained, frames: Frames) -> Real:
-        """Outputs of a network in the scene's hardware.
-
-        Raises
-        ------
-        InputError
-            When its weights do not fit in the hardware's formats.
-        """
+        """Outputs of a network in the scene's hardware."""
         return SIGNAL.to_real(self.scene.build(network).process(frames.codes))
 
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
-    """The task of the network that follows ``earlier``, the networks trained before it.
-
-    Raises
-    ------
-    InputError
-        For too few rows to split, or for a column that is constant and so teaches nothing.
-    """
+    """The task of the network that follows ``earlier``, the networks trained before it."""
     _refuse_constant(scene, vectors)
     split = split_of(scene)
     number = len(earlier)

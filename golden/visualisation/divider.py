@@ -1,7 +1,5 @@
 """Divider: computes the distance from the load in units of its half width."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,20 +22,11 @@ class Divider(Block):
     to its last address. There is enough time: a scan has 4096 clocks, and a quotient of 17 bits
     takes 18.
 
-    Parameters
-    ----------
-    distance_width : int
-        Bits of the unsigned distance ``|i_p - i_m|``.
-    width_width : int
-        Bits of the unsigned width.
-    gain : int
-        The constant, unsigned, with ``gain_frac`` fraction bits.
-    gain_frac : int
-    out_width, out_frac : int
-        Format of the unsigned quotient t.
+    distance_width: Bits of the unsigned distance ``|i_p - i_m|``.
+    width_width: Bits of the unsigned width.
+    gain: The constant, unsigned, with ``gain_frac`` fraction bits.
+    out_width, out_frac: Format of the unsigned quotient t.
 
-    Notes
-    -----
     Distance and width share one binary point. A width of 0 counts as 1 LSB, which is the narrowest
     load. The quotient is truncated and saturates to 2**out_width - 1. Its error is -1 to 0 LSB
     where it does not saturate.
@@ -45,12 +34,6 @@ class Divider(Block):
     Hardware: the quotient saturates just where numerator >= width << integer bits. Otherwise
     ``out_width`` steps with a remainder as wide as the width give its bits, the most significant
     first.
-
-    Raises
-    ------
-    InputError
-        When the gain is not above 0 or has more fraction bits than the quotient, or when the
-        quotient has no bit before its point.
     """
 
     block = "divider"
@@ -136,13 +119,7 @@ class Divider(Block):
         return np.asarray(numerator // np.maximum(width, 1), dtype=np.int64)
 
     def process(self, distance: ArrayLike, width: ArrayLike) -> Codes:
-        """The quotients; the arguments are broadcast.
-
-        Raises
-        ------
-        InputError
-            For an argument outside its width.
-        """
+        """The quotients; the arguments are broadcast."""
         u = check_unsigned(distance, self.distance_width, "divider distance")
         w = check_unsigned(width, self.width_width, "divider width")
         most = (1 << self.out_width) - 1

@@ -1,7 +1,5 @@
 """exp_interpolator: computes exp(-x) from one word of the memory and the rest of x."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
@@ -18,17 +16,10 @@ class ExpInterpolator(Block):
     The word is exp(-x0) in the middle x0 of an interval, and delta = x - x0. The derivative of
     exp(-x) at x0 is -exp(-x0), the negative of the word, so no second table is needed.
 
-    Parameters
-    ----------
-    word_width : int
-        Bits of the word, all of them fraction bits, unsigned.
-    offset_width : int
-        Bits of x below the memory's address.
-    frac : int
-        Fraction bits of x.
+    word_width: Bits of the word, all of them fraction bits, unsigned.
+    offset_width: Bits of x below the memory's address.
+    frac: Fraction bits of x.
 
-    Notes
-    -----
     The factor 1 - delta is exact and unsigned, with ``factor_width`` bits. The product is truncated
     to the word's format. The straight line lies 0 to delta**2 / 2 below exp(-x), at most 2**-15 for
     an interval of 2**-6; truncation adds an error of 1 LSB of the word. The result is below 1.
@@ -67,13 +58,7 @@ class ExpInterpolator(Block):
         return 2
 
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
-        """exp(-x) in the word's format; the arguments are broadcast.
-
-        Raises
-        ------
-        InputError
-            For an argument outside its width.
-        """
+        """exp(-x) in the word's format; the arguments are broadcast."""
         w = check_unsigned(word, self.word_width, "exp_interpolator word")
         low = check_unsigned(offset, self.offset_width, "exp_interpolator offset")
         # The factor is 1 - delta, with delta = offset - half an interval.

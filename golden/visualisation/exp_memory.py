@@ -1,7 +1,5 @@
 """exp_memory: holds exp(-x) for the middle of every interval of x."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from golden.activation.rom import Rom

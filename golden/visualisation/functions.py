@@ -1,7 +1,5 @@
 """Equations 3.17 and 3.18 in floating point: a load as a continuous function along the beam."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -43,18 +41,11 @@ def harmonic_load(
 
     The thesis prints 1 / (n pi). There n is not defined, and only m gives its Figure 3.27.
 
-    Parameters
-    ----------
-    position : array_like of float
-        i_p, from 0 to 1 along the operating length. The arguments are broadcast.
-    load, centre, half_width : array_like of float
-        d from -1 to 1, i_m from 0 to 1, and w from 0 to 1. The pulse reaches from i_m - w to i_m +
-        w.
-    terms : int
-        P, 1 or more.
+    position: i_p, from 0 to 1 along the operating length. The arguments are broadcast.
+    load, centre, half_width: d from -1 to 1, i_m from 0 to 1, and w from 0 to 1. The pulse reaches
+        from i_m - w to i_m + w.
+    terms: P, 1 or more.
 
-    Notes
-    -----
     The sum has no constant term, so its mean over 0 to 1 is 0. It is therefore the pulse of height
     d minus the pulse's mean 2 d w: with the pulse inside 0 to 1, it is d (1 - 2 w) on the pulse and
     -2 d w beside it.
@@ -65,11 +56,6 @@ def harmonic_load(
     The time grows with the number of terms times the number of values; the memory does not grow
     with the number of terms. Phases are reduced to one turn before the sine is computed, so the
     rounding error stays below 1e-12 d for a million terms.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range, which includes NaN, or for no terms.
     """
     if terms < 1:
         raise InputError(f"terms: got {terms}, expected 1 or more")
@@ -101,10 +87,7 @@ def harmonic_limit(
     limit is d times four sawtooths, at w + (i_p - i_m), w - (i_p - i_m), w + (i_p + i_m) and
     w - (i_p + i_m): the pulse, and its mirror images at both ends of the beam.
 
-    Parameters
-    ----------
-    position, load, centre, half_width
-        See ``harmonic_load``, which also raises the same errors.
+    position, load, centre, half_width: See ``harmonic_load``, which also raises the same errors.
     """
     p, d, c, w = _sum_domain(position, load, centre, half_width)
     x = np.remainder(_phases(p, c, w), 2)
@@ -126,10 +109,8 @@ def harmonic_tail(
     the Wilbraham-Gibbs constant 1.852 on either side of 0, so the tail never exceeds that. At a
     jump (theta = 0) every term is 0, and so is the bound.
 
-    Parameters
-    ----------
-    position, load, centre, half_width, terms
-        See ``harmonic_load``, which also raises the same errors.
+    position, load, centre, half_width, terms: See ``harmonic_load``, which also raises the same
+        errors.
     """
     if terms < 1:
         raise InputError(f"terms: got {terms}, expected 1 or more")
@@ -155,20 +136,10 @@ def power_load(
     5.8 computes it, because C**P alone overflows for narrow loads. A power beyond the largest float
     becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
 
-    Parameters
-    ----------
-    position, load, centre : array_like of float
-        i_p, d and i_m, all finite. The arguments are broadcast.
-    steepness : array_like of float
-        C, above 0: f falls to d / e at the distance 1 / C from the centre.
-    power : int
-        P, an even number: 2 for the pointed profile that stands for a triangle, 6 for the flat one
-        that stands for a rectangle. With an odd power f would grow without bound on one side.
-
-    Raises
-    ------
-    InputError
-        For an argument outside its range, which includes NaN and infinity.
+    position, load, centre: i_p, d and i_m, all finite. The arguments are broadcast.
+    steepness: C, above 0: f falls to d / e at the distance 1 / C from the centre.
+    power: P, an even number: 2 for the pointed profile that stands for a triangle, 6 for the flat
+        one that stands for a rectangle. With an odd power f would grow without bound on one side.
     """
     if power < 2 or power % 2:
         raise InputError(f"power: got {power}, expected an even whole number, 2 or more")

@@ -1,7 +1,5 @@
 """load_profile: computes equation 3.18 for one frame of network outputs, point by point."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -50,21 +48,10 @@ class LoadProfile(Block):
     s > ``shape_threshold``, else 6. C is such that f falls to d / e at half a width from the
     centre: C = gain / w.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the four inputs, of i_p and of f.
-    ramp : Ramp
-    divider : Divider
-        For its gain see ``width_gain``.
-    power_fold : PowerFold
-    exp_memory : ExpMemory
-    exp_interpolator : ExpInterpolator
-    shape_threshold : int
-        Code of ``fmt``.
+    fmt: Format of the four inputs, of i_p and of f.
+    divider: For its gain see ``width_gain``.
+    shape_threshold: Code of ``fmt``.
 
-    Notes
-    -----
     A width of 0 or less, which a network can give for a load that it hardly sees, counts as the
     narrowest width, 1 LSB: f is then d at i_p = i_m and 0 elsewhere. A load below 0 gives a profile
     below 0. The product with d is exact and rounded half up. It always fits in ``fmt``, because
@@ -156,15 +143,7 @@ class LoadProfile(Block):
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
         """Positions, shape (points,), and profiles, shape (..., points), for frames.
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (..., 4)
-            Codes of load, position, width and shape.
-
-        Raises
-        ------
-        InputError
-            For a wrong last axis or a code outside ``fmt``.
+        frames, shape (..., 4): Codes of load, position, width and shape.
         """
         codes = self.fmt.check(frames, "load_profile frames", 4)
         load = codes[..., 0, np.newaxis]
@@ -180,9 +159,7 @@ class LoadProfile(Block):
     def real(self, frames: ArrayLike) -> Real:
         """Equation 3.18 in real arithmetic at the same codes, shape (..., points).
 
-        Parameters
-        ----------
-        frames : array_like of int, shape (..., 4)
+        frames: shape (..., 4).
         """
         codes = np.asarray(frames, dtype=np.int64)[..., np.newaxis]
         load, centre, width = (self.fmt.to_real(codes[..., n, :]) for n in range(3))
@@ -197,10 +174,7 @@ class LoadProfile(Block):
     def height(self, load: Codes, t: Codes, power: Codes) -> Codes:
         """d exp(-t**P) in ``fmt``; the arguments are broadcast.
 
-        Parameters
-        ----------
-        load, t, power : int64 arrays
-            Codes of ``fmt`` for the load, quotients of the divider for t, and P.
+        load, t, power: Codes of ``fmt`` for the load, quotients of the divider for t, and P.
         """
         x = self.power_fold.process(t, power)
         split = self.exp_interpolator.offset_width
@@ -215,12 +189,9 @@ class LoadProfile(Block):
 def width_gain(position_unit: float | Fraction, width_unit: float | Fraction) -> Fraction:
     """C times the coded width, which is 2 divided by the width in units of the coded position.
 
-    Parameters
-    ----------
-    position_unit, width_unit : float or Fraction
-        What the coded full scale of each is in millimetres, or both in any other unit. For the
-        flexible digit they are 127 and 50.8. There a width code is worth 0.4 of a position code,
-        and C = 5 / w.
+    position_unit, width_unit: What the coded full scale of each is in millimetres, or both in any
+        other unit. For the flexible digit they are 127 and 50.8. There a width code is worth 0.4 of
+        a position code, and C = 5 / w.
     """
     return 2 * Fraction(str(position_unit)) / Fraction(str(width_unit))
 
@@ -235,19 +206,9 @@ def load_profile(
 ) -> LoadProfile:
     """The profile over ``start`` to ``stop`` in steps of ``step``; thesis section 5.8 by default.
 
-    Parameters
-    ----------
-    step, stop, start : float
-        Steps and ends of the ramp.
-    gain : Fraction, optional
-        See ``width_gain``; by default that of the flexible digit.
-    shape_threshold : float
-        Shapes above it are triangles.
-
-    Raises
-    ------
-    InputError
-        See ``ramp`` and ``Divider``. Also for a gain that does not fit in 17 bits.
+    step, stop, start: Steps and ends of the ramp.
+    gain: See ``width_gain``; by default that of the flexible digit.
+    shape_threshold: Shapes above it are triangles.
     """
     gain = width_gain(POSITION_MM, WIDTH_MM) if gain is None else gain
     if not 0 < gain < 1 << WORD:

@@ -1,7 +1,5 @@
 """Power folding: raises a number to the power P on one multiplier."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -22,29 +20,17 @@ class PowerFold(Block):
     The thesis folds C**P and (i_p - i_m)**P separately and multiplies them, but C**P overflows for
     narrow loads. Here t already is the product of both, and the folded power saturates.
 
-    Parameters
-    ----------
-    in_width, in_frac : int
-        Format of the unsigned t.
-    out_width, out_frac : int
-        Format of the unsigned power and of the accumulator; ``out_frac`` is at most ``in_frac``.
-    max_power : int
-        Largest P, 2 or more. Every power takes as many clocks as this one.
+    in_width, in_frac: Format of the unsigned t.
+    out_width, out_frac: Format of the unsigned power and of the accumulator; ``out_frac`` is at
+        most ``in_frac``.
+    max_power: Largest P, 2 or more. Every power takes as many clocks as this one.
 
-    Notes
-    -----
     The accumulator starts from t, at the power's binary point, and is multiplied by t P - 1 times.
     Each product is rounded half up and saturated to 2**out_width - 1. A saturated accumulator stays
     saturated: it is larger than 1, so t is too, and the product is larger still.
 
     With the 17 bits of ``load_profile`` (2 before the point in t, 4 in the power) the multiplier is
     17 x 17 bits, unsigned, which is one MULT18X18.
-
-    Raises
-    ------
-    InputError
-        When the power has more fraction bits than t or cannot hold 1, or when ``max_power`` is
-        below 2.
     """
 
     block = "power_fold"
@@ -126,17 +112,8 @@ class PowerFold(Block):
     def process(self, data: ArrayLike, power: ArrayLike) -> Codes:
         """The powers; the arguments are broadcast.
 
-        Parameters
-        ----------
-        data : array_like of int
-            The number t.
-        power : array_like of int
-            The exponent P, 1 to ``max_power``.
-
-        Raises
-        ------
-        InputError
-            For an argument outside its range.
+        data: The number t.
+        power: The exponent P, 1 to ``max_power``.
         """
         t = check_unsigned(data, self.in_width, "power_fold data")
         p = np.asarray(power, dtype=np.int64)

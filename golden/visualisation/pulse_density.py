@@ -1,7 +1,5 @@
 """pulse_density: turns codes into a bit; the density of its ones is the code."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +19,7 @@ class PulseDensity(Block):
     given stays below 2**width. So in any 2**width clocks with the same code there are exactly as
     many ones as the code requests, and in any other interval at most one more or one fewer.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the codes.
+    fmt: Format of the codes.
     """
 
     block = "pulse_density"
@@ -44,13 +39,7 @@ class PulseDensity(Block):
         return 1
 
     def process(self, in_data: ArrayLike, reset: ArrayLike) -> Codes:
-        """``out_bit`` in each clock; all arrays have one element for each clock.
-
-        Raises
-        ------
-        InputError
-            For a code outside ``fmt``.
-        """
+        """``out_bit`` in each clock; all arrays have one element for each clock."""
         asked = self.fmt.check(in_data, f"{self.entity} in_data") - self.fmt.low
         bits = np.zeros(len(asked), dtype=np.int64)
         total = bit = 0

@@ -1,7 +1,5 @@
 """Ramp: produces the positions at which the profile is drawn."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -24,28 +22,14 @@ class Ramp(Block):
 
     The hardware needs no multiplier, because an accumulator adds ``step`` for each position.
 
-    Parameters
-    ----------
-    fmt : Fix
-        Format of the positions.
-    start, step : int
-        First position and increment, with ``guard`` fraction bits more than ``fmt``.
-    guard : int
-    points : int
-        Number of positions, including the first.
+    fmt: Format of the positions.
+    start, step: First position and increment, with ``guard`` fraction bits more than ``fmt``.
+    points: Number of positions, including the first.
 
-    Notes
-    -----
     The accumulator is exact and has ``acc_width`` bits. Each position is rounded to nearest, halves
     up. A step that no code holds exactly, such as 0.05, causes an error of half of the guard's last
     place times the number of points. ``ramp`` chooses a guard so large that no position is more
     than 0.51 LSB off.
-
-    Raises
-    ------
-    InputError
-        When there is no position, when the step is not above 0, when a position does not fit in
-        ``fmt``, or when the accumulator has more than ``ACC_LIMIT`` bits.
     """
 
     block = "ramp"
@@ -120,14 +104,7 @@ class Ramp(Block):
 
 
 def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
-    """The ramp from ``start`` to ``stop`` in steps of ``step``.
-
-    Raises
-    ------
-    InputError
-        When the step is not above 0 or is half a code or less, or when ``stop`` is not above
-        ``start`` by a whole number of steps, both within ``fmt``.
-    """
+    """The ramp from ``start`` to ``stop`` in steps of ``step``."""
     for name, value, least in (
         ("start", start, -math.inf),
         ("stop", stop, start),

@@ -10,15 +10,6 @@ from hdl.common.signals import Stream, signed, unsigned
 def abs_unit(clk, rst, in_: Stream, out: Stream, *, spec: AbsUnit):
     """Magnitude and sign of ``in_data`` one clock later (thesis section 4.5.2.2).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.fmt``
-    out_valid, out_mag, out_negative : bool, unsigned ``spec.mag_width`` bits, bool
-    spec : AbsUnit
-        The formats; the twin states rounding and overflow (the most negative code saturates).
-
-    Notes
-    -----
     Latency 1 clock, one code a clock. Reset clears ``out_valid`` alone.
     """
     width = spec.fmt.width

@@ -376,15 +376,6 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
 def bipartite(clk, rst, in_: Stream, out: Stream, *, spec: Bipartite):
     """tanh of ``in_data`` four clocks later.
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : Bipartite
-        Where the tables stand and how large they are; the twin states rounding and error.
-
-    Notes
-    -----
     No multiplier. Latency 4: q 1, memories 1 and registers behind them 1, or with "logic" addresses
     1 and tables 1, sum 1. One result a clock. Reset clears the valid flags.
     """

@@ -12,19 +12,6 @@ from hdl.common.signals import Stream
 def bipartite_pair(clk, rst, in_: Stream, out: Stream, *, spec: BipartitePair):
     """tanh of both of ``in_data`` four clocks later.
 
-    Parameters
-    ----------
-    in_valid : bool
-    in_data : Words of signed ``spec.activation.in_fmt``
-        Ports ``in_data_0`` and ``in_data_1``.
-    out_valid : bool
-    out_data : Words of signed ``spec.activation.out_fmt``
-        Ports ``out_data_0`` and ``out_data_1``.
-    spec : BipartitePair
-        The activation of both nodes.
-
-    Notes
-    -----
     Two memories with two read ports each, and whatever else of ``bipartite`` twice. Latency as
     there, one result of either a clock. Reset clears the valid flags.
     """

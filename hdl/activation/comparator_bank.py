@@ -24,15 +24,6 @@ def comparator_bank(clk, rst, in_: Stream, out: Stream, *, spec: ComparatorBank)
     Thesis section 4.5.2.3.1 C and the Addresser of 5.4.5.2: every comparator looks at the
     magnitude at once; the address is the number of thresholds exceeded.
 
-    Parameters
-    ----------
-    in_valid, in_mag : bool, unsigned ``spec.mag_width`` bits
-    out_valid, out_addr, out_mag : bool, unsigned ``spec.addr_width`` bits, as ``in_mag``
-    spec : ComparatorBank
-        The thresholds; one comparator is built for each. Without any the address is 0.
-
-    Notes
-    -----
     Latency 1 clock, one magnitude a clock. Reset clears ``out_valid`` alone.
     """
     count = len(spec.thresholds)

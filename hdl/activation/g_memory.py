@@ -10,15 +10,6 @@ from hdl.common.rom import rom
 def g_memory(addr, word, *, spec: GMemory):
     """The gradient G_n at addr, in the same clock (thesis section 5.4.5.2).
 
-    Parameters
-    ----------
-    addr : unsigned ``spec.addr_width`` bits
-    word : unsigned ``spec.width`` bits
-    spec : GMemory
-        The contents.
-
-    Notes
-    -----
     Latency 0 clocks: a table of a few words is LUTs, and GRAD_EQN registers the product.
     """
     return rom(addr, word, words=spec.words, meanings=spec.meanings)

@@ -12,15 +12,6 @@ from hdl.common.signals import Stream, unsigned
 def grad_eqn(clk, rst, in_: Stream, out: Stream, *, spec: GradEqn):
     """``in_coeff * in_mag + in_intercept`` three clocks later (equation 4.23, section 5.4.5.2).
 
-    Parameters
-    ----------
-    in_valid, in_mag, in_coeff, in_intercept : bool and unsigned codes, widths of ``spec``
-    out_valid, out_data : bool, unsigned ``spec.out_fmt.width - 1`` bits
-    spec : GradEqn
-        Widths, binary points and rounding.
-
-    Notes
-    -----
     One multiplier. Latency 3 clocks (operands, product, sum), one result a clock. Reset clears
     ``out_valid`` and the flags on their way to it.
     """

@@ -17,15 +17,6 @@ from hdl.common.signals import Stream, flag, unsigned
 def gradient(clk, rst, in_: Stream, out: Stream, *, spec: Gradient):
     """Activation of ``in_data`` six clocks later (thesis section 5.4.3, Figure 5.10).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : Gradient
-        The neuron's segments; the twin states rounding and error.
-
-    Notes
-    -----
     One multiplier. Latency 6 clocks: ABS 1, comparator bank 1, GRAD_EQN 3, sign retriever 1; the
     memories are read between registers. One result a clock. Reset clears the valid flags.
     """

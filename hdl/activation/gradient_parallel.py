@@ -57,15 +57,6 @@ def add(left, right, total):
 def gradient_parallel(clk, rst, in_: Stream, out: Stream, *, spec: GradientParallel):
     """Activation of ``in_data`` six clocks later (thesis section 4.5.2.3.1, Figure 4.16).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : GradientParallel
-        The neuron's segments; the twin states rounding and error.
-
-    Notes
-    -----
     One multiplier for each segment that the neuron can reach. Latency 6 clocks: ABS 1, comparator
     bank 1, gradient operation 3, sign retriever 1. One result a clock. Reset clears the valid
     flags.

@@ -16,15 +16,6 @@ from hdl.common.signals import Stream, flag, unsigned
 def lut(clk, rst, in_: Stream, out: Stream, *, spec: Lut):
     """Activation of ``in_data`` four clocks later (thesis section 4.5.2.3.4).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : Lut
-        The neuron's table; the twin states rounding and error.
-
-    Notes
-    -----
     One multiplication by a constant. Latency 4 clocks: ABS 1, address and comparator 1, table 1,
     sign retriever 1. One result a clock. Reset clears the valid flags.
     """

@@ -168,18 +168,6 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
 def pade(clk, rst, in_: Stream, out: Stream, *, spec: Pade):
     """Activation of ``in_data``, the iterations and seven clocks later (4.5.2.3.3, Figure 4.20).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-        At most one code comes every ``spec.interval`` clocks. A code that comes earlier takes the
-        place of the one before it, which then has no result.
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-        A result stays until the next one comes.
-    spec : Pade
-        Constants and formats; the twin states rounding and error.
-
-    Notes
-    -----
     Six multipliers and three multiplications by a constant. Latency ``spec.iterations`` + 7 clocks:
     ABS 1, de-normalisation 1, square 1, the two polynomials 2, q A and first step 1, the other
     steps, quotient 1, sign retriever 1. Reset clears the valid flags and the count of the steps.

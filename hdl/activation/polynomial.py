@@ -75,15 +75,6 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
 def polynomial(clk, rst, in_: Stream, out: Stream, *, spec: Polynomial):
     """Activation of ``in_data``, five or six clocks later (thesis 4.5.2.3.2, Figure 4.19).
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : Polynomial
-        The neuron's quadratics; the twin states rounding and error.
-
-    Notes
-    -----
     Three multipliers, and one for de-normalisation where there is any. Latency: ABS 1, comparator
     bank and square 1, products 1, sum 1, de-normalisation 1 where there is any, sign retriever 1.
     One result a clock. Reset clears the valid flags.

@@ -52,15 +52,6 @@ def row_adder(total, row, low, result):
 def precise(clk, rst, in_: Stream, out: Stream, *, spec: Precise):
     """tanh of ``in_data``, 7 clocks later with "logic" and 8 with "block_ram".
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, signed ``spec.in_fmt``
-    out_valid, out_data : bool, signed ``spec.out_fmt``
-    spec : Precise
-        Where the coefficients stand and how many there are; the twin states rounding and error.
-
-    Notes
-    -----
     One multiplier. Latency: ABS 1, block RAM 1 or logic 0, coefficients 1, rows 1, slope 1,
     product 1, sum 1, sign retriever 1. One result a clock. Reset clears the valid flags.
     """

@@ -10,14 +10,6 @@ from hdl.common.signals import Stream, fixed
 def sign_retriever(clk, rst, in_: Stream, out: Stream, *, spec: SignRetriever):
     """``in_mag``, negated when ``in_negative``, one clock later (thesis section 4.5.2.4).
 
-    Parameters
-    ----------
-    in_valid, in_mag, in_negative : bool, unsigned ``spec.fmt.width - 1`` bits, bool
-    out_valid, out_data : bool, signed ``spec.fmt``
-    spec : SignRetriever
-
-    Notes
-    -----
     Latency 1 clock, one code a clock. Reset clears ``out_valid`` alone.
     """
     positive = fixed(spec.fmt)

@@ -6,8 +6,6 @@ digest. The same tools give the same bytes on every run. A design that does not 
 is not met, is an error.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """Makes a bitstream from a design and its wrapper, and reads what the tools report of it."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re
@@ -35,16 +33,10 @@ FAULT = re.compile(r"^ERROR: (.+)$", re.M)
 class Sources:
     """The sources of a bitstream, beside the exported Verilog.
 
-    Attributes
-    ----------
-    verilog : str
-        The text of the top module.
-    pins : str
-        The text of the pins file.
-    clock_mhz : Fraction
-        The clock that the design gets.
-    pll : bool
-        Whether a PLL makes that clock.
+    verilog: The text of the top module.
+    pins: The text of the pins file.
+    clock_mhz: The clock that the design gets.
+    pll: Whether a PLL makes that clock.
     """
 
     verilog: str
@@ -57,14 +49,10 @@ class Sources:
 class Report:
     """What nextpnr reports.
 
-    Attributes
-    ----------
-    clock_mhz : float
-        The fastest clock with which the placed and routed design works, by nextpnr's own delays.
-    needed_mhz : float
-        The clock that the design gets.
-    used, available : dict
-        Counts, by the kind of resource.
+    clock_mhz: The fastest clock with which the placed and routed design works, by nextpnr's own
+        delays.
+    needed_mhz: The clock that the design gets.
+    used, available: Counts, by the kind of resource.
     """
 
     clock_mhz: float
@@ -74,14 +62,7 @@ class Report:
 
 
 def sources(scene: Scene, design: Network, board: Board) -> Sources:
-    """The wrapper and the pins file.
-
-    Raises
-    ------
-    InputError
-        When the board has no wires for the design's ports, or no PLL makes the clock. Where both
-        are so, one message says both.
-    """
+    """The wrapper and the pins file."""
     found: list[Finding] = []
     used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
     with collect_faults(found):
@@ -100,20 +81,7 @@ def build(
     board: Board,
     running: Running = lambda _: nullcontext(),
 ) -> tuple[bytes, Report]:
-    """The bitstream for a folder of Verilog, into which the wrapper is written, and the report.
-
-    Parameters
-    ----------
-    verilog : Path
-    made : Sources
-    board : Board
-    running : Running
-
-    Raises
-    ------
-    InputError
-        When the design does not fit, or its clock is not met.
-    """
+    """The bitstream for a folder of Verilog, into which the wrapper is written, and the report."""
     family = FAMILIES[board.family]
     (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
 
@@ -140,13 +108,7 @@ def build(
 
 
 def cells(verilog: Path, made: Sources, board: Board) -> str:
-    """The netlist that is placed and routed: one module of cells, with wrapper and design in it.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """The netlist that is placed and routed: one module of cells, with wrapper and design in it."""
     family = FAMILIES[board.family]
     (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
 

@@ -1,7 +1,5 @@
 """The differences between families of devices: their pins files, and how their tools are called."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,30 +28,17 @@ MULTIPLIERS = (
 class Family:
     """How a bitstream for a family is made.
 
-    Attributes
-    ----------
-    nextpnr, packer : str
-        The names of the tools; their commands are these names behind ``yowasp-``.
-    packages : tuple of str
-        The packages on PyPI that hold the tools.
-    suffix : str
-        The suffix of the bitstream's file.
-    pins_name : str
-        The name of the pins file.
-    pins : callable
-        Makes the text of that file from a board and the pins that are used, by name.
-    synthesise : callable
-        Makes ``NETLIST`` from the Verilog in a folder.
-    options : callable
-        Makes the options of nextpnr for a board: the device, and the pins file that it reads.
-    placed : str
-        The option of nextpnr that writes the file for the packer.
-    packing : tuple of str
-        The options of the packer.
-    placers : tuple of str
-        The placers of nextpnr. They are tried one after the other until the clock is met.
-    resources : dict
-        nextpnr's names of the resources that are reported, by the names that are shown.
+    nextpnr, packer: The names of the tools; their commands are these names behind ``yowasp-``.
+    packages: The packages on PyPI that hold the tools.
+    suffix: The suffix of the bitstream's file.
+    pins_name: The name of the pins file.
+    pins: Makes the text of that file from a board and the pins that are used, by name.
+    synthesise: Makes ``NETLIST`` from the Verilog in a folder.
+    options: Makes the options of nextpnr for a board: the device, and the pins file that it reads.
+    placed: The option of nextpnr that writes the file for the packer.
+    packing: The options of the packer.
+    placers: The placers of nextpnr. They are tried one after the other until the clock is met.
+    resources: nextpnr's names of the resources that are reported, by the names that are shown.
     """
 
     nextpnr: str
@@ -112,13 +97,7 @@ def _run_ice40(folder: Path, top: str, write: str) -> None:
 
 
 def ice40_netlist(verilog: Path, top: str) -> str:
-    """An entity with all its parts as one module of an iCE40's cells, in Verilog.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """An entity with all its parts as one module of an iCE40's cells, in Verilog."""
 
     def work(folder: Path) -> dict[str, Any]:
         _run_ice40(folder, top, "write_verilog -noattr netlist.v")

@@ -1,7 +1,5 @@
 """Makes the clock of a design from the oscillator of a board."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -27,14 +25,9 @@ ICE40_FILTERS = ((17, 1), (26, 2), (44, 3), (66, 4), (101, 5), (134, 6))
 class Clock:
     """The source of a design's clock.
 
-    Attributes
-    ----------
-    mhz : Fraction
-        The clock that is reached.
-    text : str
-        Verilog that connects the wires ``oscillator``, ``clk`` and ``locked``.
-    pll : bool
-        Whether it is a PLL; otherwise it is the oscillator itself.
+    mhz: The clock that is reached.
+    text: Verilog that connects the wires ``oscillator``, ``clk`` and ``locked``.
+    pll: Whether it is a PLL; otherwise it is the oscillator itself.
     """
 
     mhz: Fraction
@@ -43,13 +36,7 @@ class Clock:
 
 
 def clock_for(board: Board, clock_mhz: float) -> Clock:
-    """The oscillator, or a PLL behind it.
-
-    Raises
-    ------
-    InputError
-        When no setting of a PLL comes near the clock.
-    """
+    """The oscillator, or a PLL behind it."""
     source, wanted = Fraction(str(board.clock_mhz)), Fraction(str(clock_mhz))
     if source == wanted:
         return Clock(source, "  assign clk = oscillator;", pll=False)

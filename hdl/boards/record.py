@@ -1,7 +1,5 @@
 """Records beside a shipped scene which resources of a board it takes."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from pathlib import Path
 
@@ -30,13 +28,7 @@ def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> No
 
 
 def read_record(path: Path) -> tuple[Report, str]:
-    """The recorded report, and the digest of its sources.
-
-    Raises
-    ------
-    InputError
-        When nothing was recorded, or something else stands there.
-    """
+    """The recorded report, and the digest of its sources."""
     return read_json(
         path,
         "a recorded bitstream; RECORD=1 records it",

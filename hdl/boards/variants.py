@@ -4,8 +4,6 @@ The scene is built without some of its options, and also with the multiplier tha
 choose.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from dataclasses import asdict, replace
@@ -42,13 +40,7 @@ def variants_path(scene: Scene, board: Board) -> Path:
 
 
 def read_variants(path: Path) -> dict[str, tuple[Report, int]]:
-    """By name: nextpnr's report, and the clocks from the last bit of a scan to the last output.
-
-    Raises
-    ------
-    InputError
-        When nothing was recorded, or something else stands there.
-    """
+    """By name: nextpnr's report, and the clocks from the last bit of a scan to the last output."""
     return read_json(
         path,
         "recorded variants",

@@ -1,7 +1,5 @@
 """The module around a design on a board: it makes clock and reset, and connects ports to pins."""
 
-from __future__ import annotations
-
 from golden.boards import Board
 from golden.boards.board import LAMPS, WIRES
 from golden.cli import BETWEEN
@@ -19,14 +17,7 @@ RESET_WIDTH = 10
 
 
 def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
-    """The direction of each port of the design that has a pin, by name.
-
-    Raises
-    ------
-    InputError
-        When a board cannot drive the design's inputs, when none of its outputs shows a result, or
-        when a wire has no pin. One message says all of it.
-    """
+    """The direction of each port of the design that has a pin, by name."""
     ports = [port for port in design.ports if port not in CLOCKED]
     others = [port.name for port in ports if port.direction == "in" and port.name not in WIRES]
     wrong = []
@@ -60,11 +51,6 @@ def wrapper(scene: Scene, design: Network, board: Board, clock: Clock) -> str:
 
     No input needs registers here: the receiver of the serial line has its own, and ``miso`` changes
     only when ``sclk`` falls, a whole period before it is read.
-
-    Raises
-    ------
-    InputError
-        As ``outside``.
     """
     found = outside(scene, design, board)
     ports = [f"input {OSCILLATOR}"]

@@ -5,13 +5,7 @@ from myhdl import Signal, always, always_comb, always_seq, block
 
 @block
 def delay(clk, rst, data, data_late, *, clocks: int):
-    """``data_late`` is ``data`` of ``clocks`` clocks ago; where ``rst`` is None, it has no reset.
-
-    Raises
-    ------
-    ValueError
-        When ``clocks`` is below 1.
-    """
+    """``data_late`` is ``data`` of ``clocks`` clocks ago, without a reset if ``rst`` is None."""
     if clocks < 1:
         raise ValueError(f"delay: clocks={clocks}, expected 1 or more")
     # The output itself is the last register.

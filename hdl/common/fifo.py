@@ -24,19 +24,11 @@ def turn(clk, rst, step, addr, *, stop: int):
 def fifo(clk, rst, in_: Stream, out: Stream, *, fetch, depth: int):
     """Words leave in the order in which they came; each stays until it is taken.
 
-    Parameters
-    ----------
-    in_ : Stream of valid and data
-        A word comes with ``in_.valid``; the memory must have room for it.
-    out : Stream of valid, ready and data
-        A word leaves in a clock in which both flags are high, and stays until then.
-    fetch : bool
-        In this clock a word leaves the memory for ``out.data``.
-    depth : int
-        How many words the memory holds, at least 1. The register ``out.data`` holds one more.
+    in_: A word comes with ``in_.valid``; the memory must have room for it.
+    out: A word leaves in a clock in which both flags are high, and stays until then.
+    fetch: In this clock a word leaves the memory for ``out.data``.
+    depth: How many words the memory holds, at least 1. The register ``out.data`` holds one more.
 
-    Notes
-    -----
     The latency is 2 clocks, and one word can pass per clock. ``out.valid`` and ``out.data`` are
     registers. The memory is read at a clock edge, and never at the edge that writes the same word.
     Reset empties it.

@@ -50,12 +50,7 @@ class Constants(list):
     It serves memories with more than one read port: with ``case`` statements there would be one
     table per port.
 
-    Parameters
-    ----------
-    words : sequence of int
-    width : int
-    meanings : sequence of str
-        What each word stands for; the last one holds for all further words, too.
+    meanings: What each word stands for; the last one holds for all further words, too.
     """
 
     def __init__(self, words: Sequence[int], width: int, meanings: Sequence[str]) -> None:

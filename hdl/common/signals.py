@@ -1,7 +1,5 @@
 """Signals by format, and groups of signals that become ports."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from myhdl import ResetSignal, Signal, intbv

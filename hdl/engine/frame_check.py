@@ -24,29 +24,6 @@ def frame_check(
 ):
     """Counts samples and results, and lets the program run after a good frame.
 
-    Parameters
-    ----------
-    in_valid, in_last : bool
-        The sample stream without its data.
-    store : bool
-        Only with ``spec.results``: a result is ready. This may only come while ``run`` is high, and
-        in the clock after.
-    finish : bool
-        The last output of the frame leaves.
-    start : bool
-        It is high in the clock before ``run`` rises.
-    run : bool
-        A frame is being computed. It is high from ``spec.pipeline.run`` clocks after the frame's
-        last sample up to ``finish``.
-    write, write_addr : bool, unsigned ``spec.addr_width`` bits
-        They come one clock after a sample that is taken, or after a result.
-    frame_error : bool
-        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
-        too early or missing, or it is a first sample that comes while a frame is computed.
-    spec : FrameCheck
-
-    Notes
-    -----
     One counter is the address of samples and results. It counts from -1, so that it is the address
     of the word that is written a clock later. Reset clears everything: the next sample starts a
     frame.

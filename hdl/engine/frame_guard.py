@@ -27,34 +27,6 @@ def frame_guard(
 ):
     """Counts samples and results, and lets the program run after a good frame of a good image.
 
-    Parameters
-    ----------
-    in_valid, in_last : bool
-        The sample stream without its data.
-    halt : bool
-        No frame is taken, and a frame of which samples were taken already is broken. It is never
-        high while ``busy`` is.
-    before_last : unsigned ``spec.addr_width`` bits
-        The number of samples in a frame, less 2.
-    store : bool
-        A result is ready. This may only come while ``run`` is high, and in the clock after.
-    finish : bool
-        The last output of the frame leaves.
-    start : bool
-        It is high in the clock before ``run`` rises.
-    run, busy : bool
-        A frame is being computed. ``run`` is high from ``spec.pipeline.run`` clocks after the
-        frame's last sample up to ``finish``, and ``busy`` from the clock after that sample.
-    write, write_addr : bool, unsigned ``spec.addr_width`` bits
-        They come one clock after a sample that is taken, or after a result.
-    frame_error : bool
-        It is high for one clock, one clock after what breaks a frame: its ``last`` is too early or
-        missing, its first sample comes while another frame is computed, or ``halt`` is high at any
-        clock from its first sample to its last.
-    spec : FrameGuard
-
-    Notes
-    -----
     One counter is the address of samples and results. It counts from -1, so that it is the address
     of the word that is written a clock later. Reset clears everything: the next sample starts a
     frame.

@@ -26,28 +26,6 @@ def image_loader(
 ):
     """Writes the words of an image, checks it, and stops the engine until a good one is there.
 
-    Parameters
-    ----------
-    load_valid, load_data, load_last : bool, unsigned 8 bits, bool
-        The bytes of an image; ``load_last`` comes with the last one.
-    busy : bool
-        A frame is being computed, so no byte is taken.
-    load_ready : bool
-        It is the inverse of ``busy``.
-    halt : bool
-        It is high from reset on, and from the clock of an image's first byte on, until the clock of
-        the last byte of a good image.
-    write, write_addr, word : bool, unsigned ``spec.program_addr_width`` bits, unsigned 36 bits
-        They are there in the clock of a word's last byte.
-    before_last : unsigned ``spec.operand_addr_width`` bits
-        From the image's header: the number of samples in a frame, less 2.
-    image_error : bool
-        It rises one clock after the last byte of an image that is not good, and falls one clock
-        after the last byte of an image that is good.
-    spec : ImageLoader
-
-    Notes
-    -----
     Words come from the last to the first, so the address tells when all of them have come. Then
     the bytes of the check follow, and with the last of them everything must be right at once: the
     check, the number of bytes, and ``load_last``. Behind a header that names more words than the

@@ -26,24 +26,6 @@ def lane_accumulate(
 ):
     """acc = operand x coefficient + (acc, or a start), or acc + the sum of another lane.
 
-    Parameters
-    ----------
-    word, kind : signed 18 bits, unsigned 2 bits
-        What becomes the operand: 0 the word, 1 the number one with its sign, 2 its distance from
-        the middle of its segment, 3 the number one.
-    coeff, opens : unsigned 18 bits, unsigned 2 bits
-        One clock later than the word: a signed code, and which sum starts with its product, if any.
-    gather : unsigned ``spec.partners`` bits
-        Two clocks later than the word: where a bit is set, not the product is added, but the sum of
-        the lane with the number of the bit.
-    other : Words
-        The sums of other lanes.
-    acc, high, low : signed ``spec.acc_width`` bits, bool, bool
-        Four clocks later than the word: the sum, and whether it is above or below every word.
-    spec : LaneAccumulate
-
-    Notes
-    -----
     A second register of the sum holds the start where a sum starts. So the LUTs of the adder have
     room for the choice of a product or another sum. No reset: a sum starts afresh.
     """

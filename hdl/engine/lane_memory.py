@@ -24,22 +24,6 @@ def lane_memory(
 ):
     """One word of 18 bits a clock: the weight at a place, or a word of the table.
 
-    Parameters
-    ----------
-    place : unsigned ``spec.place_width`` bits
-        Where ``spec.blocks`` is more than one, with kind 1 and 2: twice the number of a block, and
-        in the lowest bit whether a ``word`` below 0 has the next block.
-    word, kind : signed 18 bits, unsigned 2 bits
-        Where there is a table: with kind 1 the intercept of the word's segment is read, with kind 2
-        its slope.
-    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 18 bits
-        Where words can be written.
-    coeff : unsigned 18 bits
-        It comes one clock later.
-    spec : LaneMemory
-
-    Notes
-    -----
     The table lies in the lower half of the memory, and the weights in the upper one.
     """
     address = unsigned(spec.addr_width)

@@ -32,26 +32,6 @@ def lane_round(
 ):
     """The sum without its lowest bits, saturated; without ``own`` what is given from outside.
 
-    Parameters
-    ----------
-    own : bool
-    acc, high, low : signed ``spec.acc_width`` bits, bool, bool
-        A sum, and whether it is above or below every word.
-    relu : bool
-        Only with ``spec.rectifies``: a sum below 0 becomes 0.
-    sample, next_word, next_low : signed Fix(14,13), signed 18 bits, bool
-        Only in the first lane: what is given, and what the other lanes are given.
-    other, other_low : signed 18 bits, bool
-        Only in another lane: what is given, and whether its lowest 17 bits become 0.
-    next_cut, next_even, other_cut, other_even : bool
-        Only with ``spec.cut`` and ``spec.even``, in the first lane and in another one: whether the
-        lowest ``spec.cut`` bits, and the bit above them, become 0 too.
-    word : signed 18 bits
-        It comes one clock later.
-    spec : LaneRound
-
-    Notes
-    -----
     What becomes 0 is cleared by the reset of the register, so that each bit takes one LUT.
     """
     sign, sum_sign, end = WIDTH - 1, spec.acc_width - 1, DROPPED + WIDTH - 1

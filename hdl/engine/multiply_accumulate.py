@@ -24,23 +24,6 @@ def multiply_accumulate(
 ):
     """acc = operand x coefficient + (acc, or half a unit of the result).
 
-    Parameters
-    ----------
-    operand : signed 18 bits
-    weight : unsigned 18 bits
-        A signed code. It is 0 where the coefficient comes from the table.
-    take_intercept : bool
-        The coefficient is the high half of ``table_word``, not the low one.
-    table_word : unsigned 36 bits
-        It is 0 where the coefficient comes from the program.
-    first, first_of_output : bool
-        They come two clocks after an operand, with whose product a sum starts.
-    acc : signed ``spec.acc_width`` bits
-        The sum, four clocks after the operand.
-    spec : MultiplyAccumulate
-
-    Notes
-    -----
     Registers behind the memories, before and behind the multiplier, and behind the adder. No reset:
     a sum starts afresh.
     """

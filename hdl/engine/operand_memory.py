@@ -11,16 +11,6 @@ from hdl.common.signals import fixed
 def operand_memory(clk, *, write, write_addr, data, read_addr, word, spec: OperandMemory):
     """Words of 18 bits, one written and one read a clock.
 
-    Parameters
-    ----------
-    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, signed 18 bits
-    read_addr : unsigned ``spec.addr_width`` bits
-    word : signed 18 bits
-        It comes ``spec.latency`` clocks after its address.
-    spec : OperandMemory
-
-    Notes
-    -----
     A word that is read while it is written is the one before. No reset, so that it can be a block
     RAM.
     """

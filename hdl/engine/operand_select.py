@@ -11,18 +11,7 @@ from hdl.common.signals import fixed, flag, signed, unsigned
 
 @block
 def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
-    """The word, the number one with its sign, its distance from a segment's middle, or one.
-
-    Parameters
-    ----------
-    word : signed 18 bits
-    kind : unsigned 2 bits
-        What becomes the operand: 0 the word, 1 the number one with the word's sign, 2 the word's
-        distance from the middle of its segment, 3 the number one.
-    operand : signed 18 bits
-        It comes ``spec.latency`` clocks after the word.
-    spec : OperandSelect
-    """
+    """The word, the number one with its sign, its distance from a segment's middle, or one."""
     sign = WIDTH - 1
     middle = spec.segment_width - 1
     one = 1 << DROPPED

@@ -10,23 +10,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def plane_select(clk, *, word, plane, kind, take_weight, look_up, subtract, spec: PlaneSelect):
-    """Whether a coefficient is added, subtracted or neither.
-
-    Parameters
-    ----------
-    word : signed 18 bits
-    plane : unsigned 19 bits
-        One bit is set, that of the plane; the highest bit clears the sum.
-    kind : unsigned 2 bits
-        The operand: 0 the word, 1 the number one with the word's sign, 2 the word's distance from
-        the middle of its segment, 3 the number one.
-    take_weight, look_up : bool
-        The program's weight counts, or the table's word does. All outputs come one clock after the
-        word.
-    subtract : bool
-        The coefficient is subtracted.
-    spec : PlaneSelect
-    """
+    """Whether a coefficient is added, subtracted or neither."""
     width = spec.segment_width
     middle = width - 1
     bits = unsigned(WIDTH)

@@ -25,21 +25,6 @@ def program_memory(
 ):
     """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
 
-    Parameters
-    ----------
-    start, run, finish : bool
-        The counter steps in the clock of ``start`` and while ``run`` is high. Otherwise, and from
-        ``finish`` on, it stands at the program's first word.
-    segment : unsigned ``spec.segment_addr_width`` bits
-    look_up : bool
-        Where it is low, ``table_word`` is 0.
-    word, table_word : unsigned 36 bits
-        They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
-        Without a table there is no word of it, and nothing that asks for one.
-    spec : ProgramMemory
-
-    Notes
-    -----
     The table stands before the program, so its address needs no addition. One memory with two read
     ports: a block RAM of 512 words. Reset puts the counter to the program's first word.
     """

@@ -27,23 +27,6 @@ def program_ram(
 ):
     """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
 
-    Parameters
-    ----------
-    start, run, finish : bool
-        The counter steps in the clock of ``start`` and while ``run`` is high. Otherwise, and from
-        ``finish`` on, it stands at the program's first word.
-    segment : unsigned ``spec.segment_addr_width`` bits
-    look_up : bool
-        Where it is low, ``table_word`` is 0.
-    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
-        In the clock of a write nothing is read: ``word`` keeps its value, and ``table_word`` is 0.
-    word, table_word : unsigned 36 bits
-        They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
-        Without a table there is no word of it, and nothing that asks for one.
-    spec : ProgramRam
-
-    Notes
-    -----
     The table stands before the program, and what is written takes the counter's port, so two ports
     do: a block RAM of 512 words. Nothing is read in the clock of a write, because what a block RAM
     then gives differs between devices. Reset puts the counter to the program's first word.

@@ -17,25 +17,6 @@ def replay_memory(
 ):
     """Words of 36 bits, read neuron by neuron and pass by pass, and the table beside them.
 
-    Parameters
-    ----------
-    run, finish : bool
-        Words are read in turn while ``run`` is high. Otherwise, and from the clock after ``finish``
-        on, the program's first word is read, in the first plane.
-    segment : unsigned ``spec.segment_addr_width`` bits
-    look_up : bool
-        Where it is low, ``table_word`` is 0.
-    word : unsigned 36 bits
-    plane : unsigned 19 bits
-        One bit is set, that of the plane of ``word``; the highest bit clears the sum.
-    first : bool
-        ``word`` is the first one of its pass.
-    table_word : unsigned 18 bits
-        It comes ``spec.latency`` clocks after its address.
-    spec : ReplayMemory
-
-    Notes
-    -----
     Whether a pass ends is seen in the word itself, and chooses the next address in the same clock.
     One memory with two read ports. Reset goes to the program's first word, which stands two clocks
     later.

@@ -11,19 +11,7 @@ from hdl.common.signals import fixed, flag, unsigned
 
 @block
 def round_saturate(clk, run, acc, sample, word, *, relu=None, spec: RoundSaturate):
-    """The sum without its lowest bits, saturated; while no frame is computed, the sample.
-
-    Parameters
-    ----------
-    run : bool
-    acc : signed ``spec.acc_width`` bits
-    sample : signed Fix(14,13)
-    word : signed 18 bits
-        It comes one clock later.
-    relu : bool
-        Only with ``spec.rectifies``: a sum below 0 becomes 0, and so do the lowest ``cut`` bits.
-    spec : RoundSaturate
-    """
+    """The sum without its lowest bits, saturated; while no frame is computed, the sample."""
     sign = spec.acc_width - 1
     # The bits from the highest one that is kept up to the sign are all alike where nothing
     # saturates.

@@ -25,28 +25,6 @@ def serial_accumulate(
 ):
     """acc = (acc, or 2 acc and half a unit of the result in its plane) +- coefficient; or 0.
 
-    Parameters
-    ----------
-    weight : unsigned 18 bits
-        A signed code from the program.
-    take_weight : bool
-        ``weight`` counts; otherwise 0 takes its place.
-    subtract : bool
-        The coefficient is subtracted.
-    plane : unsigned 19 bits
-        One bit is set, that of the plane; the highest bit clears the sum.
-    first : bool
-        The word is the first one of its pass, so the sum is doubled.
-    of_output : bool
-        The sum is that of an output.
-    table_word : unsigned 18 bits
-        The word of the table or 0, one clock after the other inputs.
-    acc : signed ``spec.acc_width`` bits
-        The sum, three clocks after the other inputs.
-    spec : SerialAccumulate
-
-    Notes
-    -----
     Subtracting is adding the complement and a carry into a bit below the lowest. Half a unit is
     what enters at the lowest bit when the sum is doubled. No reset: a pass clears the sum.
     """

@@ -9,18 +9,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def table_address(clk, q, addr, *, base=None, spec: TableAddress):
-    """The high bits of ``q``, complemented where it is below 0, up to the last segment.
-
-    Parameters
-    ----------
-    q : signed Fix(18,14)
-    addr : unsigned ``spec.addr_width`` bits
-        It comes one clock later.
-    base : unsigned ``spec.base_width`` bits
-        Where ``spec.blocks`` is more than one: twice the number of a block, whose words are added
-        to the address, and in the lowest bit whether a negative ``q`` has the next block.
-    spec : TableAddress
-    """
+    """The high bits of ``q``, complemented where it is below 0, up to the last segment."""
     sign = HIDDEN.width - 1
     low = spec.segment_width
     width = sign - low

@@ -4,8 +4,6 @@ Without a scene the default scenes are exported. The same scene gives the same b
 (``hdl.export.repeatable``).
 """
 
-from __future__ import annotations
-
 import argparse
 from itertools import product
 from pathlib import Path

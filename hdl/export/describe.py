@@ -1,7 +1,5 @@
 """The heading of an exported file, which holds the docstring of its block."""
 
-from __future__ import annotations
-
 import re
 from importlib.metadata import version
 from inspect import cleandoc
@@ -11,20 +9,13 @@ from myhdl._block import _Block
 
 from golden.block import Block
 
-# The parameters are left out, because each port has its own comment.
-_PARAMETERS = re.compile(r"^Parameters\n-+\n(?:.*\n)*?(?=Notes\n-|\Z)", re.M)
-_NOTES = re.compile(r"^Notes\n-+\n", re.M)
 _ATTRIBUTE = re.compile(r"``spec\.([\w.]+)``")
 
 
 def heading(instance: _Block, origin: str | None) -> list[str]:
     """Lines for the top of the file of ``instance``, without comment signs.
 
-    Parameters
-    ----------
-    instance : block instance with a ``spec``
-    origin : str, or None
-        What the design was made from, such as "scene digit".
+    origin: What the design was made from, such as "scene digit".
     """
     spec = instance.kwargs["spec"]
     of = f" of {origin}" if origin else ""
@@ -38,20 +29,10 @@ def heading(instance: _Block, origin: str | None) -> list[str]:
 def describe(docstring: str, spec: Block) -> str:
     """A block's docstring, written for readers of the export, who see one instance and no Python.
 
-    Parameters
-    ----------
-    docstring : str
-        In NumPy layout. What stands between double backticks as ``spec.name`` is an attribute of
-        the twin, and its value takes its place.
-    spec : Block
-
-    Raises
-    ------
-    AttributeError
-        If the twin has no such attribute.
+    docstring: What stands between double backticks as ``spec.name`` is an
+        attribute of the twin, and its value takes its place.
     """
-    text = _NOTES.sub("", _PARAMETERS.sub("", f"{cleandoc(docstring)}\n"))
-    text = _ATTRIBUTE.sub(lambda found: str(attrgetter(found[1])(spec)), text)
+    text = _ATTRIBUTE.sub(lambda found: str(attrgetter(found[1])(spec)), cleandoc(docstring))
     text = re.sub(r"``([^`]+)``", r"\1", text)
     text = re.sub(r"\b1 (bit|clock)s\b", r"1 \1", text)
-    return re.sub(r"\n{3,}", "\n\n", text).strip()
+    return text.strip()

@@ -1,7 +1,5 @@
 """Makes a MyHDL design with ports from the constants of a twin."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Sequence
 from typing import Any

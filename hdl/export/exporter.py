@@ -1,7 +1,5 @@
 """Writes a scene as VHDL or Verilog, with one file for each entity."""
 
-from __future__ import annotations
-
 import json
 import warnings
 from pathlib import Path
@@ -30,25 +28,12 @@ def compile_order(folder: Path) -> list[str]:
 def export(scene: Scene, language: str, folder: Path) -> list[str]:
     """Write the scene's network into ``folder``, replacing it as a whole.
 
-    Parameters
-    ----------
-    scene : Scene
-    language : str
-        "vhdl" or "verilog".
-    folder : Path
-        Beside the entities it gets three things: ``compile_order.txt``, which lists the files in
-        compile order; ``manifest.json``, which names block, file and latency of every entity; and
-        the files that ``hdl.export.handover`` writes.
+    language: "vhdl" or "verilog".
+    folder: Beside the entities it gets three things: ``compile_order.txt``, which lists the files
+        in compile order; ``manifest.json``, which names block, file and latency of every entity;
+        and the files that ``hdl.export.handover`` writes.
 
-    Returns
-    -------
-    list of str
-        File names in compile order.
-
-    Raises
-    ------
-    InputError
-        For a fault of the scene, its data or its network. Nothing is written then.
+    Returns: File names in compile order.
     """
     design = scene.twin()
     with replace_folder(folder) as temporary, warnings.catch_warnings():

@@ -7,8 +7,6 @@ and the private parts of a block) is inlined. The version of MyHDL is pinned, be
 attributes that MyHDL does not document.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -60,25 +58,11 @@ def convert_hierarchy(
 ) -> list[Block]:
     """Convert ``top`` and every block under it into ``folder``, one file per entity.
 
-    Parameters
-    ----------
-    top : block instance with a ``spec``
-    folder : Path
-        An existing folder; each file is named after its entity.
-    language : str
-        "vhdl" or "verilog".
-    origin : str, or None
-        What the design was made from, for the heading of every file.
+    folder: An existing folder; each file is named after its entity.
+    language: "vhdl" or "verilog".
+    origin: What the design was made from, for the heading of every file.
 
-    Returns
-    -------
-    list of Block
-        The specs in compile order.
-
-    Raises
-    ------
-    ValueError
-        When two blocks have the same entity name but different constants.
+    Returns: The specs in compile order.
     """
     done: dict[str, Block] = {}
     _convert(top, folder, language, origin, done)

@@ -6,8 +6,6 @@ groups behind the other ports. This module lets every parameter be a port, makes
 ``in_`` and ``valid``, and puts the signals of a ``Stream`` in the place that the twin gives them.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Iterator
 from typing import Any
@@ -46,11 +44,6 @@ def _infer_ports(instance: _block._Block) -> None:
 
     Ports stand in the twin's order, numbered ones and those of a ``Group`` behind the others. What
     else its streams hold is not the block's.
-
-    Raises
-    ------
-    ValueError
-        When no argument brings a port that the twin publishes.
     """
     signature = inspect.signature(instance.func, eval_str=True)
     arguments = signature.bind(*instance.args, **instance.kwargs).arguments

@@ -4,8 +4,6 @@ MyHDL 0.11 takes the ceiling of a logarithm instead. For a word of ones that log
 rounding error of a whole number, so the ceiling depends on how the machine rounds.
 """
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 from myhdl.conversion import _toVerilog, _toVHDL

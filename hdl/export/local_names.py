@@ -8,8 +8,6 @@ looks, so both would declare signals in another order. Here all of them do as 3.
 every Python exports the same bytes.
 """
 
-from __future__ import annotations
-
 import ast
 import inspect
 import textwrap

@@ -1,7 +1,5 @@
 """The ports of an exported entity, read from its header."""
 
-from __future__ import annotations
-
 import re
 
 from golden.block import Block
@@ -54,14 +52,7 @@ def verilog_type(port: Port) -> str:
 
 
 def check_ports(spec: Block, text: str, language: str) -> None:
-    """Check that an entity or module has the ports that its twin publishes.
-
-    Raises
-    ------
-    ValueError
-        When it does not; the message names the ports that differ. The order does not matter,
-        because MyHDL puts groups of ports behind the others.
-    """
+    """Check that an entity or module has the ports that its twin publishes."""
     found = set(header(text, language))
     published = {(p.name, p.direction, p.width, p.signed) for p in spec.ports}
     if found != published:

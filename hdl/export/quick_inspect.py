@@ -4,8 +4,6 @@ MyHDL 0.11 asks for the call stack with its source lines at every instance, and 
 generator whenever it is instantiated. That takes most of the time of an export.
 """
 
-from __future__ import annotations
-
 import inspect
 import sys
 from functools import cache

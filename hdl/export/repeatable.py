@@ -1,7 +1,5 @@
 """Runs commands so that their output is the same bytes every time."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable

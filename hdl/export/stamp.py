@@ -4,8 +4,6 @@ An export holds the docstrings of its blocks as comments. So its key is made of 
 the sources, and not only of their code.
 """
 
-from __future__ import annotations
-
 import platform
 from functools import cache
 from pathlib import Path

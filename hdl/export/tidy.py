@@ -4,8 +4,6 @@ Each rule changes the text alone and never its meaning. The code of a Verilog fi
 token, except the last words of a memory, which become a loop where they are equal.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -20,17 +18,11 @@ def tidy(
 ) -> str:
     """The text of a file.
 
-    Parameters
-    ----------
-    text : str
-        The text as MyHDL wrote it.
-    language : str
-        "vhdl" or "verilog".
-    heading : sequence of str
-        The lines of the comment at the top, in place of the docstring that MyHDL copies.
-    meanings : mapping of str to sequence of str
-        What each word of a table stands for, by the label of the process that reads the table, or
-        by the name of the memory.
+    text: The text as MyHDL wrote it.
+    language: "vhdl" or "verilog".
+    heading: The lines of the comment at the top, in place of the docstring that MyHDL copies.
+    meanings: What each word of a table stands for, by the label of the process that reads the
+        table, or by the name of the memory.
     """
     comment = _COMMENT[language]
     text = re.sub(rf"^{comment}.*\n", "", text, flags=re.M)
@@ -133,11 +125,6 @@ def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[st
 
     A table of one word needs no rows, and without a clock it needs no process: the word is
     assigned. In Verilog a ``case`` keeps its rows.
-
-    Raises
-    ------
-    ValueError
-        When a label is neither that of a process that reads a table nor the name of a memory.
     """
     for label, words in meanings.items():
         forms = ((_annotate, _PROCESS[language]), (_annotate_memory, _MEMORY[language]))

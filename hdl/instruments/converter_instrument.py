@@ -27,17 +27,6 @@ def converter_instrument(
 ):
     """Bits of a converter in, results out.
 
-    Parameters
-    ----------
-    miso, sclk, cs_n, mosi, converter_error
-        They are those of converter_reader: the wires of the converter, and whether it is missing or
-        stuck.
-    out_valid, out_data, out_last, held, winner, profile
-        They are those of readout.
-    spec : ConverterInstrument
-
-    Notes
-    -----
     Latency from the last bit of a scan to the first output: that of converter_reader, a clock for
     each further element of a frame, and that of readout. A frame every scan, and none while
     ``converter_error`` is up. There is no frame_error: frames have the right length, at distances

@@ -15,17 +15,6 @@ def instrument(
 ):
     """Codes of a converter in, results out (Figures 5.5, 5.12 and 5.25).
 
-    Parameters
-    ----------
-    adc, address
-        They are those of scan_sequencer: ``adc`` is the code of the sensor that ``address``
-        selects.
-    out_valid, out_data, out_last, held, winner, profile
-        They are those of readout.
-    spec : Instrument
-
-    Notes
-    -----
     Latency from the code of the last sample to the first output: 1 clock and that of readout. A
     frame every scan. There is no frame_error: the sequencer makes frames of the right length, at
     distances that its twin has checked. Reset starts a scan and clears every flag and counter.

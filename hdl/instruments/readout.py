@@ -62,30 +62,6 @@ def readout(
 ):
     """A frame of samples in; its outputs as a frame, held, and drawn (Figures 5.12 and 5.25).
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last, out_valid, out_data, out_last, frame_error
-        They are those of the network.
-    held : Words of signed Fix(14,13)
-        Each output, held until the next one of its kind comes: ports ``held_0``, ``held_1``, ...
-        There are none without ``spec.holds``.
-    winner : Stream
-        ``winner_valid``, ``winner_index``, ``winner_margin`` (bool, unsigned twice): those of
-        argmax, 1 clock after the last output. The stream is empty without ``spec.decides``.
-    profile : Group
-        ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
-        twice, bool): a point, i_p and f, which stays until the next one, and whether it is the last
-        of the ramp. The group is empty where ``spec`` draws nothing.
-    load, image : Group
-        They are those of an engine that can be reloaded. Where an image has more outputs than there
-        are held ones, the further outputs are on the stream alone.
-    target, theta : Stream
-    learn, learn_error : bool
-        They are those of an engine that learns.
-    spec : Readout
-
-    Notes
-    -----
     Latency that of the network, to the first output. An output is held from the clock after it
     stood on ``out_data``. The first point stands 1 clock and the latency of load_profile after the
     last output, or later where a ramp is still being drawn. Reset clears every flag and counter.

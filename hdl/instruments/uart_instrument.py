@@ -105,25 +105,6 @@ def uart_instrument(
 ):
     """Bits of a converter in, results out, and packets on a line.
 
-    Parameters
-    ----------
-    miso, sclk, cs_n, mosi, converter_error
-        They are those of converter_reader: the wires of the converter, and whether it is missing or
-        stuck.
-    rx : bool
-        The line on which images come, where the engine inside can be reloaded, and lessons, where
-        it learns.
-    tx : bool
-        The line on which packets leave.
-    dac : Group
-        ``x`` and ``y``: one point of each profile, as bits of pulse density. The group is empty
-        without ``spec.analogue``.
-    out_valid, out_data, out_last, held, winner, profile
-        They are those of readout.
-    spec : UartInstrument
-
-    Notes
-    -----
     Latency from the last bit of a scan to the first output: that of converter_reader, a clock for
     each further element of a frame, and that of readout. A frame every scan, and none while
     ``converter_error`` is up. A bit of the line takes ``spec.divisor`` clocks. Reset starts a scan,

@@ -12,16 +12,6 @@ from hdl.common.stream import position
 def argmax(clk, rst, in_: Stream, out: Stream, *, spec: Argmax):
     """Index and margin of the largest of the outputs that come one after the other.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
-        At most one output comes per clock; ``in_last`` comes with the last one of a frame.
-    out_valid, out_index, out_margin : bool, unsigned, unsigned
-        They come one clock after ``in_last``. Index and margin hold for this clock alone.
-    spec : Argmax
-
-    Notes
-    -----
     Latency 1 clock; frames may follow each other without a gap. Reset clears ``out_valid`` and the
     place in the frame, so that the next output is the first of a frame.
     """

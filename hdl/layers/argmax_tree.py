@@ -123,16 +123,6 @@ def subtract(clk, last: Stream, margin):
 def argmax_tree(clk, in_data, out: Stream, *, spec: ArgmaxTree):
     """Index and margin of the largest of the outputs that come in one clock.
 
-    Parameters
-    ----------
-    in_data : Words of signed ``spec.fmt``
-        The outputs, ports ``in_data_0``, ``in_data_1``, ..., all in one clock.
-    out_index, out_margin : unsigned, unsigned
-        They come ``spec.latency`` clocks later.
-    spec : ArgmaxTree
-
-    Notes
-    -----
     A frame every clock. No reset: data alone.
     """
     count = spec.outputs

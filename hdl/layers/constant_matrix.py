@@ -578,17 +578,6 @@ class Numbers:
 def constant_matrix(clk, in_data, out_data, *, spec: ConstantMatrix):
     """Sums of products with constants, all of a layer, in shifted adds that share what they can.
 
-    Parameters
-    ----------
-    in_data : Words of signed ``spec.in_fmt``
-        The samples, ports ``in_data_0``, ``in_data_1``, ..., all in one clock.
-    out_data : Words of signed ``spec.out_fmt``
-        The results, ports ``out_data_0``, ``out_data_1``, ..., all in one clock.
-    spec : ConstantMatrix
-        Weights, biases, formats and graph; the twin states what is cut, rounding and overflow.
-
-    Notes
-    -----
     No multiplier. Latency: ``spec.latency`` clocks, one for every ``spec.adders_per_clock`` adders
     one behind the other; a frame every clock. No reset: data alone.
     """

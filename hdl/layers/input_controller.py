@@ -23,26 +23,6 @@ def input_controller(
 ):
     """Address and controls for the nodes of the input integral (thesis 5.4.5.1, CONTROLLER 1).
 
-    Parameters
-    ----------
-    in_valid, in_last : bool
-        The sample stream without its data.
-    addr : unsigned ``spec.addr_width`` bits
-        The position of the sample in its frame, in the same clock.
-    preset, accumulate : bool
-        They come two clocks after each accepted sample, ``preset`` only for the first of a frame.
-    capture : bool
-        It comes three clocks after the last sample of a good frame.
-    out_valid : bool
-        It comes four clocks after that sample: the nodes hold the frame's sums.
-    frame_error : bool
-        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
-        too early or missing, or it ends the frame less than ``spec.spacing`` clocks after the last
-        good one.
-    spec : InputController
-
-    Notes
-    -----
     Throughput one sample a clock. Reset clears everything: the next sample starts a frame.
     """
     inputs = spec.inputs

@@ -12,19 +12,6 @@ from hdl.layers.input_node import input_node
 def input_integral(clk, *, in_data, addr, preset, accumulate, capture, out_q, spec: InputIntegral):
     """The weighted sums of all hidden nodes (thesis section 5.4.5.1).
 
-    Parameters
-    ----------
-    in_data, preset, accumulate, capture
-        They are those of ``input_node``; every node takes the same ones.
-    addr : unsigned ``spec.addr_width`` bits
-        The position of the sample in its frame, in the same clock.
-    out_q : Words of signed ``spec.out_fmt``
-        One held sum per node: ports ``out_q_0``, ``out_q_1``, ...
-    spec : InputIntegral
-        Weights, biases and formats.
-
-    Notes
-    -----
     One multiplier per node. Latency 4 clocks from the last sample, one sample a clock.
     """
     fmt = spec.coeff_fmt

@@ -14,25 +14,6 @@ def input_node(
 ):
     """Bias plus weighted sum of the samples of a frame (thesis equation 5.1, Figure 5.9).
 
-    Parameters
-    ----------
-    in_data : signed ``spec.in_fmt``
-        A sample.
-    weight : signed ``spec.coeff_fmt``
-        Its weight, in the same clock.
-    bias : signed ``spec.coeff_fmt``
-        The bias, in the clock of ``preset``.
-    preset, accumulate : bool
-        They come two clocks after the sample: its product is added, with ``preset`` to the bias.
-    capture : bool
-        It comes one clock after the last ``accumulate`` of a frame: the sum goes to the output.
-    out_data : signed ``spec.out_fmt``
-        The sum of the last complete frame, held until the next one is captured.
-    spec : InputNode
-        Formats and bits of the sum; the twin states rounding and overflow.
-
-    Notes
-    -----
     One multiplier. Latency 4 clocks from the last sample to ``out_data`` (operands, product,
     accumulator, output), one sample a clock. No reset: the controls that CONTROLLER 1 makes carry
     the state.

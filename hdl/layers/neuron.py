@@ -57,17 +57,6 @@ def constant(clk, term, *, value: int, width: int, shift: int):
 def neuron(clk, in_data, out_data, *, spec: Neuron):
     """Bias plus weighted sum of a frame, times a factor (thesis section 5.2.1, Figures 5.1, 5.2).
 
-    Parameters
-    ----------
-    in_data : Words of signed ``spec.in_fmt``
-        The samples, ports ``in_data_0``, ``in_data_1``, ..., all in one clock.
-    out_data : signed ``spec.out_fmt``
-        The result.
-    spec : Neuron
-        Weights, bias, factor and formats; the twin states rounding and overflow.
-
-    Notes
-    -----
     One multiplier per weight that is not 0, and one for the factor where there is one. Latency:
     product 1 clock, adder tree one per level, factor 1, rounding 1; one frame a clock. No reset:
     data alone.

@@ -24,18 +24,6 @@ def shift_word(clk, load, loaded, following, word):
 def output_collector(clk, rst, in_: Stream, out: Stream, *, spec: OutputCollector):
     """``in_data_0``, ``in_data_1``, ... as a frame that starts one clock later (section 5.5).
 
-    Parameters
-    ----------
-    in_valid : bool
-        The results of a frame are there, in this clock alone.
-    in_data : Words of signed ``spec.fmt``
-        The results: ports ``in_data_0``, ``in_data_1``, ...
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        One result leaves per clock.
-    spec : OutputCollector
-
-    Notes
-    -----
     Latency 1 clock. The results of the next frame must not come before those of the last have left:
     ``spec.outputs`` clocks at the least. Reset clears the count of results still to leave.
     """

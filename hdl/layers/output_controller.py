@@ -10,19 +10,6 @@ from hdl.common.signals import Stream, unsigned
 def output_controller(clk, rst, out: Stream, *, in_valid, addr, spec: OutputController):
     """Row address, one output a clock (thesis section 5.4.5.3, CONTROLLER 2).
 
-    Parameters
-    ----------
-    in_valid : bool
-        It is high for one clock: the activations of a frame are there, and stay for
-        ``spec.outputs`` clocks.
-    addr : unsigned ``spec.addr_width`` bits
-        It is row 0 in the clock of ``in_valid``, and then one row more each clock.
-    out_valid, out_last : bool
-        ``addr`` names a row; that row is the last one of the frame.
-    spec : OutputController
-
-    Notes
-    -----
     Latency 0 clocks. CONTROLLER 1 keeps frames ``spec.outputs`` clocks apart or more, so
     ``in_valid`` never comes while rows are still being stepped through. Reset clears the row
     counter.

@@ -77,20 +77,6 @@ def scale(clk, addr, in_data, product, *, factors, width: int):
 def output_integral(clk, rst, in_: Stream, out: Stream, *, spec: OutputIntegral):
     """One output a clock from the activations (thesis equation 5.2, Figure 5.11).
 
-    Parameters
-    ----------
-    in_valid, in_last, in_addr : bool, bool, unsigned
-        The row that CONTROLLER 2 names.
-    in_r : Words of signed ``spec.in_fmt``
-        The activations, ports ``in_r_0``, ``in_r_1``, ... They are steady while the rows are
-        stepped through.
-    out_valid, out_data, out_last : bool, signed ``spec.out_fmt``, bool
-        The output stream.
-    spec : OutputIntegral
-        Weights, biases, factors and formats; the twin states rounding and overflow.
-
-    Notes
-    -----
     One multiplier per hidden node, and one for the factors where there are any. Latency:
     operands 1 clock, product 1, adder tree one per level, factor 1, rounding 1. Reset clears the
     valid and last flags.

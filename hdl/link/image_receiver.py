@@ -88,16 +88,6 @@ def queue(clk, rst, in_: Stream, out: Stream, *, depth: int):
 def image_receiver(clk, rst, in_: Stream, load: Stream, *, spec: ImageReceiver):
     """Finds the packets of images among bytes, and hands the images on.
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, unsigned 8 bits
-        Bytes from the line. While ``load_ready`` is low, at most ``spec.depth`` of them may come.
-    load_ready, load_valid, load_data, load_last : bool, bool, unsigned 8 bits, bool
-        Bytes of an image; one leaves in each clock in which ready and valid are high.
-    spec : ImageReceiver
-
-    Notes
-    -----
     Latency 1 clock, where nothing waits. A packet in which no byte comes for ``spec.idle_clocks``
     clocks ends: inside an image with a byte 0 and ``load_last``. Reset forgets what has come.
     """

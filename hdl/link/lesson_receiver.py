@@ -27,26 +27,6 @@ def lesson_receiver(
 ):
     """Finds the packets of lessons among bytes, and hands their codes on behind a frame.
 
-    Parameters
-    ----------
-    in_valid, in_data : bool, unsigned 8 bits
-        Bytes from the line.
-    frame_end : bool
-        The last output of a frame leaves in this clock.
-    target_valid, target_data, target_last, target_ready : bool, signed Fix(14,13), bool, bool
-        The known outputs of that frame, or theta; one leaves in each clock in which ready and valid
-        are high.
-    target_theta : bool
-        Whether it is theta.
-    learn : bool
-        The bit of the last packet that was right; 0 after a reset.
-    lesson_error : bool
-        It is high for one clock for each packet that is wrong, that is cut, or that comes while
-        codes leave.
-    spec : LessonReceiver
-
-    Notes
-    -----
     Latency 1 clock from the end of a frame to the first code. A packet in which no byte
     comes for ``spec.idle_clocks`` clocks is dropped. Reset forgets what has come.
     """

@@ -178,34 +178,6 @@ def packet_sender(
 ):
     """Frames of an instrument as packets, one whenever the line is free.
 
-    Parameters
-    ----------
-    sample_valid, sample_data, sample_last : bool, signed Fix(14,13), bool
-        The samples that go into the network.
-    result_valid, result_data, result_last : bool, signed Fix(14,13), bool
-        The outputs that come out of it.
-    converter_error : bool
-        A packet reports it as it is when the packet begins.
-    frame_error, image_error, line_error : bool
-        A packet reports those that came since the packet before. They exist only with
-        ``spec.reload``, and ``line_error`` with ``spec.learns`` too.
-    lesson_error, learn_error, learning : bool
-        A packet reports the errors that came since the packet before, and ``learning`` as it is
-        when the packet begins. They exist only with ``spec.learns``.
-    winner : Stream
-        ``valid``, ``index`` and ``margin`` of argmax; it exists only with ``spec.decides``. Then a
-        frame is complete with its winner, and the latency counts from there.
-    theta : Stream
-        ``valid`` and ``data`` of the theta that a network learns; it exists only with
-        ``spec.learns``.
-    profile : Group
-        ``valid``, ``x``, ``y`` and ``last`` of load_profile; it is empty where none is drawn.
-    out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
-        A byte leaves in a clock in which both flags are high.
-    spec : PacketSender
-
-    Notes
-    -----
     Latency 2 clocks from the last output of a frame to the first byte. A packet has
     ``spec.layout.packet_bytes`` bytes. One goes without a new frame when the line has been free for
     ``spec.patience`` clocks. Reset forgets everything.

@@ -11,18 +11,6 @@ from hdl.common.signals import Stream, flag, unsigned
 def uart_receiver(clk, rst, out: Stream, *, rx, line_error, spec: UartReceiver):
     """The bytes of a line: start bit, eight bits from the lowest, stop bit.
 
-    Parameters
-    ----------
-    rx : bool
-        The line, which may change at any time; two registers stand behind it.
-    out_valid, out_data : bool, unsigned 8 bits
-        A byte; ``out_valid`` is high for one clock.
-    line_error : bool
-        It is high for one clock where the stop bit is 0.
-    spec : UartReceiver
-
-    Notes
-    -----
     A bit takes ``spec.divisor`` clocks. A fall of the line begins a byte, if the line is 0 in the
     middle of the start bit; each further bit is read in its middle. Latency ``spec.latency`` clocks
     from the first clock of the start bit. Reset ends what is on its way.

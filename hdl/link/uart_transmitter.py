@@ -10,16 +10,6 @@ from hdl.common.signals import Stream, flag, unsigned
 def uart_transmitter(clk, rst, in_: Stream, *, tx, spec: UartTransmitter):
     """Bytes as start bit, eight bits from the lowest, stop bit; the line is 1 between them.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_ready : bool, unsigned 8 bits, bool
-        A byte is taken in a clock in which both flags are high, and must stay until then.
-    tx : bool
-        The line; it comes from a register, so that it does not glitch. Reset raises it.
-    spec : UartTransmitter
-
-    Notes
-    -----
     A bit takes ``spec.divisor`` clocks. The start bit begins 1 clock after the byte is taken, and
     one byte follows another without a pause. Reset ends what is on its way.
     """

@@ -14,22 +14,13 @@ def lane_image(
 ):
     """A word of an image is written to the program, to all lanes or to two of them.
 
-    Parameters
-    ----------
-    write, write_addr, word : bool, unsigned, unsigned 36 bits
-        A word of the image, as the loader gives it.
-    row : unsigned ``sizes.program_addr_width`` bits
-        The address in the program memory.
-    put : bool
-        The word is one of the program.
-    lane_put, lane_word : Words
-        Whether each lane takes a word, and which.
-    lane_addr : unsigned
-        The address in the memory of a lane, whose lower half holds the tables.
-    sizes : LaneSizes
+    write, write_addr, word, bool, unsigned, unsigned 36 bits: A word of the image, as the loader
+        gives it.
+    row, unsigned ``sizes.program_addr_width`` bits: The address in the program memory.
+    put: The word is one of the program.
+    lane_put, lane_word: Whether each lane takes a word, and which.
+    lane_addr, unsigned: The address in the memory of a lane, whose lower half holds the tables.
 
-    Notes
-    -----
     The tables come first, for every lane. Behind them the low bits of the address say where a word
     goes, 0 to the program and from 1 on to two lanes each, and the bits above are the address
     there. The tables have a power of two of words, so these bits need only 1 less in the high ones.

@@ -33,30 +33,18 @@ def lane_loop(
 ):
     """Keeps the samples of frames, and begins each frame with the next loop of the program.
 
-    Parameters
-    ----------
-    word : unsigned 36 bits
-        The word of the program.
-    source : unsigned ``design.program.layout["source"]`` bits
-        The address of its operand, without the loop that stored it.
-    store : bool
-        One clock later: a result or a sample is stored.
-    run : bool
-        The loop runs.
-    shows : bool
-        There is a frame whose output the word marks, if it marks any.
-    sums, sample : bool, signed Fix(14,13)
-        As late as ``store``: whether a sum is stored, or else the sample.
-    write, write_addr : bool, unsigned ``design.addr_width`` bits
-        One clock later than ``store``.
-    source_addr : unsigned ``design.addr_width`` bits
-        The address of the word's operand.
-    frame_error : bool
-        See ``frame_check``.
-    design : Lanes
+    word, unsigned 36 bits: The word of the program.
+    source, unsigned ``design.program.layout["source"]`` bits: The address of its operand, without
+        the loop that stored it.
+    store: One clock later: a result or a sample is stored.
+    run: The loop runs.
+    shows: There is a frame whose output the word marks, if it marks any.
+    sums, sample, bool, signed Fix(14,13): As late as ``store``: whether a sum is stored, or else
+        the sample.
+    write, write_addr, bool, unsigned ``design.addr_width`` bits: One clock later than ``store``.
+    source_addr, unsigned ``design.addr_width`` bits: The address of the word's operand.
+    frame_error: See ``frame_check``.
 
-    Notes
-    -----
     A loop begins where one is at its last word, or where none runs, if a frame is there, or as long
     as frames of earlier loops are computed. Addresses that are written count from 0 in each loop;
     above them the number of the loop counts.

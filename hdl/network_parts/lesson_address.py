@@ -10,13 +10,9 @@ from hdl.common.signals import flag, unsigned
 def lesson_address(address, bank, number, mapped, *, places: Places):
     """The bank of theta, or the number of a placement, in the place that the program leaves.
 
-    Parameters
-    ----------
-    address : unsigned ``places.addr_width`` bits
-    bank : bool
-    number : unsigned ``places.number_width`` bits
-    mapped : unsigned ``places.addr_width`` bits
-    places : Places
+    address: unsigned ``places.addr_width`` bits.
+    number: unsigned ``places.number_width`` bits.
+    mapped: unsigned ``places.addr_width`` bits.
     """
     width, low, bank_bit = places.addr_width, places.placement_width, places.bank_bit
     top, of_theta, behind = width - 1, width - 2, places.bank_bit + 1

@@ -32,40 +32,22 @@ def lesson_control(
 ):
     """Begins equations in the clocks that are free, and says to which placement they belong.
 
-    Parameters
-    ----------
-    stops : bool
-        A sample or a known output comes in: an equation that runs is stopped, and begins anew
+    stops: A sample or a known output comes in: an equation that runs is stopped, and begins anew
         later.
-    waits : bool
-        No equation begins.
-    ready : bool
-        Neither a frame nor a placement is computed or kept.
-    learn : bool
-        Equations may begin.
-    opening, studying : bool
-        An equation runs: the clock before its first step, and all others.
-    goes : bool
-        The clock before ``opening``.
-    finish : bool
-        The last result of the part that runs is stored.
-    keep_run : bool
-        That part keeps a placement.
-    putting : bool
-        Not so if this is high: theta has come in, and is the one that is read from then on.
-    bad : bool
-        A word of the new theta was saturated, so the step is not taken.
-    bank : bool
-        Where the theta is that is read.
-    stepped : bool
-        A step has been taken since reset.
-    shown, written : unsigned
-        The placement of the equation, and the one that is written next.
-    equation : unsigned
-        Which output the equation is of.
-    learn_error : bool
-        High for one clock after a step that is not taken.
-    design : LearningEngine
+    waits: No equation begins.
+    ready: Neither a frame nor a placement is computed or kept.
+    learn: Equations may begin.
+    opening, studying: An equation runs: the clock before its first step, and all others.
+    goes: The clock before ``opening``.
+    finish: The last result of the part that runs is stored.
+    keep_run: That part keeps a placement.
+    putting: Not so if this is high: theta has come in, and is the one that is read from then on.
+    bad: A word of the new theta was saturated, so the step is not taken.
+    bank: Where the theta is that is read.
+    stepped: A step has been taken since reset.
+    shown, written, unsigned: The placement of the equation, and the one that is written next.
+    equation, unsigned: Which output the equation is of.
+    learn_error: High for one clock after a step that is not taken.
     """
     final = design.outputs - 1
     passed, kept, put, none, full = (flag() for _ in range(5))

@@ -26,20 +26,13 @@ def lesson_memory(
 ):
     """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
 
-    Parameters
-    ----------
-    arrives, taken, goes, jump : bool
-        In the next clock the counter stands at the first word of a frame, of what keeps a
-        placement, of what all equations begin with, or of the rest of one; of these, the first that
-        is high counts. Otherwise it steps.
-    equation : unsigned
-        The number of that equation.
-    segment : unsigned
-    look_up : bool
-        Where it is low, ``table_word`` is 0.
-    word, table_word : unsigned 36 bits
-        They come one clock after their addresses.
-    design : LearningEngine
+    arrives, taken, goes, jump: In the next clock the counter stands at the first word of a frame,
+        of what keeps a placement, of what all equations begin with, or of the rest of one; of
+        these, the first that is high counts. Otherwise it steps.
+    equation, unsigned: The number of that equation.
+    segment: unsigned.
+    look_up: Where it is low, ``table_word`` is 0.
+    word, table_word, unsigned 36 bits: They come one clock after their addresses.
     """
     program = design.program
     notes = (*program.notes, "not used")

@@ -41,26 +41,16 @@ def serial_steps(
 ):
     """Reads the program once for each bit plane of the operands, and adds up the coefficients.
 
-    Parameters
-    ----------
-    run, finish : bool
-        A frame is being computed, and its last output leaves.
-    segment : unsigned
-        The segment in which ``read`` lies.
-    read : signed 18 bits
-        The operand, one clock after its address ``source``.
-    source : unsigned ``design.addr_width`` bits
-    store, leaves, ends : bool
-        The sum is a result; it is an output; it is the last output.
-    acc : signed ``design.acc_width`` bits
-    relu : bool
-        Where ``design.rectifies``: the sum becomes 0 where it is below.
-    base : unsigned ``design.table_address.base_width`` bits
-        Where ``design.names_blocks``: the block of the table in which ``read`` is looked up.
-    design : Engine
+    run, finish: A frame is being computed, and its last output leaves.
+    segment, unsigned: The segment in which ``read`` lies.
+    read, signed 18 bits: The operand, one clock after its address ``source``.
+    source: unsigned ``design.addr_width`` bits.
+    store, leaves, ends: The sum is a result; it is an output; it is the last output.
+    acc: signed ``design.acc_width`` bits.
+    relu: Where ``design.rectifies``: the sum becomes 0 where it is below.
+    base, unsigned ``design.table_address.base_width`` bits: Where ``design.names_blocks``: the
+        block of the table in which ``read`` is looked up.
 
-    Notes
-    -----
     The first word of a neuron says what becomes of the sum of the neuron before, and clears that
     sum in the clock in which it is complete.
     """

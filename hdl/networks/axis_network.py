@@ -210,22 +210,6 @@ def tell_winner(clk, rst, results: Stream, later: Stream, left, tuser, *, design
 def axis_network(clk, rst, s_axis: Stream, m_axis: Stream, *, frame_error, spec: AxisNetwork):
     """A packet of samples in, a packet of outputs out, either side may wait.
 
-    Parameters
-    ----------
-    s_axis_tvalid, s_axis_tready, s_axis_tdata, s_axis_tlast : bool, bool, signed Fix(16,13), bool
-        The samples; ``s_axis_tlast`` comes with the last sensor of a scan. The lower 14 bits of the
-        data are the sample, and the upper two are ignored.
-    m_axis_tvalid, m_axis_tready, m_axis_tdata, m_axis_tlast : bool, bool, signed Fix(16,13), bool
-        The outputs, sign-extended.
-    m_axis_tuser : unsigned 32 bits
-        Index and margin of the largest output, with ``m_axis_tlast``; it exists only with
-        ``spec.decides``.
-    frame_error : bool
-        It is high for one clock for each frame of the wrong length, which yields no packet.
-    spec : AxisNetwork
-
-    Notes
-    -----
     The network cannot wait, so its results go into a memory, and a frame is completed only when
     the memory has room for all of them. Let F be ``spec.frames_under_way``, L the outputs and the
     memory F L words deep. A frame takes a credit with its last sample, which waits while F credits

@@ -57,21 +57,6 @@ def store(clk, rst, in_: Stream, good: Stream, *, frame_error, controller, colle
 def cascade(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Cascade):
     """A frame of samples and free slots in, a frame of outputs out (section 5.5, Figure 5.12).
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one element comes per clock: ``spec.inputs`` samples, then one free slot for each
-        output but the last. What a slot holds does not matter. ``in_last`` comes with the last
-        slot.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output leaves per clock, in the order of the networks.
-    frame_error : bool
-        It is high for one clock for each frame that has the wrong length, or that ends less than
-        ``spec.interval`` clocks after the last good one. Such a frame yields no result.
-    spec : Cascade
-
-    Notes
-    -----
     Network i works on the samples and the first i slots of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.

@@ -15,18 +15,6 @@ from hdl.layers.output_integral import output_integral
 def hybrid(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Hybrid):
     """A frame of sensor samples in, a frame of outputs out (thesis section 5.4, Figure 5.8).
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output leaves per clock; ``out_last`` comes with the last output.
-    frame_error : bool
-        It is high for one clock for each frame of the wrong length, which yields no result.
-    spec : Hybrid
-
-    Notes
-    -----
     Latency from the last sample to the first output: ``spec.latency`` clocks; a frame may
     follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """

@@ -26,24 +26,6 @@ from hdl.network_parts.lane_loop import lane_loop
 def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=None, spec: Lanes):
     """A frame of sensor samples in, a frame of outputs out, on several multipliers.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        Outputs come as the program computes them; ``out_last`` comes with the last one.
-    frame_error : bool
-        It is high for one clock for each frame that has the wrong length, or that begins before the
-        last output of the frame before has left. Such a frame yields no result. In a loop a frame
-        may begin sooner, ``spec.busy`` clocks after the last sample of the good frame before.
-    load, image : Group
-        Lanes that can be reloaded have them: ``valid``, ``data``, ``last`` and ``ready`` of the
-        bytes of an image, and ``error`` after an image that is not good. Frames raise
-        ``frame_error`` until a good image is there.
-    spec : Lanes
-
-    Notes
-    -----
     The fields of a step stand in several words of the program, each where the clock of its use
     finds it; docs/blocks/lanes.md shows which. Clocks from the last sample to the outputs:
     ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.

@@ -48,37 +48,6 @@ def learning_engine(
 ):
     """A frame of sensor samples in, a frame of outputs out; and known outputs in, to learn from.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        Outputs come as the program computes them; ``out_last`` comes with the last one.
-    frame_error : bool
-        It is high for one clock for each frame that has the wrong length, or that begins before the
-        last output of the frame before has left. Such a frame yields no result.
-    target_valid, target_data, target_last, target_ready : bool, signed Fix(14,13), bool, bool
-        The known outputs of the last frame, which make it a placement that is kept; or theta, which
-        is then the one in use.
-    target_theta : bool
-        Whether it is theta; the same for all words of a stream. An element is its code divided by
-        1024.
-    target_error : bool
-        It is high for one clock for each such stream of the wrong length, without a frame before,
-        behind a frame with a sample at an end of its range, as of a sensor that is dead, or that a
-        frame interrupts. Nothing of it is kept.
-    learn : bool
-        While it is high, equations of the placements that are kept are computed one after the
-        other, in the clocks that frames leave free.
-    learn_error : bool
-        It is high for one clock for each step that would leave the range and is not taken.
-    theta_valid, theta_data : bool, signed Fix(14,13)
-        The elements of the theta in use, truncated to the codes of above. They come behind each
-        frame, in their order, as far as no sample comes before.
-    spec : LearningEngine
-
-    Notes
-    -----
     Clocks from the last sample to the outputs: ``spec.clocks_text``. An equation takes up to
     ``spec.longest_equation`` clocks in one piece; a sample that comes stops it, and it begins anew
     later. ``spec.placements`` placements are kept; the next one takes the place of the oldest.

@@ -14,18 +14,6 @@ from hdl.layers.output_collector import output_collector
 def multiple(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Multiple):
     """A frame of samples in, a frame with one output of each network out (section 3.12).
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one sample comes per clock; every network takes all of them.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output leaves per clock, in the order of the networks.
-    frame_error : bool
-        It is high for one clock for each frame of the wrong length, which yields no result.
-    spec : Multiple
-
-    Notes
-    -----
     Latency from the last sample to the first output: that of the slowest network and 1 clock; the
     results of the others wait for it. Reset clears every flag and counter.
     """

@@ -21,21 +21,6 @@ def late(clk, rst, data, data_late, *, clocks: int):
 def parallel(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Parallel):
     """A frame of samples in one clock, all outputs in another (thesis section 5.2).
 
-    Parameters
-    ----------
-    in_valid : bool
-        The samples of a frame stand on all ports of ``in_data``.
-    in_data : Words of signed Fix(14,13)
-        Ports ``in_data_0``, ``in_data_1``, ..., in the order of the sensors.
-    out_valid, out_data : bool, Words of signed Fix(14,13)
-        The outputs, ports ``out_data_0``, ``out_data_1``, ...
-    frame_error : bool
-        It is high for one clock for each frame that comes less than ``spec.interval`` clocks after
-        the last good one; such a frame yields no result. It is always low where the interval is 1.
-    spec : Parallel
-
-    Notes
-    -----
     Latency: ``spec.latency`` clocks, a frame every ``spec.interval`` clocks. Reset clears
     every flag and counter.
     """

@@ -64,23 +64,6 @@ def table_graph(
 ):
     """A frame of samples in one clock, all outputs in another, from tables and adders.
 
-    Parameters
-    ----------
-    in_valid : bool
-        The samples of a frame stand on all ports of ``in_data``.
-    in_data : Words of signed Fix(14,13)
-        Ports ``in_data_0``, ``in_data_1``, ..., in the order of the sensors.
-    out_valid, out_data : bool, Words of signed Fix(14,13)
-        The outputs, ports ``out_data_0``, ``out_data_1``, ...
-    frame_error : bool
-        It is always low, because every frame is good.
-    winner : Stream
-        ``winner_valid``, ``winner_index``, ``winner_margin`` (bool, unsigned twice): those of
-        argmax_tree, some clocks after the outputs. The stream is empty without ``spec.decides``.
-    spec : TableGraph
-
-    Notes
-    -----
     Latency: ``spec.latency`` clocks, a frame every clock. Reset clears the valid flags.
     """
     words, later = (

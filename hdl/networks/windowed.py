@@ -13,20 +13,6 @@ from hdl.sensing.frame_window import frame_window
 def windowed(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: Windowed):
     """A frame of samples in, a frame of outputs of it and of past ones out.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
-    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        The outputs of the network.
-    frame_error : bool
-        It is high for one clock for each frame that has the wrong length, or that ends less than
-        ``spec.interval`` clocks after the last good one. Such a frame yields no result and is not
-        kept as a past frame.
-    spec : Windowed
-
-    Notes
-    -----
     Latency from the last sample to the first output: that of the frame window, the frame that it
     sends, and that of the network. The first ``spec.past`` good frames after a reset yield no
     outputs. Reset clears every flag and counter.

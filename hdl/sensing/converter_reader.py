@@ -191,22 +191,6 @@ def converter_reader(
 ):
     """Each sensor in turn through an SPI, and the frames of scans that went right.
 
-    Parameters
-    ----------
-    miso : bool
-        It comes from the converter; a pull-up holds it at 1 where nothing drives it.
-    sclk, cs_n, mosi : bool
-        They go to the converter and come from registers, so that they do not glitch. Reset raises
-        ``cs_n``.
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        A frame, one sample per clock. The data stay until the next sample.
-    converter_error : bool
-        It rises after a transfer that no converter can have sent, and stays high until a whole scan
-        has passed without such a transfer.
-    spec : ConverterReader
-
-    Notes
-    -----
     Latency 3 clocks, from the last bit of a scan to the first sample. ``miso`` is read in the clock
     at whose end ``sclk`` falls. A scan every ``spec.scan_clocks`` clocks. Reset starts a scan, in
     which ``cs_n`` is high as long as the part asks before the first transfer.

@@ -72,20 +72,6 @@ def judge(clk, rst, in_: Stream, *, accept, good, broken, sensors: int, spacing:
 def frame_window(clk, rst, in_: Stream, out: Stream, *, frame_error, spec: FrameWindow):
     """After each good frame the samples of it and of past ones that a network takes.
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
-        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        The frame for the network, one element per clock.
-    frame_error : bool
-        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
-        too early or missing, or it ends the frame less than ``spec.spacing`` clocks after the last
-        good one.
-    spec : FrameWindow
-
-    Notes
-    -----
     Latency from a frame's last sample to the first element: 3 clocks. The ring has one write and
     one read port and no reset. A wrong frame is written too, in the place of the one that follows.
     Reset clears flags, counters and the ring's addresses; nothing leaves until the past is whole.

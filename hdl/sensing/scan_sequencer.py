@@ -12,18 +12,6 @@ from hdl.common.signals import Stream, flag, unsigned
 def scan_sequencer(clk, rst, out: Stream, *, adc, address, spec: ScanSequencer):
     """The converter's codes, late in each slot, as a stream of frames (sections 5.4.4 and 5.5).
 
-    Parameters
-    ----------
-    adc : signed ``spec.fmt``
-        The converter's code, which belongs to the sensor that ``address`` selects.
-    address : unsigned ``spec.address_width`` bits
-        It goes to the analogue multiplexer and comes from a register, so that it does not glitch.
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        A sample; ``out_valid`` is the sample strobe. The data stay until the next sample.
-    spec : ScanSequencer
-
-    Notes
-    -----
     Latency 1 clock, from the code to the sample. A frame every ``spec.scan_clocks`` clocks. Reset
     starts a scan.
     """

@@ -14,18 +14,6 @@ def stream_multiplexer(
 ):
     """The stream one clock later, element ``spec.slot`` of each frame replaced (section 5.5).
 
-    Parameters
-    ----------
-    in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
-        The stream.
-    result_valid, result : bool, signed ``spec.fmt``
-        A result is held from the next clock on, until the next one comes.
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        The stream with the result.
-    spec : StreamMultiplexer
-
-    Notes
-    -----
     Latency 1 clock, one element a clock. Reset clears the position and the flags.
     """
     slot = spec.slot

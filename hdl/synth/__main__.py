@@ -5,8 +5,6 @@ and the versions of the tools. It is an error if an entity does not cost what th
 says, even if it costs less.
 """
 
-from __future__ import annotations
-
 import argparse
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict

@@ -1,7 +1,5 @@
 """``python -m hdl.synth.activations``: show what each activation costs, with every segment."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 
@@ -17,13 +15,7 @@ from hdl.synth.netlist import KINDS
 
 
 def cells(spec: Block, family: str) -> dict[str, int]:
-    """The cells of a block and its parts after ``synth_xilinx``.
-
-    Raises
-    ------
-    InputError
-        See ``hdl.synth.cells.synthesise``.
-    """
+    """The cells of a block and its parts after ``synth_xilinx``."""
     with tempfile.TemporaryDirectory() as name:
         convert_hierarchy(elaborate(spec), Path(name), "verilog")
         return synthesise(Path(name), spec.entity, family)[spec.entity]

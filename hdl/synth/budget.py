@@ -1,7 +1,5 @@
 """The budget: the recorded cells of a scene's entities. New counts are compared with it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from golden.block import walk
@@ -44,15 +42,7 @@ def write_budget(path: Path, found: Cells) -> None:
 
 
 def read_budget(path: Path) -> Cells:
-    """The recorded cells.
-
-    Raises
-    ------
-    MissingFileError
-        When nothing was recorded.
-    InputError
-        For other columns, or a field that is no number; the message names file and line.
-    """
+    """The recorded cells."""
     read = read_csv_file(path)
     if list(read.names) != COLUMNS:
         raise InputError(

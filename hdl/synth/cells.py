@@ -1,7 +1,5 @@
 """Counts the cells of every block of a design after ``synth_xilinx``."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from pathlib import Path
@@ -49,29 +47,15 @@ def flat_name(entity: str) -> str:
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
     """The cells and the logic depth of each entity in a folder of Verilog, parts included.
 
-    Returns
-    -------
-    dict
-        By entity: the count of each kind of ``netlist.KINDS``, and ``depth``, which is the number
-        of LUTs and multipliers on the longest path between registers.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails, or when there is a latch; the message names the entity.
+    Returns: By entity: the count of each kind of ``netlist.KINDS``, and ``depth``, which is the
+        number of LUTs and multipliers on the longest path between registers.
     """
     found: dict[str, dict[str, int]] = _mapped(verilog, top, family)["cells"]
     return found
 
 
 def netlists(verilog: Path, top: str, family: str) -> dict[str, str]:
-    """The netlists whose cells ``synthesise`` counts: for each entity a module in Verilog.
-
-    Raises
-    ------
-    InputError
-        As ``synthesise``.
-    """
+    """The netlists whose cells ``synthesise`` counts: for each entity a module in Verilog."""
     found: dict[str, str] = _mapped(verilog, top, family)["netlists"]
     return found
 

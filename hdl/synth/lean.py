@@ -5,8 +5,6 @@ as it is. The scenes of ``--beside`` are built as they are, for comparison. ``--
 cells of both builds beside the scene, for docs/left-out.md.
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -31,13 +29,9 @@ FAMILY = "xc2v"
 class Lean:
     """The cells of a scene, whole and as it is, as ``--record`` found them.
 
-    Attributes
-    ----------
-    verilog : str
-        The digest of the scene's Verilog as ``make synth`` recorded it. The record is stale when
-        that is another one.
-    whole, lean : dict
-        Counts in FAMILY, by the kind of cell.
+    verilog: The digest of the scene's Verilog as ``make synth`` recorded it. The record is stale
+        when that is another one.
+    whole, lean: Counts in FAMILY, by the kind of cell.
     """
 
     verilog: str
@@ -51,13 +45,7 @@ def lean_path(scene: Path) -> Path:
 
 
 def read_lean(path: Path) -> Lean:
-    """The recorded cells.
-
-    Raises
-    ------
-    InputError
-        When nothing was recorded, or something else stands there.
-    """
+    """The recorded cells."""
     return read_json(
         path, "recorded cells; make lean RECORD=1 records them", make=lambda found: Lean(**found)
     )
@@ -70,13 +58,7 @@ def is_stale(scene: Scene) -> bool:
 
 
 def record(scene: Scene) -> Path:
-    """Keep the cells of a scene beside it: whole, and as ``make synth`` recorded them.
-
-    Raises
-    ------
-    InputError
-        When ``make synth`` has recorded nothing.
-    """
+    """Keep the cells of a scene beside it: whole, and as ``make synth`` recorded them."""
     if not timing_path(scene.path).is_file() or not budget_path(scene.path).is_file():
         raise InputError(
             f"{scene.path}: no recorded budget; make synth RECORD=1 SCENE={scene.path} records it"

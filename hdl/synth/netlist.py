@@ -1,7 +1,5 @@
 """Counts cells and levels of logic in a netlist that Yosys has written as JSON."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from graphlib import TopologicalSorter
@@ -60,11 +58,6 @@ def depth(module: dict[str, Any]) -> int:
     """How many LUTs and multipliers are on the longest path of a flat module.
 
     Paths run between registers or ports.
-
-    Raises
-    ------
-    graphlib.CycleError
-        For a loop without a register.
     """
     cells: dict[str, dict[str, Any]] = {}
     for name, cell in module["cells"].items():

@@ -5,8 +5,6 @@ operands directly to a wire, writes constants as the state of a pin that nothing
 a memory of four LUTs and one cell that passes on what is written.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from golden.input_error import InputError
@@ -34,13 +32,7 @@ READ_PINS = "DBCA"
 
 
 def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
-    """The module that nextpnr wrote, without pads and with every input of its cells driven.
-
-    Raises
-    ------
-    InputError
-        For a kind of cell that this module does not know.
-    """
+    """The module that nextpnr wrote, without pads and with every input of its cells driven."""
     (module,) = netlist["modules"].values()
     cells: dict[str, Cell] = module["cells"]
     renamed: dict[Any, Any] = {}

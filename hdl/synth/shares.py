@@ -1,7 +1,5 @@
 """Which share of the thesis' device a scene takes, compared with the printed one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from golden.networks.network import Network

@@ -5,8 +5,6 @@ recorded, beside the numbers from which ``golden.sizing.model`` estimates them; 
 it anew.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from collections.abc import Iterator
@@ -54,13 +52,7 @@ LEFT_OUT = ("argmax_tree",)
 
 @dataclass(frozen=True)
 class Extra:
-    """A design of a scene's networks that no scene names, and that is synthesised for the model.
-
-    Attributes
-    ----------
-    scene : str
-    candidate : Candidate
-    """
+    """A design of a scene's networks that no scene names, and that is synthesised for the model."""
 
     scene: str
     candidate: Candidate
@@ -107,13 +99,7 @@ EXTRAS = (
 
 
 def synthesised(extra: Extra) -> tuple[Scene, Network, Cells]:
-    """An extra network and its cells, which the store keeps.
-
-    Raises
-    ------
-    InputError
-        When the design does not take the networks; see also ``synthesise``.
-    """
+    """An extra network and its cells, which the store keeps."""
     scene = load_scene(extra.scene)
     core = build(task_of(scene), extra.candidate)
     with tempfile.TemporaryDirectory() as folder:

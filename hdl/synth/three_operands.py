@@ -4,8 +4,6 @@ Yosys makes carry-save adders of such a sum, which cost about two LUTs for each 
 make one adder of it where LUTs have six inputs. The map does the same with the cells of Series 7.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Finds the clock that a design reaches when it is placed and routed on an ECP5."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -46,14 +44,10 @@ ROUTED = "routed.json"
 class Timing:
     """What nextpnr reports.
 
-    Attributes
-    ----------
-    clock_mhz : float
-        The fastest clock with which the routed design works, by nextpnr's own delays.
-    luts, flip_flops, multipliers, block_rams : int
-        ``TRELLIS_COMB``, ``TRELLIS_FF``, ``MULT18X18D``, ``DP16KD``.
-    slowest : str
-        The cells at which the slowest path begins and ends.
+    clock_mhz: The fastest clock with which the routed design works, by nextpnr's own delays.
+    luts, flip_flops, multipliers, block_rams: ``TRELLIS_COMB``, ``TRELLIS_FF``, ``MULT18X18D``,
+        ``DP16KD``.
+    slowest: The cells at which the slowest path begins and ends.
     """
 
     clock_mhz: float
@@ -69,23 +63,12 @@ def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
 
     Ports that have more bits than the device has pins are left without pins, as they would be
     inside a larger design.
-
-    Raises
-    ------
-    InputError
-        When a tool fails, for example because the design is too large for the device.
     """
     return Timing(**_routed(verilog, top, needed_mhz)["timing"])
 
 
 def routed_netlist(verilog: Path, top: str, needed_mhz: float = 0.0) -> str:
-    """The netlist that ``route`` measures: one module of an ECP5's cells, in Verilog.
-
-    Raises
-    ------
-    InputError
-        As ``route``.
-    """
+    """The netlist that ``route`` measures: one module of an ECP5's cells, in Verilog."""
     netlist: str = _routed(verilog, top, needed_mhz)["netlist"]
     return netlist
 
@@ -111,13 +94,7 @@ def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
 
 
 def read_timing(path: Path) -> tuple[Timing, str]:
-    """The recorded timing, and the digest of its Verilog.
-
-    Raises
-    ------
-    InputError
-        When nothing was recorded, or something else stands there.
-    """
+    """The recorded timing, and the digest of its Verilog."""
     return read_json(
         path,
         "a recorded clock; RECORD=1 records it",
@@ -128,11 +105,7 @@ def read_timing(path: Path) -> tuple[Timing, str]:
 def mapped(folder: Path, top: str) -> dict[str, Any]:
     """The netlist that is placed and routed: one module of an ECP5's cells, as Yosys' JSON.
 
-    Parameters
-    ----------
-    folder : Path
-        A folder with Verilog files, into which Yosys writes its own files, too.
-    top : str
+    folder: A folder with Verilog files, into which Yosys writes its own files, too.
     """
     # The netlist is flattened last: if it were flat when registers are merged, equal registers of
     # many nodes would become one, far from all of them. Yosys turns a multiplexer with a constant

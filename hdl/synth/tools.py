@@ -1,7 +1,5 @@
 """Runs Yosys and nextpnr, which come from PyPI, and keeps their answers in the store."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal
@@ -34,11 +32,6 @@ def run_tool(
 
     With ``failing`` it may fail, and what it printed is returned even so. With ``seconds`` it may
     use only so much processor time; that it is stopped then is never an error.
-
-    Raises
-    ------
-    InputError
-        When the tool is not installed, or when it fails.
     """
     scripts = sysconfig.get_path("scripts")
     path = shutil.which(f"yowasp-{name}", path=scripts)
@@ -62,13 +55,7 @@ def run_tool(
 
 
 def version_of(package: str) -> str:
-    """The version of a package from PyPI.
-
-    Raises
-    ------
-    InputError
-        When the package is not installed.
-    """
+    """The version of a package from PyPI."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -99,17 +86,11 @@ def stored(
 ) -> dict[str, Any]:
     """What ``work`` makes of a copy of a folder's Verilog files, or the answer that was kept.
 
-    Parameters
-    ----------
-    work : callable
-        A function from a folder to something that JSON can hold. The code of its module is part of
-        the key.
-    verilog : Path
-        A folder with ``.v`` files.
-    tools : list of str
-        The packages on whose versions the answer depends.
-    facts : Part
-        Everything else on which the answer depends.
+    work: A function from a folder to something that JSON can hold. The code of its module is part
+        of the key.
+    verilog: A folder with ``.v`` files.
+    tools: The packages on whose versions the answer depends.
+    facts: Everything else on which the answer depends.
     """
     asked = store.key(
         "synthesis",

@@ -13,19 +13,6 @@ from hdl.common.widen import widen
 def divider(clk, rst, in_: Stream, out: Stream, *, spec: Divider):
     """``in_distance`` times the gain by ``in_width``, a bit of the quotient a clock.
 
-    Parameters
-    ----------
-    in_valid : bool
-        At most one pair comes every ``spec.interval`` clocks. A pair that comes earlier takes the
-        place of the one before it, which then has no result.
-    in_distance, in_width : unsigned ``spec.distance_width`` and ``spec.width_width`` bits
-    out_valid, out_data : bool, unsigned ``spec.out_width`` bits
-        A quotient stays until ``out_width`` clocks before the next one.
-    spec : Divider
-        The gain; the twin states rounding and saturation.
-
-    Notes
-    -----
     Latency ``spec.out_width`` + 2 clocks: product with the gain 1, start of the remainder 1, a
     clock for each bit. Reset clears the valid flags and the count of the bits.
     """

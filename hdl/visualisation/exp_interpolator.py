@@ -11,19 +11,6 @@ from hdl.common.signals import Stream, unsigned
 def exp_interpolator(clk, rst, in_: Stream, out: Stream, *, spec: ExpInterpolator):
     """``in_word`` times 1 - delta, two clocks later.
 
-    Parameters
-    ----------
-    in_valid : bool
-    in_word : unsigned ``spec.word_width`` bits
-        exp(-x) in the middle of the interval.
-    in_offset : unsigned ``spec.offset_width`` bits
-        The part of x above the lower end of the interval.
-    out_valid, out_data : bool, unsigned ``spec.word_width`` bits
-    spec : ExpInterpolator
-        The twin states rounding and error.
-
-    Notes
-    -----
     One multiplier. Latency 2 clocks, one result a clock. Reset clears the valid flags.
     """
     frac, word_width = spec.frac, spec.word_width

@@ -10,15 +10,6 @@ from hdl.common.rom import registered_rom
 def exp_memory(clk, addr, word, *, spec: ExpMemory):
     """exp(-x) by the upper bits of x, one clock later (thesis section 5.8, Figure 5.25).
 
-    Parameters
-    ----------
-    addr : unsigned ``spec.addr_width`` bits
-    word : unsigned ``spec.width`` bits
-    spec : ExpMemory
-        The contents.
-
-    Notes
-    -----
     Latency 1 clock, one word a clock: a block RAM. There is nothing to reset.
     """
     return registered_rom(clk, addr, word, words=spec.words, meanings=spec.meanings)

@@ -65,18 +65,6 @@ def distance_from(clk, x, centre, distance):
 def load_profile(clk, rst, in_: Stream, out: Stream, *, spec: LoadProfile):
     """One ramp of points for the results of a frame (equation 3.18, thesis Figure 5.25).
 
-    Parameters
-    ----------
-    in_valid : bool
-        The results of a frame are there, in this clock alone.
-    in_load, in_position, in_width, in_shape : signed ``spec.fmt``
-    out_valid, out_x, out_y, out_last : bool, signed ``spec.fmt`` twice, bool
-        A point, which stays until the next one; ``out_last`` comes with the last of the ramp.
-    spec : LoadProfile
-        The twin states rounding and error.
-
-    Notes
-    -----
     Three multipliers. One point at a time: the first stands ``spec.latency`` clocks
     after ``in_valid``, each of the others as many after the one before. Results that come during
     a ramp wait until the clock after its last point, and are replaced by others that come

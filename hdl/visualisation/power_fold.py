@@ -13,20 +13,6 @@ from hdl.common.widen import widen
 def power_fold(clk, rst, in_: Stream, out: Stream, *, spec: PowerFold):
     """``in_data`` to the power ``in_power`` (thesis section 5.8, Figure 5.25).
 
-    Parameters
-    ----------
-    in_valid : bool
-        At most one pair comes every ``spec.interval`` clocks. A pair that comes earlier takes the
-        place of the one before it, which then has no result.
-    in_data, in_power : unsigned ``spec.in_width`` and ``spec.power_width`` bits
-        t and P; P is from 1 to ``spec.max_power``.
-    out_valid, out_data : bool, unsigned ``spec.out_width`` bits
-        A power stays until the clock in which the next pair comes.
-    spec : PowerFold
-        The twin states rounding and saturation.
-
-    Notes
-    -----
     One multiplier. Latency 2 (``spec.max_power`` - 1) + 1 clocks for every P: start 1, then product
     1 and rounding 1 for each use. Reset clears the valid flag and the count.
     """

@@ -10,17 +10,6 @@ from hdl.common.signals import flag, unsigned
 def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
     """A digital-to-analogue converter of one bit and the first order.
 
-    Parameters
-    ----------
-    in_data : signed ``spec.fmt``
-        The code; there is one in every clock.
-    out_bit : bool
-        It comes from a register. Its density of ones is the place of the code between the ends of
-        the format.
-    spec : PulseDensity
-
-    Notes
-    -----
     Latency 1 clock. Reset forgets what was not given yet.
     """
     width, sign = spec.fmt.width, spec.fmt.width - 1

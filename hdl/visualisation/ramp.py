@@ -11,17 +11,6 @@ from hdl.common.signals import Stream, signed
 def ramp(clk, rst, out: Stream, *, in_valid, spec: Ramp):
     """One position for each ``in_valid``, from the first again after the last (Figure 5.25).
 
-    Parameters
-    ----------
-    in_valid : bool
-        It asks for a position.
-    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        The position, and whether it is the last one; both stay until the next position.
-    spec : Ramp
-        The twin states rounding.
-
-    Notes
-    -----
     Latency 1 clock, one position a clock. Reset leads back to the first position.
     """
     guard, step = spec.guard, spec.step

@@ -87,10 +87,7 @@ def _running(folder: Path, wanted: Wanted) -> str:
 class Told:
     """Prints each part of a long work when it begins, and again while it is the newest one.
 
-    Parameters
-    ----------
-    now : callable, optional
-        The part that runs, where it is not told; empty for none.
+    now: The part that runs, where it is not told; empty for none.
     """
 
     def __init__(self, now: Callable[[], str] | None = None) -> None:
@@ -120,12 +117,7 @@ class Told:
 
 @contextmanager
 def room_in(folder: Path) -> Iterator[None]:
-    """Say so if a step failed, or may have, because a disk is full: tools do not always tell.
-
-    Raises
-    ------
-    InputError
-    """
+    """Say so if a step failed, or may have, because a disk is full: tools do not always tell."""
     try:
         yield
     except (InputError, OSError, RuntimeError, subprocess.SubprocessError):

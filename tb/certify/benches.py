@@ -5,8 +5,6 @@ declare unreachable. So one that passes has reached all of them on this very ent
 of the library is of the same bytes, it stands for the run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -26,16 +24,10 @@ REASONS = 3
 class Benched:
     """What is known of the bench of one entity.
 
-    Attributes
-    ----------
-    job : Job
-        Of an entity around networks it has recorded frames alone, and then no border is asked for.
-    recorded : bool
-        Whether the library has a record of the same bytes, so that the bench did not run.
-    compared : int
-        How many values the bench compared, if it ran.
-    complaint : str
-        Why the bench failed; empty if it passed.
+    job: Of an entity around networks it has recorded frames alone, and then no border is asked for.
+    recorded: Whether the library has a record of the same bytes, so that the bench did not run.
+    compared: How many values the bench compared, if it ran.
+    complaint: Why the bench failed; empty if it passed.
     """
 
     job: Job

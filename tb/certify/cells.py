@@ -1,7 +1,5 @@
 """The mapped cells of a family, on which the Verilog test bench plays the frames."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tb.common.runner import Job
@@ -10,13 +8,7 @@ from tb.sign_off.netlist import CELLS, MODELS, cells_of
 
 
 def write_cells(top: Job, family: str, folder: Path) -> None:
-    """Write ``cells/<family>`` below a folder: the netlist of the top, and the models of its cells.
-
-    Raises
-    ------
-    InputError
-        When the entity cannot be mapped or placed.
-    """
+    """Write ``cells/<family>`` below a folder: the top's netlist and the models of its cells."""
     place = folder / "cells" / family
     place.mkdir(parents=True)
     found = cells_of(top, family)

@@ -1,7 +1,5 @@
 """Writes what a certificate delivers: design, inputs, benches, proofs, script and digests."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import random
@@ -54,18 +52,11 @@ LANGUAGES = ("vhdl", "verilog")
 class Wanted:
     """What a user may ask of a certificate.
 
-    Attributes
-    ----------
-    frames : int or None
-        The number of random frames; None for the usual one.
-    seed : int
-        The seed of random frames, and of the entities that are drawn.
-    families : tuple of str
-        The families on whose cells the frames are played.
-    recorded : int or None
-        The number of recorded frames; None for all.
-    parts : int or None
-        The number of entities whose benches run, drawn by ``seed``; None for all.
+    frames: The number of random frames; None for the usual one.
+    seed: The seed of random frames, and of the entities that are drawn.
+    families: The families on whose cells the frames are played.
+    recorded: The number of recorded frames; None for all.
+    parts: The number of entities whose benches run, drawn by ``seed``; None for all.
     """
 
     frames: int | None
@@ -79,17 +70,8 @@ class Wanted:
 class Delivered:
     """What was written, beside the files.
 
-    Attributes
-    ----------
-    scene : Scene
-    design : Network
-    jobs : list of Job
-        The entities.
-    frames : PlayedFrames
-    properties : list of (Job, Property)
-    benches : list of Benched
-    families : tuple of str
-        Those on whose cells the frames are played.
+    jobs: The entities.
+    families: Those on whose cells the frames are played.
     """
 
     scene: Scene
@@ -106,14 +88,8 @@ def deliver(
 ) -> Delivered:
     """Write everything but the page into an empty folder.
 
-    Parameters
-    ----------
-    scene : Scene
-        It is exported into ``build`` in both languages.
-    build, folder : Path
-    wanted : Wanted
-    tell : callable
-        Is called with the name of each part before it is made.
+    scene: It is exported into ``build`` in both languages.
+    tell: Is called with the name of each part before it is made.
     """
     design = scene.twin()
     for language in LANGUAGES:
@@ -185,15 +161,9 @@ def given_text(frames: PlayedFrames, past: int) -> str:
 def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) -> int:
     """Run the script of a certificate with the tools of this environment; its exit code.
 
-    Parameters
-    ----------
-    folder : Path
-    *steps : str
-        The steps to run; all without any.
-    quiet : bool
-        Whether nothing is printed.
-    **environment : str
-        Variables of the script.
+    *steps: The steps to run; all without any.
+    quiet: Whether nothing is printed.
+    **environment: Variables of the script.
     """
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
     command = ["sh", str(folder / SCRIPT), *steps]

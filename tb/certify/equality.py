@@ -7,8 +7,6 @@ signal, each next value and each input of a part gets the same value from both. 
 be anything on each side. The assumptions are those of ``tb.sign_off.equal``.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tempfile
@@ -75,13 +73,7 @@ _COMPARE = (
 
 
 def ghdl_netlist(folder: Path, top: str) -> str:
-    """The netlist that GHDL makes of the delivered VHDL, as it prints it without comments.
-
-    Raises
-    ------
-    InputError
-        When GHDL refuses the files.
-    """
+    """The netlist that GHDL makes of the delivered VHDL, as it prints it without comments."""
     vhdl = folder / "design" / "vhdl"
     with tempfile.TemporaryDirectory() as work:
         text = dump([vhdl / name for name in compile_order(vhdl)], top, Path(work))

@@ -1,7 +1,5 @@
 """The prover as one file, and what it proves the delivered hardware to compute."""
 
-from __future__ import annotations
-
 import ast
 import json
 from pathlib import Path

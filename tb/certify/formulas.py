@@ -9,8 +9,6 @@ are mostly enough. Each expression of a property is a question of its own: a gra
 hundreds of them, and to all at once z3 has no answer within hours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from pathlib import Path
 

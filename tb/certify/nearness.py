@@ -1,7 +1,5 @@
 """How near the hardware is to the network in floating point, for the page of a certificate."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,13 +22,8 @@ from tb.report.measure.table import Cell, Table
 class Nearness:
     """What the page says about the errors of the hardware.
 
-    Attributes
-    ----------
-    errors : Table
-        For each output the errors met and the bound.
-    sentences : list of str
-    bounded : bool
-        Whether a bound is known.
+    errors: For each output the errors met and the bound.
+    bounded: Whether a bound is known.
     """
 
     errors: Table

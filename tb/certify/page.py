@@ -1,7 +1,5 @@
 """The page of a certificate, as Markdown and as HTML."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -46,24 +44,12 @@ ASSUMED = (
 class Content:
     """What the page says.
 
-    Attributes
-    ----------
-    title : str
-    described : str
-    proved : str
-        Whether every frame is proved.
-    missing : list of str
-        What was not done, or is not shown.
-    results : list of StepResult
-    tables : list of (str, Table)
-        Tables with their headings.
-    sentences : list of str
-        About errors and saturations.
-    properties : list of (str, str)
-        Entity and sentence of each property.
-    assumed, made : sequence of str
-    digests : list of (str, str)
-        Name and digest of each exported file and of what it was made from.
+    proved: Whether every frame is proved.
+    missing: What was not done, or is not shown.
+    tables: Tables with their headings.
+    sentences: About errors and saturations.
+    properties: Entity and sentence of each property.
+    digests: Name and digest of each exported file and of what it was made from.
     """
 
     title: str

@@ -1,7 +1,5 @@
 """Draws the top of a certificate's page as a picture, with a browser."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile
@@ -16,13 +14,7 @@ WIDTH, HEIGHT = 1000, 624
 
 
 def picture_file(name: str) -> Path:
-    """The file in which the picture will be.
-
-    Raises
-    ------
-    InputError
-        When it is no PNG in a folder that exists, or when there is no browser.
-    """
+    """The file in which the picture will be."""
     path = Path(name)
     if path.suffix != ".png" or not path.parent.is_dir():
         raise InputError(f"PICTURE={name}: expected a file that ends in .png, in a folder")

@@ -1,7 +1,5 @@
 """The frames of a certificate: packages for the VHDL test bench, files for the Verilog one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,14 +27,10 @@ LEAST_RANDOM = 5
 class PlayedFrames:
     """The frames that are played.
 
-    Attributes
-    ----------
-    recorded, random : Codes, shape (frames, inputs)
-        Codes of samples: recorded frames, and frames drawn from all codes with equal probability.
-    seed : int
-        The seed of the random frames.
-    left : int
-        The number of recorded frames that are not played.
+    recorded, random, shape (frames, inputs): Codes of samples: recorded frames, and frames drawn
+        from all codes with equal probability.
+    seed: The seed of the random frames.
+    left: The number of recorded frames that are not played.
     """
 
     recorded: Codes
@@ -63,11 +57,6 @@ def frames_of(
 
     Without a number of ``random`` frames there are as many as usual, and without one of
     ``recorded`` frames there are all; fewer are taken in equal distances from the whole recording.
-
-    Raises
-    ------
-    InputError
-        For so few frames that no output follows, because the design waits for past frames.
     """
     if random is None:
         random = max(LEAST_RANDOM, min(RANDOM, CLOCKS // design.interval))

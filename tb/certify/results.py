@@ -1,7 +1,5 @@
 """What the script of a certificate found."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,13 +11,8 @@ OUTPUT = "output"
 class StepResult:
     """The result of one step.
 
-    Attributes
-    ----------
-    colour : str
-        "green", "amber" or "red".
-    step : str
-    figure : str
-        What was found, in words.
+    colour: "green", "amber" or "red".
+    figure: What was found, in words.
     """
 
     colour: str

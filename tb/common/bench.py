@@ -6,8 +6,6 @@ compares the outputs, as whole arrays. Row t of a recording holds the ports just
 edge of clock t: an input of row t and a registered output of row t + latency belong together.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -1,7 +1,5 @@
 """The benches of ``tb``, and the cases that they name."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 

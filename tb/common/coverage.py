@@ -1,7 +1,5 @@
 """Counts what a bench has reached: the sides of borders, the values of ports, and states."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable
 
@@ -31,10 +29,7 @@ def add(total: Counts, more: Counts) -> None:
 class Coverage:
     """The counts of one test.
 
-    Parameters
-    ----------
-    twin : Block
-        The twin names everything that can be reached.
+    twin: The twin names everything that can be reached.
     """
 
     def __init__(self, twin: Block) -> None:

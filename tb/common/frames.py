@@ -1,7 +1,5 @@
 """Frames of samples, with the control signals that CONTROLLER 1 would give to the nodes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tb.common.bench import Recording
@@ -11,12 +9,8 @@ from tb.common.stimulus import spread
 def node_timeline(rng: np.random.Generator, items: dict[str, np.ndarray], gap: float):
     """Good frames as columns: the samples, what comes with them, and the control signals.
 
-    Parameters
-    ----------
-    items : dict
-        For each port its values, shape (frames, inputs), which stand in the clock of the sample.
-    gap : float
-        Probability of an idle clock before each sample.
+    items: For each port its values, shape (frames, inputs), which stand in the clock of the sample.
+    gap: Probability of an idle clock before each sample.
     """
     count, inputs = items["in_data"].shape
     columns = {name: values.ravel() for name, values in items.items()}

@@ -1,7 +1,5 @@
 """Frames of right and wrong length, and what the twin of CONTROLLER 1 says of a recording."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

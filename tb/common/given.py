@@ -5,8 +5,6 @@ not read the scene again, for which it would import the twins of all designs and
 would take longer than many a bench.
 """
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,13 +21,9 @@ from golden.window import Window
 class Given:
     """The twin and the recorded frames of a scene.
 
-    Attributes
-    ----------
-    design : Network
-        The twin of the scene's whole design.
-    recordings : tuple of int64 array, shape (frames, sensors)
-        The codes of the frames of each recording, as they are sent to the hardware.
-    window : Window
+    design: The twin of the scene's whole design.
+    recordings, shape (frames, sensors): The codes of the frames of each recording, as they are sent
+        to the hardware.
     """
 
     design: Network

@@ -1,7 +1,5 @@
 """Plays both ends of an AXI4-Stream block: it offers elements, takes results and records."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 
@@ -25,13 +23,8 @@ async def exchange(
 ) -> Recording:
     """Play the elements in their order. Each is offered until it is taken.
 
-    Parameters
-    ----------
-    data, last : int arrays
-        The elements. An element that is offered during a reset is lost.
-    offer, take : bool arrays
-        Whether a new element is offered, and whether results are taken, in each clock.
-    resets : bool array
+    data, last: The elements. An element that is offered during a reset is lost.
+    offer, take: Whether a new element is offered, and whether results are taken, in each clock.
     """
     told = [port.name for port in bench.twin.ports if port.name == TUSER]
     ports = ["rst", *PORTS, *told, "frame_error"]

@@ -18,13 +18,7 @@ def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image
 
 
 def longest_image(hardware: Engine, inputs: int, most: int, outputs: int, seed: int) -> Image:
-    """The image of a random network with ``most`` hidden nodes, or with as many as there is room.
-
-    Raises
-    ------
-    InputError
-        When there is no room for one hidden node.
-    """
+    """The image of a random network with ``most`` hidden nodes, or as many as there is room."""
     for hidden in range(most, 1, -1):
         with suppress(InputError):
             return image_for(hardware, (inputs, hidden, outputs), seed)

@@ -9,8 +9,6 @@ also ask for the recorded frames or for the blocks around their own. Only for th
 holds the code that reads scenes, the files of the scene, and the twins of the whole design.
 """
 
-from __future__ import annotations
-
 import platform
 import re
 from collections.abc import Iterator

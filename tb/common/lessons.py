@@ -1,7 +1,5 @@
 """Plays frames and known outputs to an engine that learns, in the timeline of its twin."""
 
-from __future__ import annotations
-
 from collections.abc import Container
 from dataclasses import dataclass, field
 
@@ -21,13 +19,9 @@ from tb.common.stimulus import random_resets
 class Words:
     """Words that are sent one after the other, each from a clock on, and held until it is taken.
 
-    Attributes
-    ----------
-    rows : list of tuples of int
-        The clocks to wait before a word, the word, whether it is the last of its frame, and other
+    rows: The clocks to wait before a word, the word, whether it is the last of its frame, and other
         bits that come with it.
-    bits : int
-        How many bits come with each word.
+    bits: How many bits come with each word.
     """
 
     rows: list[tuple[int, ...]] = field(default_factory=list)

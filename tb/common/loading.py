@@ -1,7 +1,5 @@
 """Loads images into an engine that can be reloaded, and checks what it then computes."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -29,15 +27,9 @@ WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "imag
 class Sent:
     """Bytes that are offered to the loader one after the other.
 
-    Attributes
-    ----------
-    at : int
-        The clock from which on the first byte is offered.
-    data : bytes
-    closed : bool
-        Whether the last byte comes with ``load_last``.
-    gap : float
-        The probability that no byte is offered in a clock.
+    at: The clock from which on the first byte is offered.
+    closed: Whether the last byte comes with ``load_last``.
+    gap: The probability that no byte is offered in a clock.
     """
 
     at: int
@@ -141,10 +133,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
 def check_loading(bench: Bench, recording: Recording) -> list[int]:
     """Compare every output with what the twins compute from samples and bytes.
 
-    Returns
-    -------
-    list of int
-        For each image that was found good, how many frames were computed with it.
+    Returns: For each image that was found good, how many frames were computed with it.
     """
     twin = bench.twin
     rows = np.arange(RESET_CLOCKS, recording.clocks)

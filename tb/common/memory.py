@@ -1,7 +1,5 @@
 """The check that the benches of all memories use."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.border import State

@@ -4,8 +4,6 @@ This is the third simulation beside those of VHDL and Verilog, and the only one 
 bounds of every signal.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 
@@ -24,26 +22,11 @@ Clock = tuple[Codes, bool] | None
 def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     """Play frames as close together as the design takes them.
 
-    Parameters
-    ----------
-    design : Network
-        A network whose ``stream`` is ``serial`` or ``words``.
-    frames : Codes
-        Sample codes, shape (frames, inputs). The slots of a cascade after them carry zeros.
+    design: A network whose ``stream`` is ``serial`` or ``words``.
+    frames: Sample codes, shape (frames, inputs). The slots of a cascade after them carry zeros.
 
-    Returns
-    -------
-    results : Codes
-        Shape (frames - past, outputs), in the order in which they came out.
-    seconds : float
-        How long the simulation took, without the elaboration.
-
-    Raises
-    ------
-    InputError
-        When a signal leaves its bounds.
-    RuntimeError
-        When the design refuses a frame or gives a wrong number of results.
+    Returns results: Shape (frames - past, outputs), in the order in which they came out.
+    Returns seconds: How long the simulation took, without the elaboration.
     """
     ports = port_signals(design)
     whole = design.stream == "words"

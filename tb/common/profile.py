@@ -1,7 +1,5 @@
 """When the points of a profile appear, and the check that they are right."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -12,14 +10,9 @@ from tb.common.bench import Bench, Recording
 def ramps(recording: Recording, entered: np.ndarray, latency: int, points: int):
     """For every point that must appear: the number of its frame, its own number, and its row.
 
-    Parameters
-    ----------
-    entered : int array
-        The rows in which the results of a frame enter.
-    latency : int
-        The clocks from the results to the first point, and from each point to the next.
-    points : int
-        The number of points of a ramp.
+    entered: The rows in which the results of a frame enter.
+    latency: The clocks from the results to the first point, and from each point to the next.
+    points: The number of points of a ramp.
     """
     resets = set(recording.resets().tolist())
     frame_at = {int(row): number for number, row in enumerate(entered)}
@@ -53,19 +46,11 @@ def check_profile(
 ) -> np.ndarray:
     """Compare the points on the ports ``<prefix>_valid``, ``_x``, ``_y`` and ``_last``.
 
-    Parameters
-    ----------
-    entered, frames : int arrays
-        The rows in which results enter, and the results.
-    latency : int
-        The latency of load_profile.
-    profile : callable
-        A function from frames to positions and heights.
+    entered, frames: The rows in which results enter, and the results.
+    latency: The latency of load_profile.
+    profile: A function from frames to positions and heights.
 
-    Returns
-    -------
-    int array
-        The numbers of the frames that were drawn, once for each point.
+    Returns: The numbers of the frames that were drawn, once for each point.
     """
     positions, heights = profile(frames)
     frame, number, rows = ramps(recording, entered, latency, len(positions))

@@ -1,7 +1,5 @@
 """Checks of what a readout shows besides its stream: held outputs, the winner and the profile."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.precision import SIGNAL

@@ -1,7 +1,5 @@
 """The inputs that a block gets while the recorded frames of its scene run through the design."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -44,13 +42,9 @@ async def check_recorded(
 ) -> None:
     """Play the recorded inputs back to back, and compare every result and its clock.
 
-    Parameters
-    ----------
-    inputs, outputs, twin
-        See ``check_stream``.
-    operands : tuple of int array, optional
-        The values of the ports in the order of ``inputs``, if they are not those that ``process``
-        of the twin takes.
+    inputs, outputs, twin: See ``check_stream``.
+    operands: The values of the ports in the order of ``inputs``, if they are not those that
+        ``process`` of the twin takes.
     """
     operands = recorded_inputs(bench) if operands is None else operands
     items = dict(zip(inputs, operands, strict=True))

@@ -6,8 +6,6 @@ has a simulation of its own. The others are simulated as parts of their networks
 asked for.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import replace
 from typing import Any

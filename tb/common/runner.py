@@ -4,8 +4,6 @@ Each bench runs on the exported files themselves, with the entity under test as 
 folder and a simulator process of its own.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -145,13 +143,7 @@ def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
 
 
 def ready_scene(name: str) -> Scene:
-    """The scene of that name, after a check that simulators and recorded vectors exist.
-
-    Raises
-    ------
-    InputError
-        See ``check_simulator``, ``load_scene`` and ``Scene.vectors``.
-    """
+    """The scene of that name, after a check that simulators and recorded vectors exist."""
     scene = load_scene(name)
     for simulator in SIMULATORS:
         check_simulator(simulator)
@@ -160,13 +152,7 @@ def ready_scene(name: str) -> Scene:
 
 
 def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
-    """Export the scene in a fresh process that begins with the hash seed the exporter wants.
-
-    Raises
-    ------
-    InputError
-        With the exporter's message, when the scene cannot be exported.
-    """
+    """Export the scene in a fresh process that begins with the hash seed the exporter wants."""
     command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
     command += ["--build", str(build.resolve())]
     # So it need not start itself a second time.
@@ -209,13 +195,7 @@ def plan(
     build: Path = BUILD,
     frames: int = FRAMES,
 ) -> list[Job]:
-    """Export what is needed, and list the jobs for every entity of ``block`` or of all blocks.
-
-    Raises
-    ------
-    InputError
-        For an unknown or missing simulator, or a block that the scene does not contain.
-    """
+    """Export what is needed, and list the jobs for every entity of ``block`` or of all blocks."""
     simulators = list(simulators)
     for simulator in simulators:
         check_simulator(simulator)

@@ -1,7 +1,5 @@
 """Runs a bench in its simulator: cocotb-test builds an exported entity and starts cocotb in it."""
 
-from __future__ import annotations
-
 import logging
 import os
 import signal
@@ -42,17 +40,11 @@ RESULTS = "results.xml"
 class Run:
     """One entity in one simulator.
 
-    Attributes
-    ----------
-    simulator, entity, module : str
-        ``module`` is that of the bench.
-    sources : tuple of Path
-        The files in compile order, for Icarus, which compiles every entity from its own sources.
-    library : Path
-        The library with all entities, for GHDL; ``analyse`` has filled it.
-    folder : Path
-        The folder of the build and the run.
-    waves : bool
+    simulator, entity, module: ``module`` is that of the bench.
+    sources: The files in compile order, for Icarus, which compiles every entity from its own
+        sources.
+    library: The library with all entities, for GHDL; ``analyse`` has filled it.
+    folder: The folder of the build and the run.
     """
 
     simulator: str
@@ -80,13 +72,7 @@ def machine() -> dict[str, str]:
 
 
 def analyse(sources: Iterable[Path], library: Path) -> None:
-    """Compile VHDL files once for all runs of their entities.
-
-    Raises
-    ------
-    InputError
-        When GHDL refuses a file, with its message.
-    """
+    """Compile VHDL files once for all runs of their entities."""
     files = [str(source.resolve()) for source in sources]
     result = subprocess.run(
         ["ghdl", "-a", VHDL, QUICK, f"--workdir={library.resolve()}", *files],
@@ -135,18 +121,9 @@ def process_unchanged() -> Iterator[None]:
 class BenchSimulator(cocotb_test.simulator.Simulator):
     """A simulator of cocotb-test that changes nothing outside of its run.
 
-    Parameters
-    ----------
-    log : Path
-        The file for what the simulator prints. Nothing goes to the terminal.
-    **arguments
-        The arguments of cocotb-test. ``extra_env`` and what cocotb itself needs are the whole
-        environment of the run: nothing else is inherited.
-
-    Raises
-    ------
-    SystemExit
-        From ``run``, if the build fails, the run ends early, or a test did not pass.
+    log: The file for what the simulator prints. Nothing goes to the terminal.
+    **arguments: The arguments of cocotb-test. ``extra_env`` and what cocotb itself needs are the
+        whole environment of the run: nothing else is inherited.
     """
 
     def __init__(self, log: Path, **arguments: Any) -> None:
@@ -200,13 +177,8 @@ class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
 class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
     """GHDL, which takes an entity from a library that ``analyse`` has filled.
 
-    Parameters
-    ----------
-    entity : str
-        The entity in that library.
-    library : Path
-    **arguments
-        The arguments of ``BenchSimulator``, without sources.
+    entity: The entity in that library.
+    **arguments: The arguments of ``BenchSimulator``, without sources.
     """
 
     def __init__(self, entity: str, library: Path, **arguments: Any) -> None:

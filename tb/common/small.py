@@ -4,8 +4,6 @@
 effect there.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from golden.dense import Quantiser

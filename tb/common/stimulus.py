@@ -1,7 +1,5 @@
 """Codes and timelines that several benches drive."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -48,20 +46,13 @@ def spread(
 ) -> dict[str, np.ndarray]:
     """The items in their order, at most one in a clock, with idle clocks between them.
 
-    Parameters
-    ----------
-    items : dict
-        For each port its values, all of one length.
-    valid : str
-        The port that is high in the clocks of items.
-    gap : float
-        The probability of an idle clock before each item. In idle clocks the ports carry values of
+    items: For each port its values, all of one length.
+    valid: The port that is high in the clocks of items.
+    gap: The probability of an idle clock before each item. In idle clocks the ports carry values of
         other items, which reveals a block that ignores ``valid``. If there are gaps, a few of them
         are longer than any counter counts.
-    tail : int
-        The least number of idle clocks at the end, which reveal a counter that does not stop.
-    pause : int array or int
-        The number of further idle clocks before each item.
+    tail: The least number of idle clocks at the end, which reveal a counter that does not stop.
+    pause: The number of further idle clocks before each item.
     """
     count = len(next(iter(items.values())))
     idle = rng.geometric(1 - gap, count) - 1 + pause
@@ -164,11 +155,8 @@ def border_frames(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Frames whose exact sums lie just at the borders where results of a layer saturate.
 
-    Returns
-    -------
-    frames : int array, shape (frames, inputs)
-    of_row : int array
-        The row of weights that each is for.
+    Returns frames: shape (frames, inputs).
+    Returns of_row: The row of weights that each is for.
     """
     found, of_row = [], []
     chosen = [1] * len(rows) if factors is None else factors
@@ -220,16 +208,10 @@ def rounding_frames(
     There an error in the least bit of a sum changes the result, and hardly anywhere else. The
     results are random ones, and those that differ in one bit from the largest or the least.
 
-    Parameters
-    ----------
-    count : int
-        The number of random results for each row of weights.
+    count: The number of random results for each row of weights.
 
-    Returns
-    -------
-    frames : int array, shape (frames, inputs)
-    of_row : int array
-        The row of weights that each is for.
+    Returns frames: shape (frames, inputs).
+    Returns of_row: The row of weights that each is for.
     """
     fmt, shift = layer.out_fmt, layer.out_shift
     weights = np.array(rows)

@@ -1,7 +1,5 @@
 """The check that the benches of all blocks with ``in_valid`` and ``out_valid`` use."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -26,24 +24,16 @@ async def check_stream(
 ):
     """Play ``items``, feed the recorded inputs to ``twin``, and compare all outputs.
 
-    Parameters
-    ----------
-    items : dict
-        The values of the input ports, without ``in_valid``.
-    inputs, outputs : dict
-        For each port SIGNED or UNSIGNED.
-    twin : callable
-        A function from the recorded inputs, in the order of ``inputs``, to the outputs, in the
+    items: The values of the input ports, without ``in_valid``.
+    inputs, outputs: For each port SIGNED or UNSIGNED.
+    twin: A function from the recorded inputs, in the order of ``inputs``, to the outputs, in the
         order of ``outputs``.
-    gap : float
-        The probability of an idle clock before each item.
-    resets : bool or int array
-        Whether there are random resets, or the clocks of the resets. An item must vanish if a reset
-        comes while it is in the block.
-    interval : int
-        The least clocks from one item to the next. An item that is followed earlier must vanish.
-    pause : int array, optional
-        Idle clocks before each item. The default is as many as ``interval`` demands.
+    gap: The probability of an idle clock before each item.
+    resets: Whether there are random resets, or the clocks of the resets. An item must vanish if a
+        reset comes while it is in the block.
+    interval: The least clocks from one item to the next. An item that is followed earlier must
+        vanish.
+    pause: Idle clocks before each item. The default is as many as ``interval`` demands.
     """
     tail = bench.latency + 4
     idle = interval - 1 if pause is None else pause

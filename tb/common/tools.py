@@ -1,7 +1,5 @@
 """The simulators: which package each needs, and which language each reads."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -14,12 +12,7 @@ SIMULATORS = {"ghdl": ("ghdl", "ghdl-llvm", "vhdl"), "icarus": ("iverilog", "ive
 
 
 def check_simulator(name: str) -> None:
-    """Refuse an unknown simulator, or one that is not installed, and say what to do.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse an unknown simulator, or one that is not installed, and say what to do."""
     if name not in SIMULATORS:
         known = list(SIMULATORS)
         raise InputError(

@@ -4,8 +4,6 @@ Without a scene, a block is searched first in the default scenes, then in the ot
 then in the cases of its bench.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -42,13 +40,6 @@ def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Pl
     """Where the benches of one block or of all blocks run: in the named scene, or in several.
 
     The scene of a case is written below ``build``.
-
-    Raises
-    ------
-    InputError
-        For a block that does not exist, that the named scene does not contain, or that neither a
-        shipped scene nor a case of its bench contains.
-        See ``load_scene``.
     """
     if scene is not None:
         named = load_scene(scene)
@@ -80,12 +71,7 @@ def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Pl
 
 
 def check_block(scene: Scene, block: str | None) -> None:
-    """Refuse a block that a scene does not contain, and name a scene that does.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a block that a scene does not contain, and name a scene that does."""
     if block is None:
         return
     present = blocks_in(scene)
@@ -110,12 +96,7 @@ def _elsewhere(block: str) -> str:
 
 
 def check_name(block: str) -> None:
-    """Refuse a block that there is not.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a block that there is not."""
     known = block_names()
     if block not in known:
         hint = suggest(block, known) or f", expected one of {', '.join(known)}"

@@ -59,19 +59,11 @@ SHORT = 50_000
 class Played:
     """What was played and checked.
 
-    Attributes
-    ----------
-    recording, timeline
-    runs : list
-        For each network that ran, it and the numbers of its frames.
-    ends : int64 array
-        The clocks of the last samples.
-    told : dict
-        The columns of winner and profile.
-    sending
-        The packets of the twin.
-    met : Counter
-        How often each thing happened to an engine that learns.
+    runs: For each network that ran, it and the numbers of its frames.
+    ends: The clocks of the last samples.
+    told: The columns of winner and profile.
+    sending: The packets of the twin.
+    met: How often each thing happened to an engine that learns.
     """
 
     recording: Any

@@ -12,16 +12,11 @@ BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
 class Signals:
     """The block's signals, named in the order in which it makes them.
 
-    Attributes
-    ----------
-    there : dict
-        For each node and clock, the signal that holds the node then.
-    late : dict
-        For each delayed signal, the signal that holds the same value a clock earlier.
-    constants : dict
-        For each register that holds a constant row, its number. It is unknown in the first clock.
-    results : list of str
-        The signals that hold the rows in the clock before the results.
+    there: For each node and clock, the signal that holds the node then.
+    late: For each delayed signal, the signal that holds the same value a clock earlier.
+    constants: For each register that holds a constant row, its number. It is unknown in the first
+        clock.
+    results: The signals that hold the rows in the clock before the results.
     """
 
     def __init__(self, twin):

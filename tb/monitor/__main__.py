@@ -1,7 +1,5 @@
 """``make monitor``: show what a board sends on a page in the browser, and record it."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
@@ -27,10 +25,7 @@ PAUSE = 1.0
 class Terminal:
     """Prints lines that stay and, on a terminal, one line below them that is rewritten.
 
-    Parameters
-    ----------
-    seconds : float or None
-        After how many seconds to end; None for never.
+    seconds: After how many seconds to end; None for never.
     """
 
     def __init__(self, seconds: float | None) -> None:
@@ -52,13 +47,7 @@ class Terminal:
 
 
 def drift_of(text: str, seed: int) -> Drift | None:
-    """The drift in a variable; None if it is empty.
-
-    Raises
-    ------
-    InputError
-        For another text than two numbers.
-    """
+    """The drift in a variable; None if it is empty."""
     found = numbers("DRIFT", text, 2, MOST)
     return Drift(Disturbance(gain=found[0], offset=found[1]), seed) if found else None
 

@@ -1,7 +1,5 @@
 """The facts about a board that its scene states: packets, units and baud rate."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,17 +25,8 @@ MOST_BAUD = 12_000_000
 class Board:
     """A scene that runs on a board.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene whose networks run. It names the columns and their units.
-    hardware : Scene
-        The scene whose hardware the board has. It says what the packets hold.
-
-    Raises
-    ------
-    InputError
-        When the hardware has no serial line, another number of inputs, or fewer outputs.
+    scene: The scene whose networks run. It names the columns and their units.
+    hardware: The scene whose hardware the board has. It says what the packets hold.
     """
 
     scene: Scene
@@ -126,14 +115,7 @@ class Board:
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
 
     def known_codes(self, values: Mapping[str, object]) -> list[int]:
-        """The codes of known outputs, which are given in their units as numbers or as texts.
-
-        Raises
-        ------
-        InputError
-            For an output that is missing, that the scene does not have, whose value is no number,
-            or for which there is no code. When the hardware has more outputs than the scene.
-        """
+        """The codes of known outputs, which are given in their units as numbers or as texts."""
         outputs = self.scene.outputs
         if len(outputs) < self.layout.outputs:
             raise InputError(
@@ -177,12 +159,6 @@ class Board:
 
 
 def board_of(scene: str, hardware: str = "") -> Board:
-    """The board of a scene by name or path, with its own hardware or that of another scene.
-
-    Raises
-    ------
-    InputError
-        See ``load_scene`` and ``Board``.
-    """
+    """The board of a scene by name or path, with its own hardware or that of another scene."""
     own = load_scene(scene)
     return Board(own, load_scene(hardware) if hardware else own)

@@ -18,17 +18,7 @@ class GrowingCsv:
     A program that reads it meanwhile, or after a power cut, finds whole rows. If the disk becomes
     full within a row, the part that was written is removed again.
 
-    Parameters
-    ----------
-    path : Path
-    columns : sequence of str
-        The header.
-
-    Raises
-    ------
-    InputError
-        When the file is there already, or when a column stands twice.
-        When the file cannot be written, now or at a later row.
+    columns: The header.
     """
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
@@ -72,12 +62,7 @@ class GrowingCsv:
 
 
 def refuse_there(path: Path) -> None:
-    """Refuse to write over a file, or into a folder that is missing.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse to write over a file, or into a folder that is missing."""
     check_folder(path)
     if path.exists() or path.is_symlink():
         raise InputError(f"{path}: is there already; choose another name with TO=")

@@ -1,7 +1,5 @@
 """The lessons that a monitor gives to a board that learns."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Iterable
@@ -37,13 +35,7 @@ ONE = 1 << (THETA.frac - OUTPUT_SHIFT)
 
 
 class Tour:
-    """Places a simulated board where ``make recalibrate`` proposes, one placement after the other.
-
-    Parameters
-    ----------
-    board : Board
-    simulated : Simulated
-    """
+    """Places a simulated board where ``make recalibrate`` proposes, one after the other."""
 
     def __init__(self, board: Board, simulated: Simulated) -> None:
         self._scene, self._simulated = board.scene, simulated
@@ -78,17 +70,10 @@ class Shown:
 class Lessons:
     """The lessons that wait to be sent, and the placements that were shown.
 
-    Parameters
-    ----------
-    board : Board
-        A board that learns.
+    board: A board that learns.
 
-    Attributes
-    ----------
-    count : int
-        How many placements were shown.
-    tour : Tour or None
-        The placements of a simulated board.
+    count: How many placements were shown.
+    tour: The placements of a simulated board.
     """
 
     def __init__(self, board: Board) -> None:
@@ -121,19 +106,10 @@ class Lessons:
     def ask(self, request: object, learning: bool) -> None:
         """Take a request for a lesson, which then waits to be sent.
 
-        Parameters
-        ----------
-        request : object
-            What came: a dict. It may have the values of all outputs under ``known``, or all
+        request: What came: a dict. It may have the values of all outputs under ``known``, or all
             elements of theta under ``theta``, and whether the board is to learn from now on under
             ``learn``.
-        learning : bool
-            Whether the board learns now. It goes on so if nothing else was asked for.
-
-        Raises
-        ------
-        InputError
-            For another request; see also ``Board.known_codes``.
+        learning: Whether the board learns now. It goes on so if nothing else was asked for.
         """
         expected = "expected an object with known, theta or learn"
         if not isinstance(request, dict) or not request:
@@ -196,11 +172,7 @@ class Lessons:
     def errors(self, course: Iterable[tuple[float, list[float]]], now: float) -> list[list[float]]:
         """The errors of the outputs at the placement that is there, each after its time.
 
-        Parameters
-        ----------
-        course : iterable of (float, list of float)
-            Times, and the outputs then; no outputs where the line was cut.
-        now : float
+        course: Times, and the outputs then; no outputs where the line was cut.
         """
         known = self._there
         if known is None:

@@ -31,28 +31,13 @@ class Simulated(Protocol):
 class Line:
     """A serial port with 8 bits, no parity and one stop bit.
 
-    Parameters
-    ----------
-    name : str
-        The system's name of the port, such as ``/dev/ttyUSB0``.
-    baud : int
-    label : str
-        The name that a user gives the port, if it is another one.
+    name: The system's name of the port, such as ``/dev/ttyUSB0``.
+    label: The name that a user gives the port, if it is another one.
 
-    Attributes
-    ----------
-    cut : str
-        Why the port is gone; empty while it is open.
-    simulated : Simulated or None
-        The simulated board behind the port, if there is one.
-    silence, patience : float
-        After ``silence`` seconds without a packet this is reported. After ``patience`` seconds a
-        command that needs a packet gives up.
-
-    Raises
-    ------
-    InputError
-        When the port cannot be opened; the message names the ports of this machine.
+    cut: Why the port is gone; empty while it is open.
+    simulated: The simulated board behind the port, if there is one.
+    silence, patience: After ``silence`` seconds without a packet this is reported. After
+        ``patience`` seconds a command that needs a packet gives up.
     """
 
     def __init__(self, name: str, baud: int, label: str = "") -> None:
@@ -94,13 +79,7 @@ class Line:
             self._lost(error)
 
     def write(self, data: bytes) -> None:
-        """Send bytes, and wait until they have left.
-
-        Raises
-        ------
-        InputError
-            When the port is gone.
-        """
+        """Send bytes, and wait until they have left."""
         try:
             if self._port is not None:
                 self._port.write(data)

@@ -1,7 +1,5 @@
 """``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
@@ -25,11 +23,6 @@ def check_readings(board: Board) -> None:
     """Refuse a scene whose sensors are not those that the board reads.
 
     Otherwise its networks would get other sensors, or codes that stand for other readings.
-
-    Raises
-    ------
-    InputError
-        When sensors, window or scales are not those of the hardware.
     """
     scene, hardware = board.scene, board.hardware
     if scene.sensors != hardware.sensors:
@@ -50,14 +43,7 @@ def check_readings(board: Board) -> None:
 
 
 def load(line: Line, board: Board) -> int:
-    """Send the image of a scene, wait until it runs, and return the number of its bytes.
-
-    Raises
-    ------
-    InputError
-        For a scene that the hardware cannot run; see also ``scene_image``.
-        When the board refuses the image, or does not answer.
-    """
+    """Send the image of a scene, wait until it runs, and return the number of its bytes."""
     check_readings(board)
     data = scene_image(board.scene, hardware_of(board.hardware)).to_bytes()
     line.drop()

@@ -1,7 +1,5 @@
 """The messages of the monitor, which does not repeat one kind of message all the time."""
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable
@@ -15,12 +13,8 @@ MOST_LINES = 30
 class Messages:
     """Messages with the time of day; the newest comes first.
 
-    Parameters
-    ----------
-    say : callable
-        Called with each line as it comes, for a terminal.
-    clock : callable
-        Gives a time in seconds.
+    say: Called with each line as it comes, for a terminal.
+    clock: Gives a time in seconds.
     """
 
     def __init__(

@@ -1,7 +1,5 @@
 """Turns what a board sends into what is shown: values, their course, a profile, and faults."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections import deque
@@ -49,20 +47,11 @@ def csv_columns(board: Board) -> list[str]:
 class Monitor:
     """Takes the bytes that come over a line, and gives at any time what is to be shown.
 
-    Parameters
-    ----------
-    board : Board
-    say : callable
-        Called with each line for a terminal.
-    csv : GrowingCsv, optional
-        A file to which every frame is appended, with ``csv_columns``.
-    clock : callable
-        Gives a time in seconds.
+    say: Called with each line for a terminal.
+    csv: A file to which every frame is appended, with ``csv_columns``.
+    clock: Gives a time in seconds.
 
-    Attributes
-    ----------
-    lessons : Lessons or None
-        The lessons for the board; None for one that does not learn.
+    lessons: The lessons for the board; None for one that does not learn.
     """
 
     def __init__(
@@ -112,11 +101,6 @@ class Monitor:
         """Send the board a lesson, which ``listen`` does; see ``Lessons.ask``.
 
         It may be called from any thread.
-
-        Raises
-        ------
-        InputError
-            For a request that is no lesson, and while no packets come.
         """
         assert self.lessons is not None, "only a board that learns is taught"
         with self._lock:

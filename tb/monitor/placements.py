@@ -1,7 +1,5 @@
 """The rows of a scene's recording, which are what a simulated board reads."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -21,12 +19,8 @@ from golden.scene.vectors import read_recorded
 class Drift:
     """How far the sensors of a simulated board have drifted since the recording.
 
-    Attributes
-    ----------
-    expected : Disturbance
-        Standard deviations of the gains, and of the offsets as signals.
-    seed : int
-        Gains and offsets are drawn from it.
+    expected: Standard deviations of the gains, and of the offsets as signals.
+    seed: Gains and offsets are drawn from it.
     """
 
     expected: Disturbance
@@ -36,11 +30,7 @@ class Drift:
 def samples_of(scene: Scene, drift: Drift | None = None) -> Codes:
     """The codes of the sensors in every recorded row, shape (rows, sensors).
 
-    Parameters
-    ----------
-    scene : Scene
-    drift : Drift, optional
-        Without it the sensors are as they were in the recording.
+    drift: Without it the sensors are as they were in the recording.
     """
     found = signals(read_recorded(scene).sensors, scene.scales(scene.sensors))
     if drift:
@@ -52,11 +42,6 @@ def nearest_row(scene: Scene, targets: Mapping[str, str | float]) -> int:
     """The recorded row whose outputs are nearest to these; each counts in parts of its range.
 
     With classes it is the first row of the label that is given for their column.
-
-    Raises
-    ------
-    InputError
-        When the recording has no such output, or no such label.
     """
     if scene.labels and scene.classes in targets:
         label = str(targets[scene.classes])

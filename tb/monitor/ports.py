@@ -1,7 +1,5 @@
 """Opens the port that a user names: a serial port, or that of a simulated board."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -31,19 +29,7 @@ def open_line(
 ) -> Iterator[Line]:
     """The line to a board, with the baud rate of its scene if no other is given.
 
-    Parameters
-    ----------
-    port : str
-    baud : int or None
-    board : Board
-    drift : Drift, optional
-        How far the sensors of a simulated board have drifted.
-
-    Raises
-    ------
-    InputError
-        When no port is named.
-        See ``Line``.
+    drift: How far the sensors of a simulated board have drifted.
     """
     if not port:
         raise InputError(
@@ -72,12 +58,7 @@ def open_line(
 
 
 def refuse_drift(port: str) -> None:
-    """Refuse a drift of sensors that are not simulated.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a drift of sensors that are not simulated."""
     if port not in (SIMULATED, TWIN):
         raise InputError(
             f"DRIFT=: got PORT={port}, expected {TWIN} or {SIMULATED}: only the sensors of a "

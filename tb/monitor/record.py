@@ -1,7 +1,5 @@
 """``make record``: record readings at known placements, in the form that ``make scene`` takes."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys
@@ -42,11 +40,6 @@ def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[
 
     A column holds numbers, or labels of which none is a number. Those whose names are in
     ``numbers`` hold numbers.
-
-    Raises
-    ------
-    InputError
-        See ``read_csv_file``. Also when a cell is empty, or no number in a column of numbers.
     """
     table = read_csv_file(path)
     placements = [tuple(cell.strip() for cell in row) for row in table.rows]
@@ -64,23 +57,11 @@ def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[
 def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
     """Refuse columns of a file of labels that cannot be outputs of the recording.
 
-    Parameters
-    ----------
-    names : sequence of str
-        The names of the columns.
-    path : Path
-        The file of labels.
-    scene : Scene
-        The scene whose sensors are read.
-    simulated : bool
-        Whether the board is simulated. Such a board can only be touched at placements of its
+    names: The names of the columns.
+    path: The file of labels.
+    scene: The scene whose sensors are read.
+    simulated: Whether the board is simulated. Such a board can only be touched at placements of its
         recording.
-
-    Raises
-    ------
-    InputError
-        For every column that has no name or that of a sensor and, with a simulated board, for every
-        column that is no output and not that of the classes.
     """
     found = []
     known = asked_for(scene)
@@ -100,26 +81,14 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
 
 
 def read_label(line: str, names: Sequence[str]) -> Placement:
-    """The label that was typed.
-
-    Raises
-    ------
-    InputError
-        When it contains a comma, which no label of one word or more needs.
-    """
+    """The label that was typed."""
     if "," in line:
         raise InputError(f"got {line.strip()!r}, expected one {names[0]}, without a comma")
     return (line.strip(),)
 
 
 def read_placement(line: str, outputs: Sequence[str]) -> Placement:
-    """The values that were typed, separated by blanks or commas.
-
-    Raises
-    ------
-    InputError
-        When there are more or fewer values than outputs, or when one is no number.
-    """
+    """The values that were typed, separated by blanks or commas."""
     cells = tuple(line.replace(",", " ").split())
     if len(cells) != len(outputs):
         raise InputError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
@@ -170,13 +139,7 @@ def listed(
 
 
 def gather(line: Line, board: Board, frames: int) -> Real:
-    """The readings of the next frames, shape (frames, sensors).
-
-    Raises
-    ------
-    InputError
-        When no frame comes, or when a packet reports a converter error.
-    """
+    """The readings of the next frames, shape (frames, sensors)."""
     line.drop()
     decoder = Decoder(board.layout)
     found: list[Frame] = []
@@ -207,10 +170,7 @@ def record(
 ) -> Real:
     """Append a row for each placement: the means of its readings, and its values.
 
-    Returns
-    -------
-    float array, shape (sensors,)
-        The standard deviation of a reading within a placement.
+    Returns, shape (sensors,): The standard deviation of a reading within a placement.
     """
     spreads = []
     sensors = board.scene.sensors
@@ -229,13 +189,7 @@ def record(
 
 
 def asked(prompt: str) -> str:
-    """The line that is typed behind the prompt.
-
-    Raises
-    ------
-    EOFError
-        When the input has ended, or when there is none.
-    """
+    """The line that is typed behind the prompt."""
     if sys.stdin is None:
         raise EOFError
     return input(prompt)
@@ -244,18 +198,8 @@ def asked(prompt: str) -> str:
 def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
     """Refuse a recording that is shorter than was asked for.
 
-    Parameters
-    ----------
-    csv : GrowingCsv
-    listed : int
-        How many placements ``LABELS=`` has; 0 if placements are typed.
-    interrupted : bool
-        Whether the user ended it with Ctrl-C. Then a shorter recording is what was wanted.
-
-    Raises
-    ------
-    InputError
-        When there is no row, or when the input has ended before the last placement.
+    listed: How many placements ``LABELS=`` has; 0 if placements are typed.
+    interrupted: Whether the user ended it with Ctrl-C. Then a shorter recording is what was wanted.
     """
     if not csv.rows:
         why = "interrupted" if interrupted else "the input ended"

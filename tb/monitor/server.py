@@ -32,19 +32,11 @@ class Server:
     request must be JSON, which a browser sends to another host only if that one agrees, and must
     not name another origin.
 
-    Parameters
-    ----------
-    title : str
-    state : callable
-        Gives what the page shows.
-    actions : mapping, optional
-        What the page may ask for, by path. Each takes what was sent, and its result is the answer.
-        For an InputError the answer has its text as ``error``.
+    state: Gives what the page shows.
+    actions: What the page may ask for, by path. Each takes what was sent, and its result is the
+        answer. For an InputError the answer has its text as ``error``.
 
-    Attributes
-    ----------
-    address : str
-        The address of the page.
+    address: The address of the page.
     """
 
     def __init__(

@@ -57,24 +57,11 @@ class SimulatedBoard:
     The simulation runs as fast as it can, which is slower than the hardware. It waits while nobody
     reads what it sends.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene with a section ``[uart]``.
-    hold : int
-        How many scans each row of the recording is played for.
-    drift : Drift, optional
-        How far its sensors have drifted since the recording.
+    scene: A scene with a section ``[uart]``.
+    hold: How many scans each row of the recording is played for.
+    drift: How far its sensors have drifted since the recording.
 
-    Attributes
-    ----------
-    port : str
-        The path to open as a serial port.
-
-    Raises
-    ------
-    InputError
-        When the simulator is not installed, or when the hardware cannot be built.
+    port: The path to open as a serial port.
     """
 
     def __init__(self, scene: Scene, hold: int, drift: Drift | None = None) -> None:

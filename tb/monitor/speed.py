@@ -5,8 +5,6 @@ is a process of its own. It is measured without a page, with a page that is read
 second, and with a recording as well. Then the packets come from the simulated hardware.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import multiprocessing

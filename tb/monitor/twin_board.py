@@ -41,25 +41,14 @@ _HEADER = 4
 class TwinBoard:
     """A board on a pseudo-terminal that plays the recording of a scene, one row after the other.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene with the hardware, the networks and the recording.
-    rate : float
-        Packets per second; with 0, as many as are read.
-    hold : int
-        How many packets each row is played for.
-    drift : Drift, optional
-        How far its sensors have drifted since the recording.
+    scene: The scene with the hardware, the networks and the recording.
+    rate: Packets per second; with 0, as many as are read.
+    hold: How many packets each row is played for.
+    drift: How far its sensors have drifted since the recording.
 
-    Attributes
-    ----------
-    port : str
-        The path to open as a serial port.
-    samples : int64 array, shape (rows, sensors)
-        Codes of what its sensors read in each row of the recording.
-    lessons : TwinLessons or None
-        What it does with lessons; None for a board that does not learn.
+    port: The path to open as a serial port.
+    samples, shape (rows, sensors): Codes of what its sensors read in each row of the recording.
+    lessons: What it does with lessons; None for a board that does not learn.
     """
 
     def __init__(

@@ -22,14 +22,7 @@ IDLE_SECONDS = 0.2
 class TwinLessons:
     """The part of a board of twins that learns.
 
-    Parameters
-    ----------
-    pupil : Pupil
-
-    Attributes
-    ----------
-    learn : bool
-        Whether it is to learn, as the last right lesson says.
+    learn: Whether it is to learn, as the last right lesson says.
     """
 
     def __init__(self, pupil: Pupil) -> None:

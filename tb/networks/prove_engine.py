@@ -150,19 +150,11 @@ def built_in(twin, place="place"):
 class Steps:
     """How a program is read.
 
-    Attributes
-    ----------
-    sentence : str
-        What the property of the counter says.
-    begin : int
-        The first address of the program.
-    watch : str
-        ``fetched_from`` is the address of the word that is there while ``run`` is high.
-    helps : tuple of str
-    idle : str
-        Whether the word that is there reads no operand.
-    refuted_by : tuple of (str, str)
-        Broken copies, for the property of the counter.
+    sentence: What the property of the counter says.
+    begin: The first address of the program.
+    watch: ``fetched_from`` is the address of the word that is there while ``run`` is high.
+    idle: Whether the word that is there reads no operand.
+    refuted_by: Broken copies, for the property of the counter.
     """
 
     sentence: str

@@ -6,8 +6,6 @@ units of 2**-13, over the recorded frames and over 2000 random ones. ``build/pee
 ``peers.csv`` and the Verilog of the peers.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -63,13 +61,7 @@ PEERS: dict[str, Peer] = {
 
 
 def chosen(only: str) -> list[str]:
-    """The names in ``ONLY``; without one, all.
-
-    Raises
-    ------
-    InputError
-        For an unknown name.
-    """
+    """The names in ``ONLY``; without one, all."""
     names = words("ONLY", only)
     for name in names:
         if name not in PEERS:

@@ -11,8 +11,6 @@ estimate of delays alone. So that each table has a register before it and one be
 a block RAM, the network is made of four parts, and the tables are a part of their own.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import sys

@@ -1,7 +1,5 @@
 """alkaid: runs it, simulates the Verilog that it writes, and counts the cells."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -49,13 +47,7 @@ def question(task: Task) -> dict[str, Any]:
 
 
 def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The rows of the networks of ``alkaid_network.py``.
-
-    Raises
-    ------
-    InputError
-        When alkaid or a tool fails, or when Verilog does not compute what alkaid's model does.
-    """
+    """The rows of the networks of ``alkaid_network.py``."""
     for task in tasks.values():
         place = folder / task.name
         place.mkdir()

@@ -1,7 +1,5 @@
 """A microcontroller: compiles the network for an ATmega328P and measures its clocks in simavr."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -20,13 +18,7 @@ SIMULATOR = "simulate"
 
 
 def brought(folder: Path) -> Path:
-    """The simulator, which is simavr with ``avr_bench.c``, compiled into a folder.
-
-    Raises
-    ------
-    InputError
-        When a compiler or a library is missing.
-    """
+    """The simulator, which is simavr with ``avr_bench.c``, compiled into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     bench = str(HERE / "avr_bench.c")
     try:
@@ -38,13 +30,7 @@ def brought(folder: Path) -> Path:
 
 
 def compiled(task: Task, folder: Path) -> tuple[int, int]:
-    """Write ``program``; the bytes of flash, and those of RAM without the stack.
-
-    Raises
-    ------
-    InputError
-        When the compiler fails, which it also does if the program does not fit.
-    """
+    """Write ``program``; the bytes of flash, and those of RAM without the stack."""
     written(task, "avr_platform.h", folder)
     run([*COMPILER, "-o", "program", SOURCE], folder)
     sizes = run(["avr-size", "program"], folder).splitlines()[1].split()
@@ -65,13 +51,7 @@ def played(
 
 
 def rows(simulator: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The row of the microcontroller, which has no cells of an FPGA.
-
-    Raises
-    ------
-    InputError
-        When a tool fails, or when a frame has other outputs than ``model``.
-    """
+    """The row of the microcontroller, which has no cells of an FPGA."""
     task = tasks[MAIN]
     flash, ram = compiled(task, folder)
     outputs = model(task)

@@ -1,7 +1,5 @@
 """Counts the cells of a design in one piece, with the same script for all projects."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections import Counter
@@ -19,13 +17,7 @@ Cells = dict[str, dict[str, int]]
 
 
 def in_one_piece(verilog: Path, top: str) -> Cells:
-    """The cells of the ``.v`` and ``.mem`` files in a folder, in each family.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """The cells of the ``.v`` and ``.mem`` files in a folder, in each family."""
     return {family: _counted(verilog, top, family) for family in SYNTHESISE}
 
 

@@ -1,7 +1,5 @@
 """Files of one commit of a public git repository."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -14,19 +12,8 @@ from tb.peers.installed import run
 def cloned(folder: Path, repository: str, commit: str, files: Mapping[str, str]) -> Path:
     """A folder with some files of a commit, which are brought if they are not there.
 
-    Parameters
-    ----------
-    folder : Path
-    repository : str
-        Its URL.
-    commit : str
-    files : mapping
-        The path in the repository of each file, by its path in the folder.
-
-    Raises
-    ------
-    InputError
-        When git is not installed, when there is no network, or when there is no such file.
+    repository: Its URL.
+    files: The path in the repository of each file, by its path in the folder.
     """
     place = folder / commit
     if not all((place / name).is_file() for name in files):

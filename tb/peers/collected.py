@@ -1,7 +1,5 @@
 """Gathers the Verilog of a peer, with the changes that Yosys needs."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Sequence
@@ -18,14 +16,7 @@ KEPT: Edits = [(ADDER, r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")]
 
 
 def collected(name: str, source: Path, folder: Path, edits: Edits) -> None:
-    """Copy the Verilog and the tables that da4ml or alkaid wrote into a new folder, and change it.
-
-    Raises
-    ------
-    InputError
-        When a text to change is not there, because another version writes other text; the message
-        begins with ``name``.
-    """
+    """Copy the Verilog and tables that da4ml or alkaid wrote into a new folder, and change it."""
     folder.mkdir()
     for file in (*source.glob("*.v"), *source.glob("static/*.v"), *source.glob("memfiles/*.mem")):
         if not file.name.endswith("_wrapper.v"):

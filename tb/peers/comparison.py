@@ -1,7 +1,5 @@
 """The comparison: the network, the frames, the errors against floating point, and the table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -37,16 +35,10 @@ COLUMNS = {
 class Task:
     """The task that all designs compute.
 
-    Attributes
-    ----------
-    scene : Scene
-        Network and frames come from it.
-    mlp : Mlp
-        The network in floating point.
-    constants : Constants
-        The codes of its weights and biases, which are the same for all designs.
-    recorded, random : integer arrays, shape (frames, inputs)
-        The codes of the samples.
+    scene: Network and frames come from it.
+    mlp: The network in floating point.
+    constants: The codes of its weights and biases, which are the same for all designs.
+    recorded, random, shape (frames, inputs): The codes of the samples.
     """
 
     scene: Scene
@@ -99,23 +91,14 @@ def task_of(scene: Scene, seed: int) -> Task:
 class Row:
     """One design.
 
-    Attributes
-    ----------
-    network : str
-        The network that it computes.
-    name : str
-    cells : mapping or None
-        The count of each kind of ``hdl.synth.netlist.KINDS``, in each family; None for a design
+    network: The network that it computes.
+    cells: The count of each kind of ``hdl.synth.netlist.KINDS``, in each family; None for a design
         that is not in an FPGA.
-    clocks : int
-        The clocks from the last sample of a frame to its last output.
-    interval : int
-        The clocks from one frame to the next.
-    errors : tuple
-        See ``Task.errors``; None twice for a network that tells classes apart.
-    right : float or None
-        Of such a network, how many of the rows held out from its training are decided rightly, in
-        percent.
+    clocks: The clocks from the last sample of a frame to its last output.
+    interval: The clocks from one frame to the next.
+    errors: See ``Task.errors``; None twice for a network that tells classes apart.
+    right: Of such a network, how many of the rows held out from its training are decided rightly,
+        in percent.
     """
 
     network: str

@@ -11,8 +11,6 @@ words, and its other bits times the slope are added. The first table includes ha
 place, so r is cut without an addition for rounding.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import sys

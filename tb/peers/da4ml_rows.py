@@ -1,7 +1,5 @@
 """da4ml: tries its settings, simulates the Verilog that it writes, and counts the cells."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,16 +30,9 @@ MORE = 1.2
 class Tried:
     """A setting that was tried.
 
-    Attributes
-    ----------
-    setting : str
-    cost : float
-        The cost as da4ml counts it.
-    clocks : int
-    outputs : integer array, shape (frames, outputs)
-        The outputs of da4ml's own integer model.
-    folder : Path
-        The folder with its Verilog.
+    cost: The cost as da4ml counts it.
+    outputs, shape (frames, outputs): The outputs of da4ml's own integer model.
+    folder: The folder with its Verilog.
     """
 
     setting: str
@@ -57,13 +48,7 @@ def brought(folder: Path) -> Path:
 
 
 def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
-    """Try every setting of ``da4ml_network.py``.
-
-    Raises
-    ------
-    InputError
-        When da4ml fails.
-    """
+    """Try every setting of ``da4ml_network.py``."""
     answers = run_isolated(python, PROGRAM, task.question(), folder)
     return [
         Tried(
@@ -82,11 +67,6 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
     """The setting with the least cost whose errors are at most ``most``.
 
     Both the errors over the recorded frames and those over the random frames are limited.
-
-    Raises
-    ------
-    InputError
-        When there is no such setting.
     """
     good = [
         one
@@ -99,13 +79,7 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
 
 
 def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The row of the cheapest setting whose errors are near those of our design.
-
-    Raises
-    ------
-    InputError
-        When da4ml or a tool fails, or when Verilog does not compute what da4ml's model does.
-    """
+    """The row of the cheapest setting whose errors are near those of our design."""
     task = tasks[MAIN]
     measure = DESIGNS[MEASURE].of([task.mlp], Settings(task.constants.precision))
     recorded, random = task.errors(measure.process(task.frames))

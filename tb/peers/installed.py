@@ -1,7 +1,5 @@
 """Virtual environments with the packages of other projects, apart from ours."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -28,11 +26,6 @@ def installed(folder: Path, package: str) -> Path:
     """The Python of an environment in ``folder`` with a package of ``requirements.txt``.
 
     The environment is made if it is not there, or if another version is required now.
-
-    Raises
-    ------
-    InputError
-        When pip cannot install it, because there is no network or no wheel for this machine.
     """
     requirement = f"{package}=={pinned(package)}"
     python, ready = folder / "bin" / "python", folder / READY
@@ -58,11 +51,6 @@ def run_isolated(python: Path, program: Path, given: dict[str, Any], folder: Pat
     """Run a program with the Python of another environment, and return its answer.
 
     Question and answer are JSON files in ``folder``; the programs describe them.
-
-    Raises
-    ------
-    InputError
-        When the program fails.
     """
     (folder / "given.json").write_text(json.dumps(given), encoding="utf-8")
     # The program runs isolated, so that it sees nothing of this project.
@@ -71,13 +59,7 @@ def run_isolated(python: Path, program: Path, given: dict[str, Any], folder: Pat
 
 
 def run(command: list[str], folder: Path | None = None) -> str:
-    """Run a program and return what it printed.
-
-    Raises
-    ------
-    InputError
-        When there is no such program, or when it fails; the message has its last lines.
-    """
+    """Run a program and return what it printed."""
     name = Path(command[0]).name
     try:
         result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

@@ -6,8 +6,6 @@ words of the tables, and frames with their outputs. The registers are where its 
 behind each table, behind each sum of up to four, and behind each layer but the last.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -46,16 +44,10 @@ RANDOM_FRAMES = 2000
 class Layer:
     """One layer.
 
-    Attributes
-    ----------
-    width : int
-        Bits of an input and of the address of a table.
-    signed : bool
-        Whether an input is signed; words are in the order of the numbers that an input can be.
-    out_width : int
-        Bits of a word and of an output, both signed.
-    tables : dict
-        The words by node and input; an input that a node does not use has none.
+    width: Bits of an input and of the address of a table.
+    signed: Whether an input is signed; words are in the order of the numbers that an input can be.
+    out_width: Bits of a word and of an output, both signed.
+    tables: The words by node and input; an input that a node does not use has none.
     """
 
     width: int
@@ -184,13 +176,7 @@ def _passed(kind: str, name: str, value: str) -> str:
 
 
 def rows(place: Path, _tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The row of each network.
-
-    Raises
-    ------
-    InputError
-        When a tool fails, or when the Verilog or its own frames differ from the tables.
-    """
+    """The row of each network."""
     for network, (_, right) in NETWORKS.items():
         texts = [(place / network / Path(file).name).read_text("utf-8") for file in FILES]
         config, tables = map(json.loads, texts[:2])

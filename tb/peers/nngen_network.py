@@ -9,8 +9,6 @@ without interpolation. The hardware reads samples and weights from a memory behi
 writes the outputs there. In simulation this memory is NNgen's own model, with its shortest delays.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """NNgen: runs it, compares frames of its own simulation with its model, and counts the cells."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -23,13 +21,7 @@ def brought(folder: Path) -> Path:
 
 
 def rows(python: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The row of the network of ``nngen_network.py``.
-
-    Raises
-    ------
-    InputError
-        When NNgen fails, or a simulated frame has other outputs than its model.
-    """
+    """The row of the network of ``nngen_network.py``."""
     task = tasks[MAIN]
     answer = run_isolated(python, PROGRAM, task.question(), folder)
     outputs, simulated = np.array(answer["outputs"]), np.array(answer["simulated"])

@@ -1,7 +1,5 @@
 """Our designs: those that take a frame in every clock, and the engine, which folds a network."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -49,13 +47,7 @@ def designs(task: Task) -> Iterator[tuple[Design, str]]:
 
 
 def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
-    """The rows of our designs of every task, and of the networks for classes.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """The rows of our designs of every task, and of the networks for classes."""
     for task in tasks.values():
         for design, sums in designs(task):
             errors = task.errors(design.process(task.frames))
@@ -81,13 +73,7 @@ def for_classes(scene: Scene) -> tuple[Design, str]:
 
 
 def row(network: str, design: Design, shape: str = "", **measured: Any) -> Row:
-    """The row of a design in one piece; ``measured`` is ``errors`` or ``right``.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """The row of a design in one piece; ``measured`` is ``errors`` or ``right``."""
     with tempfile.TemporaryDirectory() as folder:
         convert_hierarchy(elaborate(design), Path(folder), "verilog")
         cells = in_one_piece(Path(folder), design.entity)

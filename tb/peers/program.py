@@ -3,8 +3,6 @@
 ``program.c`` is the same for all processors. A header for each says what differs.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any
@@ -81,13 +79,9 @@ def written(task: Task, platform: str, folder: Path) -> None:
 def timed(printed: str, inputs: int, outputs: int) -> tuple[Codes, int, int]:
     """The outputs that a simulator printed, the most clocks of a frame, and from frame to frame.
 
-    Parameters
-    ----------
-    printed : str
-        A line ``taken CLOCK`` for each sample, and a line ``given CLOCK CODE`` for each output;
-        other lines are the simulator's own.
-    inputs, outputs : int
-        How many samples and outputs a frame has.
+    printed: A line ``taken CLOCK`` for each sample, and a line ``given CLOCK CODE`` for each
+        output; other lines are the simulator's own.
+    inputs, outputs: How many samples and outputs a frame has.
     """
     lines = [line.split() for line in printed.splitlines()]
     taken = np.array([int(line[1]) for line in lines if line[:1] == ["taken"]])

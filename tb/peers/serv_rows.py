@@ -1,7 +1,5 @@
 """SERV: compiles the network for this bit-serial RISC-V, measures its clocks, counts the cells."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -28,13 +26,7 @@ SIMULATED = 4
 
 
 def brought(folder: Path) -> Path:
-    """The folder with SERV's Verilog, in an environment with its package; see ``installed``.
-
-    Raises
-    ------
-    InputError
-        Also when there is no compiler for RISC-V.
-    """
+    """The folder with SERV's Verilog, in an environment with its package; see ``installed``."""
     try:
         run([f"{TOOLS}-gcc", "--version"])
     except InputError as error:
@@ -45,13 +37,7 @@ def brought(folder: Path) -> Path:
 
 
 def compiled(task: Task, folder: Path) -> None:
-    """Write ``program.mem``, the words of the memory.
-
-    Raises
-    ------
-    InputError
-        When the compiler fails, or when the program does not fit.
-    """
+    """Write ``program.mem``, the words of the memory."""
     written(task, "serv_platform.h", folder)
     # The first instruction is at address 0.
     places = ["-Wl,--section-start=.start=0,-Ttext=0x10,--entry=start", f"-DMEMORY={MEMORY}"]
@@ -76,13 +62,7 @@ def played(frames: Codes, outputs: int, folder: Path) -> tuple[Codes, int, int]:
 
 
 def rows(verilog: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]:
-    """The row of SERV with its memory.
-
-    Raises
-    ------
-    InputError
-        When a tool fails, or when a simulated frame has other outputs than ``model``.
-    """
+    """The row of SERV with its memory."""
     task = tasks[MAIN]
     compiled(task, folder)
     for file in (*verilog.glob("*.v"), HERE / "serv_system.v"):

@@ -1,7 +1,5 @@
 """Simulates a peer's pipeline in Icarus, with one frame per clock."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -43,23 +41,12 @@ def check(
     """Refuse a pipeline whose outputs differ from those of its own project's model.
 
     The parameters are those of ``simulated``.
-
-    Raises
-    ------
-    InputError
-        When a frame has other outputs than ``expected``; the message begins with ``name``.
     """
     agree(name, simulated(verilog, frames, expected.shape[1], clocks, widths), expected)
 
 
 def agree(name: str, found: Codes, expected: Codes) -> None:
-    """Refuse outputs that differ from those of a model.
-
-    Raises
-    ------
-    InputError
-        When a frame has other outputs.
-    """
+    """Refuse outputs that differ from those of a model."""
     wrong = int((found != expected).any(axis=1).sum())
     if wrong:
         raise InputError(
@@ -77,21 +64,11 @@ def simulated(
 ) -> Codes:
     """The outputs of a pipeline without a handshake, ``clocks`` edges after each frame.
 
-    Parameters
-    ----------
-    verilog : Path
-        A folder with ``.v`` files and the files that they read. Their module ``peer`` has ports
-        ``clk``, ``model_inp`` and ``model_out``; the first code of a frame is in the lowest bits.
-    frames : integer array, shape (frames, inputs)
-        The codes of the samples.
-    outputs, clocks : int
-    widths : tuple of int
-        The bits of a sample and of an output.
-
-    Raises
-    ------
-    InputError
-        When Icarus fails, or when a bit is unknown.
+    verilog: A folder with ``.v`` files and the files that they read. Their module ``peer`` has
+        ports ``clk``, ``model_inp`` and ``model_out``; the first code of a frame is in the lowest
+        bits.
+    frames, shape (frames, inputs): The codes of the samples.
+    widths: The bits of a sample and of an output.
     """
     taken, given = widths[0] * frames.shape[1], widths[1] * outputs
     words = [f"{packed(frame, widths[0]):x}" for frame in frames.tolist()]

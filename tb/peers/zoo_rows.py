@@ -4,8 +4,6 @@ The network is quantised, so ours computes its decisions exactly. The file does 
 come: here they are codes of a signal, which stand for numbers from -8 to 8.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -39,13 +37,7 @@ def brought(folder: Path) -> Path:
 
 
 def design_of(network: Path) -> AdderGraph:
-    """Our hardware of the network in a file.
-
-    Raises
-    ------
-    InputError
-        When outputs differ from those of the network in floating point by more than rounding.
-    """
+    """Our hardware of the network in a file."""
     scales = [SAMPLE] * SHAPE[0], [OUTPUT] * SHAPE[-1]
     real = on_signals(load_network(network, SHAPE), *scales)
     design = AdderGraph.of([real], Settings(activation=AdderGraph.known_activations[0]))
@@ -58,13 +50,7 @@ def design_of(network: Path) -> AdderGraph:
 
 
 def rows(place: Path, _tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
-    """The row of the network.
-
-    Raises
-    ------
-    InputError
-        When Yosys fails.
-    """
+    """The row of the network."""
     (name,) = FILES
     shape = ":".join(map(str, SHAPE))
     yield row(JETS, design_of(place / name), f", {shape}", right=RIGHT)

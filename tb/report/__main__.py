@@ -5,8 +5,6 @@ holds the plots, a CSV for each table, and report.json with all tables. What has
 the last report is not measured again.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 

@@ -5,8 +5,6 @@ reproduced here, and what the same task takes today. The cells are those that ``
 recorded, so nothing is synthesised for the table.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -35,19 +33,10 @@ def side_by_side(
 ) -> list[str]:
     """The lines of the table, and of the notes below it.
 
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        Scenes with the same sensors, outputs and reference.
-    results : mapping, optional
-        The results of the benches, by the name of the scene. With them the clocks are the simulated
-        ones, and there is a line about what was compared. Without them the clocks are those of the
-        twins.
-
-    Raises
-    ------
-    InputError
-        When a scene has other sensors, outputs or references than the first.
+    scenes: Scenes with the same sensors, outputs and reference.
+    results: The results of the benches, by the name of the scene. With them the clocks are the
+        simulated ones, and there is a line about what was compared. Without them the clocks are
+        those of the twins.
     """
     first = scenes[0]
     for scene in scenes:

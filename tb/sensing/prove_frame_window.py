@@ -14,15 +14,10 @@ def properties(twin):
 def window(twin, part, out, wrong=(), lost=()):
     """The properties of a frame window, by itself or inside a network.
 
-    Parameters
-    ----------
-    twin : FrameWindow
-    part : str
-        The prefix of its signals: "", or the name of its instance and a point.
-    out : str
-        The prefix of the names of its output stream.
-    wrong, lost : tuple
-        Further broken copies, for the property of frame_error and for that of the output stream.
+    part: The prefix of its signals: "", or the name of its instance and a point.
+    out: The prefix of the names of its output stream.
+    wrong, lost: Further broken copies, for the property of frame_error and for that of the output
+        stream.
     """
     sensors, spacing, elements = twin.sensors, twin.spacing, twin.elements
     late, past, interval = twin.latency, twin.past, twin.interval

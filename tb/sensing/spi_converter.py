@@ -5,8 +5,6 @@ timing diagrams. A model reads the recorded columns of the wires as a whole, and
 ``miso`` that the converter would have sent.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -138,13 +136,8 @@ class Transfer:
 class Converter:
     """A converter on the wires of a recording.
 
-    Parameters
-    ----------
-    part : str
-    clock_mhz : float
-        The clock of the block. A row is one clock.
-    rng : numpy Generator
-        Gives the values of the wire while the data sheet promises none.
+    clock_mhz: The clock of the block. A row is one clock.
+    rng: Gives the values of the wire while the data sheet promises none.
     """
 
     def __init__(self, part: str, clock_mhz: float, rng: np.random.Generator):
@@ -163,18 +156,11 @@ class Converter:
     ) -> tuple[np.ndarray, list[Transfer]]:
         """The column of ``miso``, and the transfers. A timing that the data sheet forbids fails.
 
-        Parameters
-        ----------
-        wires : dict
-            The columns of ``cs_n``, ``sclk`` and ``mosi``.
-        resets : array of bool
-            A column. A transfer that a reset cuts only has to keep the limit of ``cs_n`` high.
-        first : int
-            The first row in which the wires are defined.
-        convert : callable
-            Gives the code of a channel for the number of the transfer.
-        fault : callable
-            Gives, for the number of a transfer, what is wrong with it: 0 or 1 for a wire that is
+        wires: The columns of ``cs_n``, ``sclk`` and ``mosi``.
+        resets: A column. A transfer that a reset cuts only has to keep the limit of ``cs_n`` high.
+        first: The first row in which the wires are defined.
+        convert: Gives the code of a channel for the number of the transfer.
+        fault: Gives, for the number of a transfer, what is wrong with it: 0 or 1 for a wire that is
             stuck from before the transfer on, or the bits to invert. A bit is counted by the falls
             of ``sclk`` before it: 1 is the bit of the first clock, 0 the line before the transfer.
         """

@@ -1,7 +1,5 @@
 """Plays a block with a converter on its wires, and checks how it reports the converter."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS

@@ -8,8 +8,6 @@ Series Memory Resources (UG473), Lattice ECP5 Memory Usage Guide (TN1264) and sy
 writing port is READ_FIRST in a Xilinx device.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from functools import cache

@@ -1,11 +1,9 @@
 """Checks that the records of a block belong to what its bench does now."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from tb.common.runner import Outcome
-from tb.sign_off.record import read_record, record_path
+from tb.sign_off.record import read_record, recorded, short
 from tb.sign_off.source import EVERY
 from tb.sign_off.subject import recorded_cases
 
@@ -21,36 +19,29 @@ COMMANDS = {
 def another_trace(record: dict[str, Any], played: dict[str, str]) -> bool:
     """Whether a record has another trace than a whole run of the bench.
 
-    Parameters
-    ----------
-    record : dict
-        It has the field ``played``. If not all tests were played, its field ``tests`` names those
-        that were.
-    played : dict of str
-        For each test the digest of its trace in this run.
+    record: It has the field ``played``. If not all tests were played, its field ``tests`` names
+        those that were.
+    played: For each test the digest of its trace in this run.
     """
-    recorded: dict[str, str] = record["played"]
+    before: dict[str, str] = record["played"]
+    played = short(played)
     if record.get("tests", EVERY) == EVERY:
-        return recorded != played
-    return not recorded or any(played.get(test) != found for test, found in recorded.items())
+        return before != played
+    return not before or any(played.get(test) != found for test, found in before.items())
 
 
 def stale_records(outcome: Outcome) -> list[str]:
     """A message for each record that has another trace than this run, with the command to run.
 
-    Parameters
-    ----------
-    outcome : Outcome
-        The outcome of all tests of the bench, with the default seed and number of frames.
+    outcome: The outcome of all tests of the bench, with the default seed and number of frames.
     """
     job = outcome.job
     found = []
     for kind, command in COMMANDS.items():
-        names = [name for name in recorded_cases(job.block) if record_path(kind, name).exists()]
-        records = [read_record(kind, name) for name in names or [job.block]]
+        cases = [recorded(kind, name) for name in recorded_cases(job.block)]
         of = [
             run
-            for record in records
+            for record in filter(None, cases)
             for run in record.get("runs", [record])
             if (run["scene"], run["entity"]) == (job.scene.name, job.entity)
         ]
@@ -65,12 +56,8 @@ def stale_records(outcome: Outcome) -> list[str]:
 def of_this_verilog(kind: str, name: str, now: str) -> str:
     """Empty if a record is of the Verilog as it is now; otherwise what is wrong, and the command.
 
-    Parameters
-    ----------
-    kind, name : str
-        The record; see ``recorded_cases``.
-    now : str
-        The digest that ``verilog`` gives for the entity that stands for the block in that case.
+    kind, name: The record; see ``recorded_cases``.
+    now: The digest that ``verilog`` gives for the entity that stands for the block in that case.
     """
-    recorded, block = read_record(kind, name)["verilog"], name.partition(".")[0]
-    return "" if recorded == now else f"of another Verilog; run: {COMMANDS[kind].format(block)}"
+    found, block = read_record(kind, name)["verilog"], name.partition(".")[0]
+    return "" if found == short(now) else f"of another Verilog; run: {COMMANDS[kind].format(block)}"

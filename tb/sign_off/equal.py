@@ -10,8 +10,6 @@ second.
 Answers are kept in the store.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import tempfile
@@ -30,7 +28,7 @@ from tb.common.runner import Job
 from tb.sign_off.equal_gates import Module, synthesise
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
 from tb.sign_off.equal_proof import EQUAL, compare
-from tb.sign_off.record import read_record, write_record
+from tb.sign_off.record import read_record, short, write_record
 from tb.sign_off.subject import subject
 
 KIND = "equivalence"
@@ -144,7 +142,7 @@ def check_record(pair: Pair) -> list[str]:
         found = read_record(KIND, block)
     except FileNotFoundError as error:
         return [f"{error}; run: {command(block)}"]
-    if found["source"] == pair.source():
+    if found["source"] == short(pair.source()):
         return []
     return [f"{block}: the record of {KIND} is of another source; run: {command(block)}"]
 

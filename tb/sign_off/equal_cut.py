@@ -10,8 +10,6 @@ because the wires of one solve the equations of the other, and these have a sing
 there is no loop without a register.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from itertools import count, islice
@@ -207,17 +205,8 @@ def _check_gate(name: str, cell: dict[str, Any]) -> None:
 def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netlist, Netlist, int]:
     """What is left of both netlists, and how many bits of registers were cut.
 
-    Parameters
-    ----------
-    gold, gate : dict
-        Netlists as Yosys writes them, with gates as wide as words and with plain registers.
-    signals : bool
-        Whether to cut also at the signals that both name, or only at registers and parts.
-
-    Raises
-    ------
-    UncutError
-        When they differ in ports, parts or registers, or contain something that is not known here.
+    gold, gate: Netlists as Yosys writes them, with gates as wide as words and with plain registers.
+    signals: Whether to cut also at the signals that both name, or only at registers and parts.
     """
     sides = Side(gold), Side(gate)
     parts = [{name: part["type"] for name, part in side.parts.items()} for side in sides]

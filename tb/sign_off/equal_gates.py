@@ -6,8 +6,6 @@ for memories (``-dm``, ``-de``): of a memory that is read in clocks without a wr
 one that is read in clocks with a write.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 from collections.abc import Sequence
@@ -61,24 +59,14 @@ class Module:
 def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Module]:
     """GHDL's netlist of every entity that ``top`` needs.
 
-    Parameters
-    ----------
-    files : sequence of Path
-        VHDL files in compile order.
-    top : str
-    folder : Path
-        The folder in which GHDL keeps its library.
-
-    Raises
-    ------
-    InputError
-        When GHDL refuses the files; the message is GHDL's.
+    files: VHDL files in compile order.
+    folder: The folder in which GHDL keeps its library.
     """
     return read_dump(dump(files, top, folder))
 
 
 def dump(files: Sequence[Path], top: str, folder: Path) -> str:
-    """What GHDL prints of the netlist; for parameters and exceptions see ``synthesise``."""
+    """What GHDL prints of the netlist; see ``synthesise``."""
     command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm", "-de"]
     command += [*map(str, files), "-e", top]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -88,13 +76,7 @@ def dump(files: Sequence[Path], top: str, folder: Path) -> str:
 
 
 def read_dump(text: str) -> dict[str, Module]:
-    """The netlists in what GHDL printed, by entity.
-
-    Raises
-    ------
-    ValueError
-        For a line of unknown form.
-    """
+    """The netlists in what GHDL printed, by entity."""
     modules: dict[str, Module] = {}
     module: Module | None = None
     for line in text.splitlines():
@@ -136,13 +118,7 @@ def _member(name: str) -> str:
 
 
 def constant(gate: Gate) -> int:
-    """The value of a constant, even if it does not fit its wire.
-
-    Raises
-    ------
-    ValueError
-        For a gate that is no constant, or one with bits that are neither 0 nor 1.
-    """
+    """The value of a constant, even if it does not fit its wire."""
     if gate.kind == "$const_SB32":
         (value,) = gate.parameters
         return value - ((value >> 31) << 32)

@@ -1,7 +1,5 @@
 """Finds the memories of a netlist: GHDL makes one wire of all words of a list, and shifts it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
@@ -31,13 +29,7 @@ class Memory:
 
 
 def split_memories(gates: list[Gate], lists: dict[str, int]) -> tuple[list[Memory], list[Gate]]:
-    """The memories among gates, and the other gates.
-
-    Raises
-    ------
-    ValueError
-        For a memory that is written or read in an unknown way.
-    """
+    """The memories among gates, and the other gates."""
     maker = {net: gate for gate in gates for net in gate.outputs.values()}
     memories: dict[Net, Memory] = {}
     gone: list[Gate] = []

@@ -25,17 +25,8 @@ def list_lengths(text: str) -> dict[str, int]:
 def to_verilog(module: Module, lists: dict[str, int]) -> str:
     """The Verilog of a netlist.
 
-    Parameters
-    ----------
-    module : Module
-    lists : dict of str to int
-        The number of elements of each array signal. GHDL makes one wire of an array. Here each
+    lists: The number of elements of each array signal. GHDL makes one wire of an array. Here each
         element gets its own name, ``name[0]``, as in Yosys' netlist of the Verilog.
-
-    Raises
-    ------
-    ValueError
-        For an unknown gate.
     """
     return _Writer(module, lists).text()
 

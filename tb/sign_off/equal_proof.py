@@ -1,7 +1,5 @@
 """Asks Yosys whether two netlists of one entity are the same function."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
@@ -28,20 +26,12 @@ EQUAL, DIFFERENT = "equal", "different"
 def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> dict[str, Any]:
     """Compare an entity's Verilog with the netlist of its VHDL.
 
-    Parameters
-    ----------
-    entity : str
-    verilog, vhdl : str
-        Both are given as Verilog.
-    parts : iterable of Path
-        Verilog of the entities that it instantiates. Only their ports matter.
+    verilog, vhdl: Both are given as Verilog.
+    parts: Verilog of the entities that it instantiates. Only their ports matter.
 
-    Returns
-    -------
-    dict
-        ``result`` is "equal" or "different". ``cut`` is "signals" if both were cut at signals and
-        registers, or "registers" if at registers alone. ``registers`` is the number of their bits.
-        ``where`` lists what differs.
+    Returns: ``result`` is "equal" or "different". ``cut`` is "signals" if both were cut at signals
+        and registers, or "registers" if at registers alone. ``registers`` is the number of their
+        bits. ``where`` lists what differs.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

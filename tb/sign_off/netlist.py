@@ -8,8 +8,6 @@ bit in every clock. ``NETLIST=unknown`` is another netlist, whose registers begi
 (``tb/sign_off/unknown.py``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -38,13 +36,7 @@ MODELS = "models.v"
 
 
 def chosen(given: str, simulator: str | None = None) -> list[str]:
-    """The netlists that ``NETLIST=`` asks for: those of one family, of all, or unknown registers.
-
-    Raises
-    ------
-    InputError
-        For any other value, and for a simulator in which netlists do not run.
-    """
+    """The netlists that ``NETLIST=`` asks for: of one family, of all, or unknown registers."""
     if simulator not in (None, NETLISTS_RUN_IN):
         raise InputError(
             f"SIM={simulator}: got NETLIST={given} too; netlists run in {NETLISTS_RUN_IN} alone"
@@ -63,20 +55,10 @@ def chosen(given: str, simulator: str | None = None) -> list[str]:
 def on_cells(job: Job, family: str, top: str = "") -> Job:
     """The same bench on the netlist of a family, or on registers that are unknown.
 
-    Parameters
-    ----------
-    job : Job
-        A bench on exported Verilog.
-    family : str
-        One of ``CELLS``, or ``UNKNOWN``.
-    top : str
-        The entity that is mapped; the job's entity is a part of it. By default it is the job's
+    job: A bench on exported Verilog.
+    family: One of ``CELLS``, or ``UNKNOWN``.
+    top: The entity that is mapped; the job's entity is a part of it. By default it is the job's
         entity itself, which is also the one that is placed.
-
-    Raises
-    ------
-    InputError
-        When the entity cannot be mapped or placed.
     """
     if family == UNKNOWN:
         return with_unknowns(job)
@@ -115,13 +97,7 @@ def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
 def mapped(
     design: Network, entities: Iterable[str], families: Iterable[str]
 ) -> list[tuple[str, str]]:
-    """Pairs of an entity of a design and a family to whose cells it is mapped.
-
-    Raises
-    ------
-    InputError
-        When there is no such pair, because only a whole design is placed.
-    """
+    """Pairs of an entity of a design and a family to whose cells it is mapped."""
     found = [
         (entity, family)
         for entity, family in product(entities, families)
@@ -136,11 +112,6 @@ def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -
     """The benches of a design's entities on its netlists.
 
     Only a whole design is placed, because ``make synth`` places nothing else.
-
-    Raises
-    ------
-    InputError
-        When the design cannot be mapped or placed, or when nothing is left to run.
     """
     by_entity = {job.entity: job for job in jobs}
     wanted = [(by_entity[entity], family) for entity, family in mapped(design, by_entity, families)]

@@ -1,7 +1,5 @@
 """The processor time of a command of sign-off, which does not depend on what else is running."""
 
-from __future__ import annotations
-
 import os
 
 

@@ -1,7 +1,5 @@
 """The properties of every block, which stand beside its bench as ``prove_<block>.py``."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Properties: what is proved of a block. They stand beside the block's bench."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 
@@ -18,39 +16,25 @@ class Property:
     first one. In that clock ``rst`` is high, and every register may hold anything. In a block
     without ``rst`` they must hold from the first clock on.
 
-    Parameters
-    ----------
-    name : str
-        A word or two, for lists.
-    sentence : str
-        What is proved, in words.
-    states : tuple of str
-        What is proved, as expressions.
-    refuted_by : tuple of (str, str)
-        Broken copies of the block, each of which must refute the property: a pattern in the Verilog
-        of the block or of its parts, and the text that takes its place.
-    assumes : dict
-        The assumptions: expressions, by the sentences that say the same.
-    watch : str
-        Verilog that only watches: registers that remember what has happened.
-    helps : tuple of str
-        Expressions that hold as well. They are proved together with the property, so that the
+    name: A word or two, for lists.
+    sentence: What is proved, in words.
+    states: What is proved, as expressions.
+    refuted_by: Broken copies of the block, each of which must refute the property: a pattern in the
+        Verilog of the block or of its parts, and the text that takes its place.
+    assumes: The assumptions: expressions, by the sentences that say the same.
+    watch: Verilog that only watches: registers that remember what has happened.
+    helps: Expressions that hold as well. They are proved together with the property, so that the
         induction closes.
-    reached : tuple of str
-        Expressions that must be reachable. They show that the property does not hold merely because
-        nothing happens.
-    free : tuple of str
-        Signals that may have any value in any clock, whatever drives them. So the property holds
+    reached: Expressions that must be reachable. They show that the property does not hold merely
+        because nothing happens.
+    free: Signals that may have any value in any clock, whatever drives them. So the property holds
         whatever the data paths compute.
-    clocks : int
-        A refutation, and what must be reachable, is searched in so many clocks from reset.
-    induction : int
-        The induction assumes at most so many clocks in a row. With 0 there is no induction, and the
-        property is proved only for ``clocks`` clocks from reset.
-    arrays : bool
-        Whether memories are arrays for the solver instead of one register for each word. That is
-        far less work where the property is about any one word. It does not work for memories with
-        given contents.
+    clocks: A refutation, and what must be reachable, is searched in so many clocks from reset.
+    induction: The induction assumes at most so many clocks in a row. With 0 there is no induction,
+        and the property is proved only for ``clocks`` clocks from reset.
+    arrays: Whether memories are arrays for the solver instead of one register for each word. That
+        is far less work where the property is about any one word. It does not work for memories
+        with given contents.
     """
 
     name: str
@@ -82,11 +66,7 @@ class Property:
     def added(self, clocked: bool, reset: bool, helped: bool = True) -> str:
         """The text that puts the property into a module; for ``helped`` see ``verilog``.
 
-        Parameters
-        ----------
-        clocked, reset : bool
-            Whether the module has inputs ``clk`` and ``rst``.
-        helped : bool
+        clocked, reset: Whether the module has inputs ``clk`` and ``rst``.
         """
         lines = []
         if clocked:

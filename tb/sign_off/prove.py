@@ -8,8 +8,6 @@ does not hold leaves a counterexample in ``build/prove/<block>``. With ``--recor
 recorded in ``tb/sign_off/records``. Without it, a record of anything else is an error.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Callable
@@ -30,7 +28,7 @@ from tb.sign_off.equal import command, prove_equal
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property
-from tb.sign_off.record import read_record, write_record
+from tb.sign_off.record import read_record, short, write_record
 from tb.sign_off.solver import Answer, Inquiry
 from tb.sign_off.subject import case_line, chosen_blocks, subject
 
@@ -117,11 +115,7 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
     They are its first entity in the first case of its bench, and in the cases that its proofs name
     in ``ALSO``.
 
-    Parameters
-    ----------
-    block : str
-    export : callable
-        Makes the entity from block and case.
+    export: Makes the entity from block and case.
     """
     also: tuple[str, ...] = getattr(PROOFS[block], "ALSO", ())
     return [export(block, case) for case in (CASES_OF[block][0], *also)]
@@ -135,7 +129,7 @@ def check_record(planned: list[Job]) -> list[str]:
     except FileNotFoundError as error:
         return [f"{error}; run: {command(block)}"]
     stale = []
-    if found["source"] != source_of(planned):
+    if found["source"] != short(source_of(planned)):
         stale.append("is of another source")
     recorded = [
         {key: value for key, value in entry.items() if key != "depth"}

@@ -1,34 +1,83 @@
-"""Records of what was found for a block, so that datasheets and tests need not find it again."""
+"""Records of what was found for a block, so that datasheets and tests need not find it again.
 
-from __future__ import annotations
+A kind of record, such as "mutation", is one CSV file with a row for each block or recorded case of
+it, sorted by name. A cell holds one field as JSON, or nothing where the record has no such field.
+"""
 
+import csv
+import json
+import re
+import sys
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
-from golden.files import read_json, write_json
+from golden.files import reading, replace_file
+from golden.hold import held
+from golden.input_error import MissingFileError
 
 RECORDS = Path(__file__).parent / "records"
+NAME = "block"
+# So many hexadecimal digits of a digest are recorded: by chance, two differ in none of them once in
+# 2**64.
+DIGITS = 16
+# Threads of a command write one after the other, as commands do.
+BETWEEN = Lock()
+DIGEST = re.compile(rf"\b([0-9a-f]{{{DIGITS}}})[0-9a-f]{{44,}}\b")
 
 
-def record_path(kind: str, block: str) -> Path:
-    """The file of a record; ``kind`` is what was done with the block, such as "mutation"."""
-    return RECORDS / kind / f"{block}.json"
+def short(facts: Any) -> Any:
+    """Facts as they come back from a record, with the first digits of each digest."""
+    return json.loads(DIGEST.sub(r"\1", json.dumps(facts)))
 
 
 def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
     """Record what was found for a block."""
-    path = record_path(kind, block)
-    write_json(path, facts, sort_keys=True)
+    with BETWEEN, held([RECORDS]):
+        _write(kind, records(kind) | {block: short(facts)})
+
+
+def _write(kind: str, records: dict[str, dict[str, Any]]) -> None:
+    fields = sorted({field for record in records.values() for field in record})
+    with (
+        replace_file(_path(kind)) as temporary,
+        temporary.open("w", newline="", encoding="utf-8") as file,
+    ):
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow([NAME, *fields])
+        for name, record in sorted(records.items()):
+            rows.writerow([name, *(_cell(record, field) for field in fields)])
+
+
+def _cell(record: dict[str, Any], field: str) -> str:
+    return json.dumps(record[field], sort_keys=True) if field in record else ""
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
-    """The record of a block.
+    """The record of a block."""
+    found = recorded(kind, block)
+    if not found:
+        raise MissingFileError(f"{_path(kind)}: no {kind} is recorded of {block}")
+    return found
 
-    Raises
-    ------
-    MissingFileError
-        When nothing was recorded.
-    """
-    path = record_path(kind, block)
-    facts: dict[str, Any] = read_json(path, "JSON", f"no {kind} is recorded of {block}")
-    return facts
+
+def recorded(kind: str, block: str) -> dict[str, Any]:
+    """The record of a block; empty if there is none."""
+    return records(kind).get(block, {})
+
+
+def _path(kind: str) -> Path:
+    return RECORDS / f"{kind}.csv"
+
+
+def records(kind: str) -> dict[str, dict[str, Any]]:
+    """All records of a kind, by the names of blocks and of recorded cases."""
+    path = _path(kind)
+    if not path.exists():
+        return {}
+    csv.field_size_limit(sys.maxsize)
+    with reading(path, "a table of records"), path.open(newline="", encoding="utf-8") as file:
+        return {
+            row.pop(NAME): {field: json.loads(cell) for field, cell in row.items() if cell}
+            for row in csv.DictReader(file)
+        }

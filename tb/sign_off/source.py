@@ -7,8 +7,6 @@ records (``tb/sign_off/current.py``). Kept results of benches must be found befo
 so their key holds the bench's code instead (``tb/common/kept.py``).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from hdl.synth.tools import digest
@@ -26,11 +24,7 @@ def verilog(job: Job) -> str:
 def source(job: Job, played: dict[str, str]) -> dict[str, Any]:
     """The fields of a record that say from which source it was made.
 
-    Parameters
-    ----------
-    job : Job
-        The entity on its exported Verilog.
-    played : dict of str
-        For each test the digest of its trace, as in the facts of an ``Outcome``.
+    job: The entity on its exported Verilog.
+    played: For each test the digest of its trace, as in the facts of an ``Outcome``.
     """
     return {"verilog": verilog(job), "played": played}

@@ -1,7 +1,5 @@
 """The entity that stands for a block where it is proved, mutated or mapped to cells."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from golden.folders import BUILD
@@ -16,25 +14,13 @@ RUNS_IN = "icarus"
 
 
 def subject(block: str, simulator: str = RUNS_IN, case: str | None = None) -> Job:
-    """The first entity of a block in a case; without a case, in the first one of its bench.
-
-    Raises
-    ------
-    InputError
-        For a block that has no bench.
-    """
+    """The first entity of a block in a case; without a case, in the first one of its bench."""
     chosen_blocks(block)
     return first(_case_jobs(case or CASES_OF[block][0], simulator), block)
 
 
 def chosen_blocks(block: str | None) -> list[str]:
-    """The block that is named, or all blocks.
-
-    Raises
-    ------
-    InputError
-        For a block that has no bench.
-    """
+    """The block that is named, or all blocks."""
     if block is None:
         return sorted(BENCHES)
     if block not in BENCHES:

@@ -1,7 +1,5 @@
 """The registers of an adder tree of hdl/common, which proofs about its sums need."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
@@ -9,15 +7,9 @@ from dataclasses import dataclass
 class Register:
     """One register of the tree.
 
-    Parameters
-    ----------
-    name : str
-    added : tuple of str
-        The registers that it adds, or the one that it delays.
-    terms : tuple of int
-        The numbers of the terms of the whole sum that it contains.
-    clock : int
-        How many clocks it stands behind the terms.
+    added: The registers that it adds, or the one that it delays.
+    terms: The numbers of the terms of the whole sum that it contains.
+    clock: How many clocks it stands behind the terms.
     """
 
     name: str

@@ -10,8 +10,6 @@ that is not known while its flag says that it is valid. So if the bench passes, 
 depends on a register that was not written since the last reset, whatever that register held.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import tempfile
@@ -45,14 +43,9 @@ Cell = dict[str, Any]
 class Register:
     """One register, or those of its bits that reset treats alike.
 
-    Attributes
-    ----------
-    name : str
-        Its name in the Verilog, behind those of the instances around it.
-    bits : tuple
-        The nets of its bits.
-    reset : bool
-        Whether reset gives it a value.
+    name: Its name in the Verilog, behind those of the instances around it.
+    bits: The nets of its bits.
+    reset: Whether reset gives it a value.
     """
 
     name: str

@@ -11,8 +11,6 @@ unknown bit is treated as independent of all others. So whatever is proved is tr
 true may not be provable.
 """
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Verilog that remembers past clocks for properties, and properties that many blocks share."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from itertools import pairwise
@@ -45,14 +43,9 @@ def pipeline(
 ) -> Property:
     """The block gives a result for each item, a fixed number of clocks later.
 
-    Parameters
-    ----------
-    twin : Block
-        Its latency is proved.
-    refuted_by : tuple
-        Broken copies.
-    last : str
-        The expression that ``out_last`` follows. Without it there is no such port.
+    twin: Its latency is proved.
+    refuted_by: Broken copies.
+    last: The expression that ``out_last`` follows. Without it there is no such port.
     """
     late = twin.latency - 1
     states = [f"out_valid == valid_ago[{late}]"]
@@ -114,13 +107,8 @@ def sent(network: Network, at: str) -> tuple[str, tuple[str, ...], int]:
     It is seen at its ports, because each design judges frames in its own way; that it judges them
     by these rules is proved of the design itself.
 
-    Returns
-    -------
-    watch : str
-        The signals of ``frames``, whose names begin with ``sent_``.
-    states : tuple of str
-    spacing : int
-        Clocks from one last sample to the next.
+    Returns watch: The signals of ``frames``, whose names begin with ``sent_``.
+    Returns spacing: Clocks from one last sample to the next.
     """
     spacing = network.busy + 1 if network.busy else network.interval
     valid, last = f"{at}.in_valid", f"{at}.in_last"
@@ -216,15 +204,9 @@ def network(
 ) -> list[Property]:
     """The properties of every network with a stream: what it does with frames.
 
-    Parameters
-    ----------
-    twin : Network
-    controller : str
-        The instance that judges frames.
-    wrong, good : tuple
-        Broken copies that refute the properties of wrong frames and of good ones.
-    helps
-        See ``Property``.
+    controller: The instance that judges frames.
+    wrong, good: Broken copies that refute the properties of wrong frames and of good ones.
+    helps: See ``Property``.
     """
     judge: Any = twin.input_controller
     inputs, spacing = judge.inputs, judge.spacing
@@ -353,14 +335,9 @@ def exact_sum(width: int, opens: str, value: str) -> str:
 def frames_computed(inputs: int, busy: int, place: str = "place", taken: str = "taken") -> str:
     """Verilog that watches the stream of samples of a network with a program.
 
-    Parameters
-    ----------
-    inputs : int
-        The samples of a frame.
-    busy : int
-        Clocks from the last sample of a frame until the next one may come.
-    place, taken : str
-        Names that the hardware does not have.
+    inputs: The samples of a frame.
+    busy: Clocks from the last sample of a frame until the next one may come.
+    place, taken: Names that the hardware does not have.
     """
     return f"""
         // Clocks since the last sample of a frame that is computed; 0: there is none.

@@ -1,7 +1,5 @@
 """Examples of constraint files: they state the clock, and what a user must add."""
 
-from __future__ import annotations
-
 from string import Template
 
 _XDC = Template("""\

@@ -1,7 +1,5 @@
 """Describes the export as a FuseSoC core."""
 
-from __future__ import annotations
-
 import json
 import re
 from string import Template
@@ -51,18 +49,10 @@ def core(
 ) -> str:
     """The text of the ``.core`` file.
 
-    Parameters
-    ----------
-    scene : str
-        A ``plain_name``.
-    description : str
-    order : str
-        The name of the file with the compile order.
-    files : list of str
-        The design in compile order; the last one is named after the top.
-    benches : list of str
-        The test bench in compile order; empty where there is none.
-    language : str
+    scene: A ``plain_name``.
+    order: The name of the file with the compile order.
+    files: The design in compile order; the last one is named after the top.
+    benches: The test bench in compile order; empty where there is none.
     """
     sets = {"rtl": files} | ({"tb": benches} if benches else {})
     targets = _TARGET.substitute(name="default", filesets="rtl", top=_entity(files))

@@ -1,7 +1,5 @@
 """An entity or module that only holds the network, so that users can copy signals and instance."""
 
-from __future__ import annotations
-
 from string import Template
 
 from golden.port import Port

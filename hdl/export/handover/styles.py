@@ -1,7 +1,5 @@
 """How a test bench sends and reads a frame, for each kind of stream that a network has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from string import Template
@@ -18,14 +16,9 @@ from golden.sensing.converter_parts import TWOS
 class Style:
     """VHDL that fills the gaps in the text of the test bench.
 
-    Attributes
-    ----------
-    variables : str
-        The declarations of the process.
-    passes : tuple of str
-        All frames are sent twice; these two texts say how.
-    check, send : callable
-        For a design: what is checked in each clock, and how a frame is sent.
+    variables: The declarations of the process.
+    passes: All frames are sent twice; these two texts say how.
+    check, send: For a design: what is checked in each clock, and how a frame is sent.
     """
 
     variables: str
@@ -235,13 +228,10 @@ _TURNED = Template("""\
 class SpiText:
     """The parts of a text that answers transfers, in one language.
 
-    Attributes
-    ----------
-    send, command, again, turned : Template
-        ``command`` is what a command of the converter does. ``again`` is for a part that repeats
-        its bits, and ``turned`` for one that gives numbers with a sign.
-    clock, either, never : str
-        A condition on the number of a clock, what joins such conditions, and one that never holds.
+    send, command, again, turned: ``command`` is what a command of the converter does. ``again`` is
+        for a part that repeats its bits, and ``turned`` for one that gives numbers with a sign.
+    clock, either, never: A condition on the number of a clock, what joins such conditions, and one
+        that never holds.
     """
 
     send: Template

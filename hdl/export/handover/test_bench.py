@@ -1,7 +1,5 @@
 """A VHDL-93 test bench that needs nothing but a simulator."""
 
-from __future__ import annotations
-
 from string import Template
 
 from golden.instruments.uart_instrument import UartInstrument

@@ -1,7 +1,5 @@
 """A VHDL package with the recorded frames and the outputs that the hardware gives for them."""
 
-from __future__ import annotations
-
 from string import Template
 
 import numpy as np
@@ -75,14 +73,9 @@ def vectors(
 ) -> str:
     """The text of the package ``<top>_vectors``.
 
-    Parameters
-    ----------
-    samples, results : Codes, shape (frames, inputs), (frames - past, outputs)
-    past : int
-    image : bytes
-        The image that is loaded before the first frame; empty where none is.
-    winners : Codes, shape (frames - past, 2), optional
-        See ``winners_of``.
+    samples, results: shape (frames, inputs), (frames - past, outputs).
+    image: The image that is loaded before the first frame; empty where none is.
+    winners, shape (frames - past, 2): See ``winners_of``.
     """
     decided = ""
     if winners is not None:

@@ -5,8 +5,6 @@ checks. Samples and expected outputs are files that ``$readmemh`` reads from the
 simulator runs, so one compiled test bench serves any number of recordings.
 """
 
-from __future__ import annotations
-
 from string import Template
 
 import numpy as np
@@ -181,14 +179,8 @@ _REFUSED = """\
 def verilog_bench(scene: str, design: Network, ports: list[Port], most: int) -> str:
     """The text of the module ``<top>_tb``.
 
-    Parameters
-    ----------
-    scene : str
-        A ``plain_name``.
-    design : Network
-    ports : list of Port
-    most : int
-        The most frames of a recording.
+    scene: A ``plain_name``.
+    most: The most frames of a recording.
     """
     style = VERILOG_STYLES[design.stream]
     names = {port.name for port in ports}
@@ -239,13 +231,9 @@ def hex_files(
 ) -> dict[str, str]:
     """The files that the test bench reads, by name; codes in 32 bits, one line a frame.
 
-    Parameters
-    ----------
-    samples, results : Codes, shape (frames, inputs), (frames - past, outputs)
-    image : bytes
-        The image that is loaded before the first frame; empty where none is.
-    winners : Codes, shape (frames - past, 2), optional
-        See ``winners_of``.
+    samples, results: shape (frames, inputs), (frames - past, outputs).
+    image: The image that is loaded before the first frame; empty where none is.
+    winners, shape (frames - past, 2): See ``winners_of``.
     """
     files = {
         FRAMES_FILE: f"{len(samples):08x}\n",

@@ -1,7 +1,5 @@
 """How the Verilog test bench sends and reads a frame: ``styles`` says the same in VHDL."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from string import Template
@@ -21,12 +19,8 @@ from hdl.export.handover.styles import (
 class VerilogStyle:
     """Verilog that fills the gaps in the text of the test bench.
 
-    Attributes
-    ----------
-    variables, begin : str
-        Declarations of the module, and their first values.
-    check, send : callable
-        For a design: what is checked in each clock, and how a frame is sent.
+    variables, begin: Declarations of the module, and their first values.
+    check, send: For a design: what is checked in each clock, and how a frame is sent.
     """
 
     variables: str

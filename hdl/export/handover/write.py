@@ -1,7 +1,5 @@
 """Writes the files from which a user of an export starts, beside its entities."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -22,20 +20,9 @@ def write_handover(
 ) -> None:
     """Write core file, example, constraints and, for VHDL, the test bench into the export's folder.
 
-    Parameters
-    ----------
-    scene, design : Scene, Network
-        The scene and its design.
-    folder : Path
-        The folder that holds ``files``, which stand in compile order; the last one is the top.
-    order : str
-        The name of the file with that order.
-    language : str
-
-    Raises
-    ------
-    InputError
-        For a fault of the recorded vectors, see ``Scene.vectors``.
+    scene, design: The scene and its design.
+    folder: The folder that holds ``files``, which stand in compile order; the last one is the top.
+    order: The name of the file with that order.
     """
     name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]
     ports = read_ports(design, (folder / files[-1]).read_text(encoding="utf-8"), language)

@@ -5,8 +5,6 @@ rewrites: ours are none of these. Every bench starts a process of its own, and a
 is the import of pytest.
 """
 
-from __future__ import annotations
-
 import sys
 from types import ModuleType
 

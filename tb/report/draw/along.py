@@ -1,7 +1,5 @@
 """Draws errors of several networks along the beam, and errors for each width."""
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 
 from tb.report.draw.findings import groups, number, rows_of
@@ -25,12 +23,8 @@ def along_beam(table: Table, arithmetic: str) -> str:
 
     The line is the mean error at a position. The band reaches from the least to the largest.
 
-    Parameters
-    ----------
-    table : Table
-        The table ``along_beam``.
-    arithmetic : str
-        Which rows of the table are drawn.
+    table: The table ``along_beam``.
+    arithmetic: Which rows of the table are drawn.
     """
     rows = rows_of(table, arithmetic=arithmetic)
     outputs = list(dict.fromkeys(str(row["output"]) for row in rows))

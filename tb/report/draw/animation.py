@@ -1,7 +1,5 @@
 """An animation of a load that moves along the beam, with sensor readings and drawn profile."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -36,22 +34,10 @@ def animation(scene: Scene, frame: int = FRAME) -> str:
     Each step is a recorded frame, without interpolation between them. The animation needs no
     script: a style sheet moves it.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene with load, position, width and shape among its outputs.
-    frame : int
-        Row of the recorded vectors. All rows with the same load, width and shape are shown.
+    scene: A scene with load, position, width and shape among its outputs.
+    frame: Row of the recorded vectors. All rows with the same load, width and shape are shown.
 
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
-
-    Raises
-    ------
-    InputError
-        See ``beam``. Also for a frame that the vectors do not have.
+    Returns: One ``<svg>`` element.
     """
     known = beam(scene)
     known.check(frame, scene.path)

@@ -1,7 +1,5 @@
 """Draws the cost of networks with four outputs: LUTs against clocks, with the error of each."""
 
-from __future__ import annotations
-
 from tb.report.draw.axes import Axes
 from tb.report.draw.discs import SCAN_CLOCKS, Disc, in_order, printed_discs
 from tb.report.draw.drawing import picture, text

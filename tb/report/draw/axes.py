@@ -1,7 +1,5 @@
 """Two logarithmic axes for pictures whose bytes must not depend on a plotting library."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import floor, log10
@@ -16,12 +14,8 @@ CHARACTER = 7.0
 class Axes:
     """A frame with the ranges of both axes.
 
-    Parameters
-    ----------
-    left, top, width, height : float
-        The place and size of the frame in the picture.
-    across, up : tuple of float
-        The lowest and the highest value of each axis. All are above 0.
+    left, top, width, height: The place and size of the frame in the picture.
+    across, up: The lowest and the highest value of each axis. All are above 0.
     """
 
     left: float

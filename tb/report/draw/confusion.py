@@ -1,7 +1,5 @@
 """Draws the confusion matrix of a scene with classes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,15 +20,9 @@ NUMBER_SIZE = 7
 class Confusion:
     """The number of rows of each class for each class decided.
 
-    Parameters
-    ----------
-    name, title, sentence
-        See ``Plot``.
-    column : str
-        The column of the labels.
-    labels : tuple of str
-    counts : tuple of tuple of int
-        The rows of a class in one line, by the class decided.
+    name, title, sentence: See ``Plot``.
+    column: The column of the labels.
+    counts: The rows of a class in one line, by the class decided.
     """
 
     name: str

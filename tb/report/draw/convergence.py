@@ -1,7 +1,5 @@
 """Draws the training and the validation error during training, from table ``convergence``."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 from tb.report.draw.findings import number, rows_of

@@ -1,7 +1,5 @@
 """Draws the hardware of a scene as a block diagram, from its design."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -23,19 +21,7 @@ def datapath(scene: Scene) -> str:
     Blocks of one kind that work side by side share a box, and its tooltip names their entities.
     Within a network data flows from left to right, and from network to network it flows down.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    str
-        One ``<svg>`` element, wider than a phone.
-
-    Raises
-    ------
-    InputError
-        See ``Scene.twin``.
+    Returns: One ``<svg>`` element, wider than a phone.
     """
     design = scene.twin()
     drawn = _Diagram().blocks([design])

@@ -1,7 +1,5 @@
 """Draws what every design of a scene's networks costs: LUTs against clocks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from math import ceil, floor, log10

@@ -1,7 +1,5 @@
 """Discs that show what designs cost: LUTs against clocks, with a letter each and a legend below."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
@@ -37,14 +35,8 @@ _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.
 class Disc:
     """A design in a picture.
 
-    Attributes
-    ----------
-    name : str
-    kind : str
-        A name of ``COLOURS``.
-    luts, multipliers, clocks : float
-    error : float
-        In per cent; 0 where the picture does not show it.
+    kind: A name of ``COLOURS``.
+    error: In per cent; 0 where the picture does not show it.
     """
 
     name: str
@@ -81,14 +73,8 @@ def drawn(
 ) -> tuple[list[str], float]:
     """The discs, their letters and the legend, and where the legend ends.
 
-    Parameters
-    ----------
-    found : sequence of Disc
-    sizes : sequence of float
-        The radius of each.
-    axes : Axes
-    columns : mapping
-        Where the columns of the legend end, by their names: of LUTs, multipliers and clocks.
+    sizes: The radius of each.
+    columns: Where the columns of the legend end, by their names: of LUTs, multipliers and clocks.
     """
     body = []
     places = [axes.at(disc.clocks, disc.luts) for disc in found]

@@ -5,8 +5,6 @@ have: boxes that share a size, tooltips, links and animations. And the bytes of 
 not depend on the version of a library, so a test can compare the pictures of pages with new ones.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -91,16 +89,11 @@ def picture(
 ) -> str:
     """One ``<svg>`` element, black on white, as wide as its place in the page.
 
-    Parameters
-    ----------
-    title : str
-        The description for readers who do not see the picture.
-    size : tuple of float
-        The width and height of the area that the coordinates of ``body`` use.
-    body : iterable of str
-        Elements without ids, because a page may show pictures of several scenes.
-    narrowest, widest : float
-        The width in CSS pixels. On a page narrower than ``narrowest`` it scrolls sideways.
+    title: The description for readers who do not see the picture.
+    size: The width and height of the area that the coordinates of ``body`` use.
+    body: Elements without ids, because a page may show pictures of several scenes.
+    narrowest, widest: The width in CSS pixels. On a page narrower than ``narrowest`` it scrolls
+        sideways.
     """
     width, height = (number(value) for value in size)
     least = f"min-width:{number(narrowest)}px;" if narrowest else ""

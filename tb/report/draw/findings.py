@@ -1,7 +1,5 @@
 """Makes plots of error against cost from tables, and the sentences from their figures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from tb.report.draw.looks import activation_look, network_look
@@ -12,13 +10,7 @@ Row = dict[str, Cell]
 
 
 def rows_of(table: Table, **where: Cell) -> list[Row]:
-    """The rows that have the values of ``where``, as mappings. ``_`` stands for a blank.
-
-    Raises
-    ------
-    ValueError
-        When no row has these values, or the table has no such column.
-    """
+    """The rows that have the values of ``where``, as mappings. ``_`` stands for a blank."""
     wanted = {key.replace("_", " "): value for key, value in where.items()}
     rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     unknown = wanted.keys() - set(table.columns)
@@ -29,12 +21,7 @@ def rows_of(table: Table, **where: Cell) -> list[Row]:
 
 
 def number(row: Row, column: str) -> float:
-    """A cell that must hold a number.
-
-    Raises
-    ------
-    ValueError
-    """
+    """A cell that must hold a number."""
     value = row[column]
     if not isinstance(value, int | float):
         raise ValueError(f"column {column}: got {value!r}, expected a number")
@@ -53,13 +40,7 @@ def groups(
 
 
 def cheapest(points: Mapping[str, list[tuple[float, float]]], error: float) -> tuple[str, float]:
-    """The group that reaches an error at the least cost, and this cost.
-
-    Raises
-    ------
-    ValueError
-        When no group reaches the error.
-    """
+    """The group that reaches an error at the least cost, and this cost."""
     costs = {
         label: min((x for x, y in group if y <= error), default=float("inf"))
         for label, group in points.items()

@@ -1,7 +1,5 @@
 """Draws the packages of the three rooms on their floors, from the contracts of import-linter."""
 
-from __future__ import annotations
-
 import textwrap
 import tomllib
 

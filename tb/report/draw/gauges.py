@@ -1,7 +1,5 @@
 """Draws where gauges are on a beam, and the errors that they allow along it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

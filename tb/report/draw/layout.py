@@ -5,8 +5,6 @@ below their upper edges, so that an arrow between two parts meets both. ``ax`` d
 parts of a column.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -39,13 +37,7 @@ def labelled(
 ) -> Part:
     """A box with a title and lines of text, and possibly other parts inside.
 
-    Parameters
-    ----------
-    title : str
-    lines : sequence of str
-    content : Part, optional
-    tip : str
-        The text that is shown when a pointer rests on the box.
+    tip: The text that is shown when a pointer rests on the box.
     """
     words = max([text_width(title, TITLE), *(text_width(words, SMALL) for words in lines)])
     inner = content.width if content else 0.0

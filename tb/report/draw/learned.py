@@ -1,7 +1,5 @@
 """Draws the functions of a network of learned functions, with the rows of the data below each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from tb.report.draw.drawing import ACCENT, FAINT, Point, box, group, line, picture, text
@@ -22,12 +20,8 @@ Row = Sequence[Cell]
 def learned_curves(table: Table, whose: str) -> str:
     """A line for each node, and a column for each input and for each function of a sum.
 
-    Parameters
-    ----------
-    table : Table
-        See ``tb.report.measure.learned_edges.edges_table``.
-    whose : str
-        What has learned the functions.
+    table: See ``tb.report.measure.learned_edges.edges_table``.
+    whose: What has learned the functions.
     """
     networks = list(dict.fromkeys(str(row[0]) for row in table.rows))
     inner, outer = (

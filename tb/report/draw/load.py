@@ -1,7 +1,5 @@
 """The load along the beam, as the hardware of a scene draws it and as it was recorded."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,19 +21,12 @@ FRAME = 4
 class Beam:
     """What the profile of a scene needs.
 
-    Attributes
-    ----------
-    shown : Visualisation
-        The section of the scene, or its defaults if there is none.
-    frames : int64 array, shape (frames, 4)
-        The bit-true load, position, width and shape of every recorded frame.
-    targets : float array, shape (frames, 4)
-        The recorded load, position, width and shape.
-    sensors : float array, shape (frames, sensors)
-    mm : float
-        How many millimetres a coded position of 1 is.
-    width_unit : float
-        How much a coded width of 1 is in the unit of the position.
+    shown: The section of the scene, or its defaults if there is none.
+    frames, shape (frames, 4): The bit-true load, position, width and shape of every recorded frame.
+    targets, shape (frames, 4): The recorded load, position, width and shape.
+    sensors: shape (frames, sensors).
+    mm: How many millimetres a coded position of 1 is.
+    width_unit: How much a coded width of 1 is in the unit of the position.
     """
 
     shown: Visualisation
@@ -97,16 +88,7 @@ def has_load(scene: Scene) -> bool:
 def beam(scene: Scene) -> Beam:
     """The recorded frames of a scene and the outputs of its networks for them.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene for which ``has_load`` is true.
-
-    Raises
-    ------
-    InputError
-        See ``Scene.vectors``, ``Scene.twin`` and ``visualisation``; also for a scene without one
-        of the four outputs.
+    scene: A scene for which ``has_load`` is true.
     """
     if not has_load(scene):
         raise InputError(

@@ -5,8 +5,6 @@ marker for each of its arrangements. Hollow markers show ``thesis`` precision. O
 colours differ, and in print without colour the markers do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

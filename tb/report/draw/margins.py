@@ -1,7 +1,5 @@
 """Draws every stiff and extreme case as a disc, at the part of its bound that it reaches."""
 
-from __future__ import annotations
-
 from math import log10
 
 from tb.report.draw.drawing import ACCENT, FAINT, dot, line, picture, text

@@ -1,7 +1,5 @@
 """Draws the multipliers of the folded networks: as the thesis prints them, and as ours take."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,15 +12,8 @@ ROW, BAR, LEFT, WIDE = 40.0, 12.0, 110.0, 420.0
 class Pair:
     """A network and its multipliers, in percent of those of the device.
 
-    Attributes
-    ----------
-    name : str
-    printed : float
-    ruled : float
-        Three for each printed hidden node and one for each network.
-    count : int
-        What ours takes: none for the factor of a network that is a power of two.
-    ours : float
+    ruled: Three for each printed hidden node and one for each network.
+    count: What ours takes: none for the factor of a network that is a power of two.
     """
 
     name: str

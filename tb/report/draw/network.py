@@ -1,7 +1,5 @@
 """Draws the networks of a scene: their inputs, their nodes, and where their outputs go."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -47,19 +45,7 @@ def network(scene: Scene) -> str:
     The line of a sensor ends in an input for each sample that the network takes, with the newest
     first. In a cascade, a coloured line leads each output back to the networks after it.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
-
-    Raises
-    ------
-    InputError
-        See ``Scene.networks``.
+    Returns: One ``<svg>`` element.
     """
     shapes = [network.shape for network in scene.networks()]
     sensors = len(scene.sensors)

@@ -1,7 +1,5 @@
 """Draws the errors of a scene: computed against recorded, along positions, with disturbances."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -27,14 +25,9 @@ Points = tuple[tuple[float, float], ...]
 class Predicted:
     """One output: the computed against the recorded values, and the difference below.
 
-    Parameters
-    ----------
-    name, title, sentence
-        See ``Plot``.
-    output : str
-        The name of the output on the axes.
-    groups : tuple of (label, points)
-        The recorded and the computed value of each row.
+    name, title, sentence: See ``Plot``.
+    output: The name of the output on the axes.
+    groups: The recorded and the computed value of each row.
     """
 
     name: str

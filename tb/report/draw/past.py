@@ -1,7 +1,5 @@
 """Plots what past samples, noise and the sampling rate do, from the table ``past``."""
 
-from __future__ import annotations
-
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.plots import Plot
 from tb.report.measure.table import Table

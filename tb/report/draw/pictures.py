@@ -1,7 +1,5 @@
 """The pictures of a scene, and the reasons why some are not drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

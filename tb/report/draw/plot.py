@@ -1,7 +1,5 @@
 """Makes matplotlib's figures as accessible and as wide as the other pictures."""
 
-from __future__ import annotations
-
 import re
 from html import escape
 
@@ -13,12 +11,7 @@ from tb.report.draw.svg import svg
 def plotted(figure: Figure, name: str, title: str) -> str:
     """A figure as one ``<svg>`` element, with a title for readers who do not see it.
 
-    Parameters
-    ----------
-    figure : Figure
-    name : str
-        See ``tb.report.draw.svg.svg``.
-    title : str
+    name: See ``tb.report.draw.svg.svg``.
     """
     # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
     text = re.sub(r'(?<= d=")[^"]+', _shortened, svg(figure, name))

@@ -1,7 +1,5 @@
 """Plots of error against cost, as groups of points on logarithmic axes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -26,34 +24,17 @@ _LINES = ("-", "--", ":", "-.")
 class Plot:
     """One plot and the sentence that its figures support.
 
-    Parameters
-    ----------
-    name : str
-        The file name without suffix, of letters, digits and ``_``.
-    title, across, up : str
-        The heading and the labels of the axes, with units.
-    groups : mapping of str to sequence of (x, y)
-        The points by label. A value of 0 has no place on a logarithmic axis and is drawn at
+    name: The file name without suffix, of letters, digits and ``_``.
+    title, across, up: The heading and the labels of the axes, with units.
+    groups: The points by label. A value of 0 has no place on a logarithmic axis and is drawn at
         ``floor``.
-    sentence : str
-        A sentence that the figures support.
-    joined : bool
-        Whether a line joins the points of a group in their order.
-    linear : str
-        The linear axes: any of "x" and "y". A linear y begins at 0.
-    levels : mapping of str to float
-        Horizontal lines to compare with.
-    tables : sequence of str
-        The tables that hold every number of the plot.
-    looks : mapping of str to Look
-        The looks by label, for activations and networks. Others have those of ``looks.nth``.
-    floor : float
-        The value at which an error of 0 is drawn.
-
-    Raises
-    ------
-    ValueError
-        When there is nothing to draw.
+    sentence: A sentence that the figures support.
+    joined: Whether a line joins the points of a group in their order.
+    linear: The linear axes: any of "x" and "y". A linear y begins at 0.
+    levels: Horizontal lines to compare with.
+    tables: The tables that hold every number of the plot.
+    looks: The looks by label, for activations and networks. Others have those of ``looks.nth``.
+    floor: The value at which an error of 0 is drawn.
     """
 
     name: str
@@ -126,16 +107,10 @@ class Plot:
 def side_by_side(name: str, title: str, plots: Sequence[Plot], columns: int = 4) -> str:
     """Several plots in one ``<svg>`` element, as wide as a page, with one legend.
 
-    Parameters
-    ----------
-    name : str
-        See ``tb.report.draw.svg.svg``.
-    title : str
-        The title for readers who do not see the picture.
-    plots : sequence of Plot
-        The plots. A label has the same look in all of them.
-    columns : int
-        The number of columns of the legend.
+    name: See ``tb.report.draw.svg.svg``.
+    title: The title for readers who do not see the picture.
+    plots: The plots. A label has the same look in all of them.
+    columns: The number of columns of the legend.
     """
     labels = list(dict.fromkeys(label for plot in plots for label in plot.groups))
     with style():

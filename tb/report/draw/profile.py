@@ -1,7 +1,5 @@
 """Draws the load profile of one recorded frame."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -17,23 +15,11 @@ POINTS = 400
 def profile(scene: Scene, frame: int = FRAME) -> str:
     """The bit-true profile, equation 3.18 in real arithmetic, and the recorded load.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene with load, position, width and shape among its outputs. If it has no section
+    scene: A scene with load, position, width and shape among its outputs. If it has no section
         ``[visualisation]``, the defaults are used.
-    frame : int
-        Row of the scene's recorded vectors.
+    frame: Row of the scene's recorded vectors.
 
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
-
-    Raises
-    ------
-    InputError
-        See ``beam``. Also for a frame that the vectors do not have.
+    Returns: One ``<svg>`` element.
     """
     known = beam(scene)
     known.check(frame, scene.path)

@@ -1,7 +1,5 @@
 """Draws the functions of section 3.13, and what the power-folding unit makes of recorded loads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,18 +27,11 @@ POINTS = 1501
 class Shown:
     """The profile that the hardware draws for one recorded load.
 
-    Attributes
-    ----------
-    load : str
-        Its letter in Table 3.1.
-    x, y : float array, shape (points,)
-        What the unit gives, behind the networks.
-    target : float array, shape (fine points,)
-        Equation 3.18 for the recorded load itself, at ``fine``.
-    fine : float array
-    largest : float
-        The largest difference of the points from equation 3.18 at the networks' outputs, in units
-        of 2^-13.
+    load: Its letter in Table 3.1.
+    x, y, shape (points,): What the unit gives, behind the networks.
+    target, shape (fine points,): Equation 3.18 for the recorded load itself, at ``fine``.
+    largest: The largest difference of the points from equation 3.18 at the networks' outputs, in
+        units of 2^-13.
     """
 
     load: str

@@ -1,7 +1,5 @@
 """Draws what the models of the two rigs give, for the pictures of measurements in the thesis."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -85,16 +83,11 @@ def gauges_sentence() -> str:
 class Deflections:
     """The deflections in mm of the beam along its length, and of two points of the plate by load.
 
-    Attributes
-    ----------
-    along : float array, shape (n,)
-        mm from the root.
-    beams : dict of float to float array
-        The deflection for each load in g. Downwards is negative.
-    loads : float array, shape (m,)
-        kg on the plate.
-    plate : dict of str to float array, shape (m,)
-        The deflection of each point, in the direction of the load, which is in the middle.
+    along, shape (n,): mm from the root.
+    beams: The deflection for each load in g. Downwards is negative.
+    loads, shape (m,): kg on the plate.
+    plate, shape (m,): The deflection of each point, in the direction of the load, which is in the
+        middle.
     """
 
     along: Real
@@ -156,14 +149,9 @@ def deflections_sentence(found: Deflections) -> str:
 class Forces:
     """The forces of the swing in N over time, at the bearing, at one foot and at both feet.
 
-    Attributes
-    ----------
-    time, horizontal, downward, foot : float arrays, shape (n,)
-        The motion without damping.
-    damped_time, feet : float arrays, shapes (m,) and (2, m)
-        The motion with damping.
-    angle : float array, shape (m,)
-        The angle in rad, with damping.
+    time, horizontal, downward, foot, shape (n,): The motion without damping.
+    damped_time, feet, shapes (m,) and (2, m): The motion with damping.
+    angle, shape (m,): The angle in rad, with damping.
     """
 
     time: Real

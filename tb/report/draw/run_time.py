@@ -1,7 +1,5 @@
 """Draws the pictures of docs/error-against-run-time.md: errors against their cost."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

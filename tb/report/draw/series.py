@@ -1,7 +1,5 @@
 """Draws Figure 4.5 of the thesis: the error of its Taylor series and of its fraction."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.activation.reference import pade_fraction, taylor

@@ -1,7 +1,5 @@
 """Animates a picture: it shows steps one after the other, with a style sheet alone."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from tb.report.draw.drawing import group, identifier, number
@@ -19,14 +17,9 @@ _STYLE = """\
 def steps(kind: str, scene: str, seconds: float, bodies: Sequence[list[str]]) -> list[str]:
     """Elements that show one step at a time, again and again.
 
-    Parameters
-    ----------
-    kind, scene : str
-        Those of the picture; see ``identifier``.
-    seconds : float
-        How long each step is shown.
-    bodies : sequence of list of str
-        The elements of each step.
+    kind, scene: Those of the picture; see ``identifier``.
+    seconds: How long each step is shown.
+    bodies: The elements of each step.
     """
     total, name = seconds * len(bodies), identifier(kind, scene)
     style = _STYLE.format(name=name, total=number(total), end=number(100 / len(bodies)))

@@ -1,7 +1,5 @@
 """Makes SVG that can share a page with other SVG, and has the same bytes on every run."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator
@@ -50,11 +48,7 @@ def plain(name: str) -> str:
 def svg(figure: Figure, name: str) -> str:
     """A matplotlib figure as an ``<svg>`` element.
 
-    Parameters
-    ----------
-    figure : Figure
-    name : str
-        The prefix of every id, so that no two pictures of a page share an id. It has letters,
+    name: The prefix of every id, so that no two pictures of a page share an id. It has letters,
         digits and ``_``.
     """
     buffer = io.StringIO()

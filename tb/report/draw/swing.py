@@ -1,7 +1,5 @@
 """Draws the motion of the swing and the estimates of the networks, on an independent run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,12 +32,8 @@ def moves(scene: Scene) -> bool:
 class Followed:
     """A stretch of a run and the estimates of a scene's hardware, in millimetres from code 0.
 
-    Attributes
-    ----------
-    time : float array, shape (frames,)
-        The seconds since release.
-    true, estimate : float arrays, shape (frames, 3)
-        x, y and z.
+    time, shape (frames,): The seconds since release.
+    true, estimate, shape (frames, 3): x, y and z.
     """
 
     time: Real
@@ -48,13 +42,7 @@ class Followed:
 
 
 def follow(scene: Scene, run: Path, seconds: float) -> Followed:
-    """The estimates of a scene's hardware for the first seconds of a run.
-
-    Raises
-    ------
-    InputError
-        See ``read_table`` and ``Scene.twin``.
-    """
+    """The estimates of a scene's hardware for the first seconds of a run."""
     count, past = round(seconds * RATE), scene.window.past
     codes, _ = SIGNAL.quantise(read_table(run, scene.sensors)[:count], str(run))
     actual = read_table(run, scene.outputs)[past:count]
@@ -74,20 +62,9 @@ def swing(scene: Scene) -> str:
 
     For a scene with past samples, the difference of the scene without them is drawn too.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene whose outputs are x, y and z, in any order, with their lengths in millimetres.
+    scene: A scene whose outputs are x, y and z, in any order, with their lengths in millimetres.
 
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
-
-    Raises
-    ------
-    InputError
-        See ``read_table`` and ``Scene.twin``. Also for a scene with other outputs.
+    Returns: One ``<svg>`` element.
     """
     if not moves(scene):
         raise InputError(

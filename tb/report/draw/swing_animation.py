@@ -1,7 +1,5 @@
 """An animation of the swing, with the position of its mass that the hardware estimates."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.input_error import InputError
@@ -27,20 +25,9 @@ def swing_animation(scene: Scene) -> str:
     Each step is a frame of a run on which the networks were not trained. The animation needs no
     script: a style sheet moves it.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene with past samples of the swing. The scene without them is shown beside it.
+    scene: A scene with past samples of the swing. The scene without them is shown beside it.
 
-    Returns
-    -------
-    str
-        One ``<svg>`` element.
-
-    Raises
-    ------
-    InputError
-        See ``follow``. Also for a scene without past samples.
+    Returns: One ``<svg>`` element.
     """
     other = without_past(scene)
     if other is None:

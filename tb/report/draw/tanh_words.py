@@ -1,7 +1,5 @@
 """Draws the largest error of an engine's tanh against the number of words of its table."""
 
-from __future__ import annotations
-
 from tb.report.draw.axes import Axes
 from tb.report.draw.drawing import ACCENT, INK, dot, line, picture, text
 from tb.report.draw.findings import number, rows_of

@@ -1,7 +1,5 @@
 """Draws the values of the ports of a design, clock by clock, as a timing diagram."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -36,17 +34,10 @@ _EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_o
 class Row:
     """What stood on one port of a design during a recording.
 
-    Attributes
-    ----------
-    owner : str
-        Whose port it is. Neighbouring ports with the same owner share this heading.
-    name : str
-    values : tuple of int or None
-        The values just before the rising edge of each clock, None if undefined.
-    fmt : Fix or None
-        The format of the codes, or None for a flag.
-    valid : str
-        A flag of the same owner, which says in which clocks the codes count.
+    owner: Whose port it is. Neighbouring ports with the same owner share this heading.
+    values: The values just before the rising edge of each clock, None if undefined.
+    fmt: The format of the codes, or None for a flag.
+    valid: A flag of the same owner, which says in which clocks the codes count.
     """
 
     owner: str
@@ -63,22 +54,9 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
     real values in the clocks in which they count. In long recordings, clocks in which no flag is
     high are left out.
 
-    Parameters
-    ----------
-    ports : sequence of Row
-        Ports with equally many clocks. Clock 0 is the first in which a flag is high.
-    title : str
+    ports: Ports with equally many clocks. Clock 0 is the first in which a flag is high.
 
-    Returns
-    -------
-    str
-        One ``<svg>`` element, wider than a phone.
-
-    Raises
-    ------
-    ValueError
-        Without ports, for ports of unequal length, or if the ``valid`` of a port is not a flag of
-        its owner.
+    Returns: One ``<svg>`` element, wider than a phone.
     """
     clocks = {len(port.values) for port in ports}
     if len(clocks) != 1:

@@ -8,8 +8,6 @@ by what ``tb.report.measure.spread`` measures. Run times differ from call to cal
 hold some stand in full in times.json, with the machine, and without them in the other files.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -6,8 +6,6 @@ same inputs in floating point. The reference is numpy's tanh. The figures that t
 stand beside the results.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import sys
@@ -45,19 +43,12 @@ PLOTS = ROOT / "docs" / "activations"
 class Row:
     """The errors of one scheme in one arithmetic with one Q.
 
-    Attributes
-    ----------
-    scheme, options, arithmetic : str
-        ``arithmetic`` is "float" or the name of a precision.
-    factor : int
-        Q.
-    mean_percent, mean_percent_thesis : float, or None
-        Equation 4.32 in both readings, see ``ActivationError``. None if the codes do not cover its
-        range.
-    largest : float
-        The largest error over all codes, in units of 2**-13.
-    thesis : float, or None
-        The figure that the thesis prints for equation 4.32, at Q = 3.
+    scheme, options, arithmetic: ``arithmetic`` is "float" or the name of a precision.
+    factor: Q.
+    mean_percent, mean_percent_thesis: Equation 4.32 in both readings, see ``ActivationError``. None
+        if the codes do not cover its range.
+    largest: The largest error over all codes, in units of 2**-13.
+    thesis: The figure that the thesis prints for equation 4.32, at Q = 3.
     """
 
     scheme: str

@@ -1,7 +1,5 @@
 """The error of activations against clocks, and of Pade against its iterations."""
 
-from __future__ import annotations
-
 from golden.activation.reference import stable_below
 from golden.activation.schemes import SCHEMES
 from golden.precision import PRECISIONS

@@ -8,8 +8,6 @@ recorded. Table ``adder_chains`` of ``make figures`` shows the record.
     python -m tb.report.measure.adder_chains --record
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Sequence

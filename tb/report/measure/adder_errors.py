@@ -1,7 +1,5 @@
 """The error of an adder graph, split into its causes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -5,8 +5,6 @@ timed beside the same network in floating point. The speed depends on the machin
 the two hardly does.
 """
 
-from __future__ import annotations
-
 import argparse
 import resource
 import sys

@@ -4,8 +4,6 @@ The theory of the beam says by how much the readings change; this is added to th
 Learning is LMS with a constant step, as an engine computes it, with the networks of the scene.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -60,13 +58,8 @@ NOTES = {
 class Change:
     """Something that is no drift.
 
-    Attributes
-    ----------
-    name : str
-    gauge : callable
-        A gauge on the beam after the change.
-    loads : callable
-        The coded loads, shape (rows, 4), after the change.
+    gauge: A gauge on the beam after the change.
+    loads: The coded loads, shape (rows, 4), after the change.
     """
 
     name: str

@@ -1,7 +1,5 @@
 """The best errors that the sensors of the digit allow, beside those of its networks."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -41,15 +39,10 @@ AS_RECORDED = "as recorded"
 class Limits:
     """Errors in percent at each recorded placement, one column an output.
 
-    Attributes
-    ----------
-    bound : float array
-        The bound. It is infinite if the readings do not determine the output.
-    reached : float array
-        The bit-true error of the scene.
-    any_load, known_loads : float array
-        The errors of the best estimator that knows the existing widths and shapes, and of the best
-        that knows the existing loads.
+    bound: The bound. It is infinite if the readings do not determine the output.
+    reached: The bit-true error of the scene.
+    any_load, known_loads: The errors of the best estimator that knows the existing widths and
+        shapes, and of the best that knows the existing loads.
     """
 
     bound: Real

@@ -1,7 +1,5 @@
 """The errors of the swing in millimetres, beside those of the cameras that measured it."""
 
-from __future__ import annotations
-
 from golden.scene import thesis_table
 from tb.report.measure.motions import RUNS, motions
 from tb.report.measure.table import Cell, Table

@@ -1,7 +1,5 @@
 """The tables on the decisions of a scene with classes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.decisions import held_out_or_all

@@ -1,7 +1,5 @@
 """The errors of networks against the clocks that a frame takes."""
 
-from __future__ import annotations
-
 from golden.networks.network import Network
 from golden.scene_errors import held_out_means, scene_errors
 from tb.report.measure.networks import scenes

@@ -1,7 +1,5 @@
 """The training and the validation error during training, as in Figure 3.12 of the thesis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -34,10 +32,8 @@ NOTES = {
 class Followed(Objective):
     """An objective that notes both errors of the best point on the training rows so far.
 
-    Attributes
-    ----------
-    notes : list of tuples
-        The number of evaluations, and the rms errors of training and of validation rows in percent.
+    notes: The number of evaluations, and the rms errors of training and of validation rows in
+        percent.
     """
 
     evaluations: int = 0

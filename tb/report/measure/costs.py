@@ -1,7 +1,5 @@
 """The costs of scenes, from the figures that ``make synth`` recorded beside them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,16 +27,9 @@ COST = ("LUT", "multiplier", "block RAM")
 class Costs:
     """The recorded costs of one scene.
 
-    Attributes
-    ----------
-    cells : Cells
-    timing : Timing
-    share : dict
-        See ``shares``.
-    frames_per_second : float
-        The rate at the clock that was reached.
-    current : bool
-        Whether the record belongs to the Verilog that the scene exports now.
+    share: See ``shares``.
+    frames_per_second: The rate at the clock that was reached.
+    current: Whether the record belongs to the Verilog that the scene exports now.
     """
 
     cells: Cells

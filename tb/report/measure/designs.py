@@ -1,7 +1,5 @@
 """``make designs``: prints what each design of a scene's networks costs, without synthesis."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import textwrap
@@ -92,13 +90,7 @@ def refused_lines(refused: Sequence[Refused]) -> list[str]:
 
 
 def family_of(name: str) -> str:
-    """A name of ``FAMILIES``; none is the first.
-
-    Raises
-    ------
-    InputError
-        For another name.
-    """
+    """A name of ``FAMILIES``; none is the first."""
     if not name:
         return next(iter(FAMILIES))
     if name not in FAMILIES:

@@ -11,8 +11,6 @@ figures`` shows the record.
 The second command measures two counts and leaves the others as they were recorded.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 import tomllib

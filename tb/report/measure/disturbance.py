@@ -1,7 +1,5 @@
 """How noise and drift of the sensors change the errors."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from golden.disturbance import Disturbance

@@ -1,7 +1,5 @@
 """What tables of straight lines cost a network of learned functions in error, and in words."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``python -m tb.report.measure.gauges RIG``: finds the best places of gauges on a beam."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

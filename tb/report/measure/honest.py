@@ -1,7 +1,5 @@
 """The errors of networks on unseen rows, and the cost of training them for noise."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any

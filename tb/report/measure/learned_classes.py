@@ -6,8 +6,6 @@ chosen and compared in floating point on coded samples. The chosen networks of f
 put into small tables.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
@@ -35,19 +33,11 @@ from tb.report.measure.table import Cell, Table
 class Study:
     """What is trained on the rows of a scene.
 
-    Attributes
-    ----------
-    scene : str
-    sums : tuple of int
-        The hidden sums of the networks of learned functions.
-    intervals : int
-        Of the splines of an input; with 0 its functions are straight.
-    steps : int
-        The most evaluations of a descent of functions.
-    seeds : int
-        How many splits there are; the first is that of the scene.
-    candidates : int
-        For each network; of functions a third with each penalty on bends.
+    sums: The hidden sums of the networks of learned functions.
+    intervals: Of the splines of an input; with 0 its functions are straight.
+    steps: The most evaluations of a descent of functions.
+    seeds: How many splits there are; the first is that of the scene.
+    candidates: For each network; of functions a third with each penalty on bends.
     """
 
     scene: str
@@ -98,14 +88,9 @@ Some = TypeVar("Some", bound=Model)
 class Found:
     """A chosen network on one split.
 
-    Attributes
-    ----------
-    parameters, curved, straight : int
-        The last two are 0 for an MLP.
-    rows, wrong : int
-        The held-out rows, and on how many the decision is wrong.
-    tabled : int or None
-        On how many it is wrong in small tables; None for an MLP.
+    parameters, curved, straight: The last two are 0 for an MLP.
+    rows, wrong: The held-out rows, and on how many the decision is wrong.
+    tabled: On how many it is wrong in small tables; None for an MLP.
     """
 
     parameters: int

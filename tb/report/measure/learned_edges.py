@@ -3,8 +3,6 @@
 An edge is a function of one variable; see ``golden.networks.function_sums``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -38,15 +36,10 @@ def edges_table(
 ) -> Table:
     """A row for each edge of each network.
 
-    Parameters
-    ----------
-    name : str
-        Of the table.
-    networks : sequence of tuples
-        For each network the names of its outputs, the names of its inputs, the network, and the
-        rows of its inputs, shape (rows, inputs).
-    note : str
-        Of the table.
+    name: Of the table.
+    networks: For each network the names of its outputs, the names of its inputs, the network, and
+        the rows of its inputs, shape (rows, inputs).
+    note: Of the table.
     """
     rows: list[list[Cell]] = []
     for outputs, names, network, inputs in networks:

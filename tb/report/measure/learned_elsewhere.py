@@ -5,8 +5,6 @@ the same rows, from as many candidates, with the settings of the scene, and the 
 choose. As in ``learned_functions`` they are measured in floating point on coded samples.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -41,17 +39,10 @@ from tb.report.measure.table import Cell, Table
 class Study:
     """What is trained on the rows of a scene.
 
-    Attributes
-    ----------
-    name : str
-    scene : str
-        The name of the scene, or the path of its file.
-    hidden : tuple of int
-        The hidden nodes of the MLPs, as many candidates of each.
-    candidates : int
-        For each network, of either kind.
-    every : int
-        One row of so many trains or chooses.
+    scene: The name of the scene, or the path of its file.
+    hidden: The hidden nodes of the MLPs, as many candidates of each.
+    candidates: For each network, of either kind.
+    every: One row of so many trains or chooses.
     """
 
     name: str
@@ -145,13 +136,8 @@ def groups(study: Study) -> list[list[Kind]]:
 def found(study: Study, kinds: Sequence[Kind], seed: int) -> list[Found]:
     """Train the networks of a scene on one split, and measure them.
 
-    Parameters
-    ----------
-    study : Study
-    kinds : sequence of Kind
-        The first one trains the candidates. Each kind prunes the chosen ones in its own way.
-    seed : int
-        Of the split and the starts.
+    kinds: The first one trains the candidates. Each kind prunes the chosen ones in its own way.
+    seed: Of the split and the starts.
     """
     scene = scene_of(study, seed)
     parts = parts_of(study, scene)

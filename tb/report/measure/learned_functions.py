@@ -4,8 +4,6 @@ Both are trained on the same disturbed rows, from as many starts, and chosen by 
 rows. Both are measured in floating point, on samples as the converter codes them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -107,17 +105,10 @@ def steps_of(network: Trained) -> int:
 class Kind:
     """A kind of network: how its candidates are trained, and how one is trained further.
 
-    Attributes
-    ----------
-    name : str
-    candidates : sequence
-        The settings that are tried, each from several starts.
-    train : callable
-        Makes a network of settings, random numbers, and training and validation rows.
-    refit : callable
-        Trains a network further on more rows.
-    prune : callable
-        Changes the chosen network, given training and validation rows.
+    candidates: The settings that are tried, each from several starts.
+    train: Makes a network of settings, random numbers, and training and validation rows.
+    refit: Trains a network further on more rows.
+    prune: Changes the chosen network, given training and validation rows.
     """
 
     name: str
@@ -182,13 +173,9 @@ KINDS = {
 class Lesson:
     """The rows of one split.
 
-    Attributes
-    ----------
-    parts : dict of Rows
-        The parts of the split that train and choose, under the noise of the scene, with all
+    parts: The parts of the split that train and choose, under the noise of the scene, with all
         outputs.
-    measured : dict of Rows
-        Those on which errors are measured.
+    measured: Those on which errors are measured.
     """
 
     parts: dict[str, Rows]
@@ -280,12 +267,8 @@ class Networks:
 class Found:
     """What was found for one kind of network on one split.
 
-    Attributes
-    ----------
-    parameters, steps : int
-        Of the networks that were trained with all rows.
-    means : dict of float arrays
-        The mean error of each output in percent, by the rows that were measured.
+    parameters, steps: Of the networks that were trained with all rows.
+    means: The mean error of each output in percent, by the rows that were measured.
     """
 
     parameters: int
@@ -311,15 +294,8 @@ def found(arrangement: str, kind: Kind, seed: int, candidates: int) -> Found:
 def trained(arrangement: str, kind: Kind, seed: int, candidates: int, given: Lesson) -> Networks:
     """Train the networks of an arrangement.
 
-    Parameters
-    ----------
-    arrangement : str
-    kind : Kind
-    seed : int
-        Of the split, the noise and the starts.
-    candidates : int
-    given : Lesson
-        That of the seed.
+    seed: Of the split, the noise and the starts.
+    given: That of the seed.
     """
     networks = Networks(arrangement)
     for number, outputs in enumerate(ARRANGEMENTS[arrangement]):

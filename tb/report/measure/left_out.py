@@ -1,7 +1,5 @@
 """What every shipped scene leaves out, in blocks, cells, clocks and words of memory."""
 
-from __future__ import annotations
-
 from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import BipartitePair
 from golden.activation.lut import Lut

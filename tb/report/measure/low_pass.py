@@ -1,7 +1,5 @@
 """The time that the 25 Hz low pass behind the gauges takes, and the noise that it removes."""
 
-from __future__ import annotations
-
 from golden.physics.conditioning import LowPass
 from golden.precision import SIGNAL
 from golden.scene import load_scene

@@ -1,7 +1,5 @@
 """The errors of the networks of the swing on runs on which they were not trained."""
 
-from __future__ import annotations
-
 import tomllib
 
 from golden.fingerprint import ROOT

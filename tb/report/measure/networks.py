@@ -1,7 +1,5 @@
 """The errors of the shipped networks, and of those that are kept for comparison."""
 
-from __future__ import annotations
-
 from golden.metrics import millimetres
 from golden.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from golden.scene_errors import HELD_OUT, held_out_means, scene_errors

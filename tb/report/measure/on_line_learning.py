@@ -4,8 +4,6 @@ Everything is computed in the words of an engine (``golden.learning``), on the s
 placements and the same noise of readings for every rule and for ``make recalibrate``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -79,14 +77,8 @@ class Learner(Protocol):
 class Setting:
     """What the rules are given: the networks, and constants of each drift.
 
-    Attributes
-    ----------
-    taught : Corrected
-    noise : Noise
-    readings : float array, shape (drifts,)
-        Standard deviation of the noise of a reading.
-    steps : int64 array, shape (outputs,)
-        The constant step of each output.
+    readings, shape (drifts,): Standard deviation of the noise of a reading.
+    steps, shape (outputs,): The constant step of each output.
     """
 
     taught: Corrected
@@ -129,18 +121,10 @@ class Setting:
 class Rule:
     """A rule, how often it sees the placements, and what it takes.
 
-    Attributes
-    ----------
-    name : str
-    passes : int
-        1 if a placement is shown and forgotten.
-    make : callable
-    words : int
-        Words of what is learned.
-    parts : sequence of str
-        See ``golden.learning.costs``.
-    working : int
-        Words that are kept for each placement besides its readings and outputs.
+    passes: 1 if a placement is shown and forgotten.
+    words: Words of what is learned.
+    parts: See ``golden.learning.costs``.
+    working: Words that are kept for each placement besides its readings and outputs.
     """
 
     name: str
@@ -240,18 +224,11 @@ RULES = (
 class Draws:
     """The drifts of a seed, and the placements that are shown under each noise.
 
-    Attributes
-    ----------
-    scene : Scene
-    vectors : Vectors
-        The recording, with the loads that are known.
-    setting : Setting
-    readings : float array, shape (drifts, rows, sensors)
-        The whole recording as drifted sensors read it without noise.
-    shown : int array, shape (drifts, placements)
-        Rows of the placements, in their order.
-    noisy : float array, shape (drifts, placements, sensors)
-        What is read when they are shown.
+    vectors: The recording, with the loads that are known.
+    readings, shape (drifts, rows, sensors): The whole recording as drifted sensors read it without
+        noise.
+    shown, shape (drifts, placements): Rows of the placements, in their order.
+    noisy, shape (drifts, placements, sensors): What is read when they are shown.
     """
 
     scene: Scene
@@ -305,10 +282,7 @@ def shipped(scene: Scene, noises: Real) -> Setting:
 class Found:
     """What a rule reached.
 
-    Attributes
-    ----------
-    worst : float array, shape (drifts, outputs)
-    unit : Unit
+    worst: shape (drifts, outputs).
     """
 
     worst: Real

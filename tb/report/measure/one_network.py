@@ -1,7 +1,5 @@
 """The cells, clocks and arithmetic error of one network in every design."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.fixed import Codes
@@ -93,12 +91,9 @@ def floating_point(scene: Scene, frames: Codes) -> Real:
 def mean_error(outputs: Codes, real: Real) -> float:
     """The mean magnitude of the error in units of 2**-13, over frames and outputs.
 
-    Parameters
-    ----------
-    outputs : integer array, shape (frames, outputs)
-        The output codes.
-    real : float array, the same shape
-        The results in floating point. Beyond the range of codes, its end counts as right.
+    outputs, shape (frames, outputs): The output codes.
+    real, the same shape: The results in floating point. Beyond the range of codes, its end counts
+        as right.
     """
     reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
     return float(np.abs(SIGNAL.to_real(outputs) - reached).mean() * (1 << SIGNAL.frac))

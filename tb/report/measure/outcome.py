@@ -1,7 +1,5 @@
 """The results of a scene's networks on its recorded rows, and how sure the errors are."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -35,23 +33,17 @@ ALIKE, STRETCHES = 0.5, 20
 class Outcome:
     """The recorded rows of a scene and their results.
 
-    Attributes
-    ----------
-    scene : Scene
-    numbers : int array, shape (rows,)
-        The numbers of the rows in the CSV. The first row below the header is 1.
-    readings : float array, shape (rows, sensors)
-        The readings in the units of the columns. With past samples, those of the newest frame.
-    targets, results : float arrays, shape (rows, outputs)
-        The recorded and the computed values, in the units of the columns.
-    errors, real : float arrays, shape (rows, outputs)
-        The errors in percent, of the hardware and of the networks in floating point.
-    noisy : dict of float to float array, shape (rows, outputs)
-        For each noise, the errors of the hardware, as means over many draws.
-    groups : float array, shape (rows,)
-        The positions, or zeros if the scene names none.
-    held_out : int array or None
-        The rows that neither trained nor chose a network, or None if that is unknown.
+    numbers, shape (rows,): The numbers of the rows in the CSV. The first row below the header is 1.
+    readings, shape (rows, sensors): The readings in the units of the columns. With past samples,
+        those of the newest frame.
+    targets, results, shape (rows, outputs): The recorded and the computed values, in the units of
+        the columns.
+    errors, real, shape (rows, outputs): The errors in percent, of the hardware and of the networks
+        in floating point.
+    noisy, shape (rows, outputs): For each noise, the errors of the hardware, as means over many
+        draws.
+    groups, shape (rows,): The positions, or zeros if the scene names none.
+    held_out: The rows that neither trained nor chose a network, or None if that is unknown.
     """
 
     scene: Scene
@@ -105,11 +97,8 @@ class Outcome:
     def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
         """The interval that holds the mean error in ``SURE`` per cent of the resamples.
 
-        Parameters
-        ----------
-        errors : float array, shape (n,)
-        drawn : int array, shape (n,)
-            Errors with the same number are drawn together.
+        errors: shape (n,).
+        drawn, shape (n,): Errors with the same number are drawn together.
         """
         _, member = np.unique(drawn, return_inverse=True)
         counts = np.bincount(member)

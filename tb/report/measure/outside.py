@@ -5,8 +5,6 @@ counts of a converter of 12 bits. Their readings are spoilt in all the ways that
 distance that ``golden.rig.trained_on`` gives them is compared with two simpler distances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -72,14 +70,9 @@ NOTES = {
 class Spoilt:
     """Frames of one kind, and the distance that each method gives them.
 
-    Attributes
-    ----------
-    kind : str
-        What is wrong with the frames, or ``""`` for good frames.
-    beyond : bool array, shape (frames,)
-        Which frames have an output beyond its range and margin.
-    distances : dict of float array, shape (frames,)
-        The distances by method. For STATE, a distance above 1 is outside.
+    kind: What is wrong with the frames, or ``""`` for good frames.
+    beyond, shape (frames,): Which frames have an output beyond its range and margin.
+    distances, shape (frames,): The distances by method. For STATE, a distance above 1 is outside.
     """
 
     kind: str

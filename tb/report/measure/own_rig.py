@@ -6,8 +6,6 @@ step is printed.
     python -m tb.report.measure.own_rig docs/tutorial/readings.csv force,place
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import subprocess
@@ -36,13 +34,7 @@ def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
 
 
 def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
-    """The seconds of each step, by the wall clock.
-
-    Raises
-    ------
-    InputError
-        When a step fails, with its message.
-    """
+    """The seconds of each step, by the wall clock."""
     seconds = {}
     for name, (module, *words) in steps(readings, outputs, scene).items():
         started = time.perf_counter()

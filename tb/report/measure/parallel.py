@@ -1,7 +1,5 @@
 """The 2:6:2 network with each activation of the thesis (section 5.2.2)."""
 
-from __future__ import annotations
-
 from golden.scene import thesis_figures
 from golden.scene_errors import HELD_OUT, scene_errors
 from tb.report.measure.networks import scenes

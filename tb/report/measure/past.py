@@ -4,8 +4,6 @@ Each network is compared with linear estimators, which need no hidden nodes: lea
 same samples, and the Wiener filter on every sample of the same past.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -60,15 +58,9 @@ NOTES = {
 class Case:
     """One case of the table: what is varied, and its values.
 
-    Attributes
-    ----------
-    varied : str
-    delays : tuple of int
-        How many frames back the samples lie.
-    noise : float
-        The noise at each sensor in V.
-    rate : float
-        The number of frames per second.
+    delays: How many frames back the samples lie.
+    noise: The noise at each sensor in V.
+    rate: The number of frames per second.
     """
 
     varied: str

@@ -1,7 +1,5 @@
 """The physics of the two rigs: fitted sensors, and error against work for plate and swing."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

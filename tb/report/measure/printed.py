@@ -1,7 +1,5 @@
 """The printed errors of the thesis' networks for the digit, beside the same errors of ours."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,18 +18,11 @@ from tb.report.measure.table import Cell, Table
 class Pair:
     """A network of the thesis, and the scenes that correspond to it.
 
-    Attributes
-    ----------
-    name : str
-        The name in tables and plots.
-    alike : str
-        The scene with the arithmetic and the activation of the thesis, or empty.
-    today : str
-        The scene in ``exact`` precision, or empty.
-    hardware : str
-        The table of the printed figures of the hardware, or empty if none was built.
-    in_float : str
-        The table of the printed figures in floating point (section 3.12.1), or empty.
+    name: The name in tables and plots.
+    alike: The scene with the arithmetic and the activation of the thesis, or empty.
+    today: The scene in ``exact`` precision, or empty.
+    hardware: The table of the printed figures of the hardware, or empty if none was built.
+    in_float: The table of the printed figures in floating point (section 3.12.1), or empty.
     """
 
     name: str

@@ -1,7 +1,5 @@
 """MLP and RBF on the same rows, and their costs (thesis sections 3.9 to 3.11)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

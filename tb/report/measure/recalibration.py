@@ -1,7 +1,5 @@
 """The remaining error of a drifted digit after few or many known placements."""
 
-from __future__ import annotations
-
 from itertools import islice
 
 import numpy as np

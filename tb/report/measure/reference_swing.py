@@ -7,8 +7,6 @@ motion dies away. Two runs, the second with half the steps, are extrapolated (Ri
 difference tells how far the reference can be trusted.
 """
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

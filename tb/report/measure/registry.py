@@ -3,8 +3,6 @@
 To add a table, write such a function; its name is that of the table.
 """
 
-from __future__ import annotations
-
 import inspect
 import pkgutil
 from collections.abc import Callable, Iterator
@@ -44,9 +42,13 @@ def _tables(module: ModuleType) -> Iterator[tuple[str, Measured]]:
     """Those that are written in a module, or in the modules of a package that shows them."""
     for name, value in vars(module).items():
         if inspect.isfunction(value) and value.__module__.startswith(module.__name__):
-            signature = inspect.signature(value, eval_str=False)
-            taken = [parameter.annotation for parameter in signature.parameters.values()]
-            if (taken, signature.return_annotation) == (["int"], "Table"):
+            signature = inspect.signature(value)
+            kinds = [parameter.annotation for parameter in signature.parameters.values()]
+            # A module that postpones annotations has their names.
+            names = [
+                getattr(kind, "__name__", kind) for kind in (*kinds, signature.return_annotation)
+            ]
+            if names == ["int", "Table"]:
                 yield name, value
 
 

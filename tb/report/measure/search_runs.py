@@ -7,8 +7,6 @@ recorded. Table ``search_runs`` of ``make figures`` shows the record.
     python -m tb.report.measure.search_runs --record
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from time import process_time
 

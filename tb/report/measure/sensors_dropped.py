@@ -1,7 +1,5 @@
 """Which sensors a scene does not need, and how many hidden nodes suit how many sensors."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -64,14 +62,8 @@ def sensors_dropped(seed: int) -> Table:
 def dropped(scene: Scene, seed: int, effort: Effort | None = None, splits: int = SPLITS) -> Table:
     """The errors of a scene without each of its sensors, and with fewer and fewer of them.
 
-    Parameters
-    ----------
-    scene : Scene
-    seed : int
-        The seed of the first split. Further splits take the next seeds.
-    effort : Effort, optional
-        By default the disturbance of the scene, with HIDDEN nodes and STARTS.
-    splits : int
+    seed: The seed of the first split. Further splits take the next seeds.
+    effort: By default the disturbance of the scene, with HIDDEN nodes and STARTS.
     """
     effort = effort or Effort(HIDDEN, STARTS, disturbance=scene.training.disturbance)
     recording = recording_of(scene)
@@ -118,13 +110,8 @@ def nodes(
 ) -> Table:
     """The mean squared errors for each number of hidden nodes, beside the least of the thesis.
 
-    Parameters
-    ----------
-    seed : int
-        The seed of the first split. Further splits take the next seeds.
-    counts : sequence of int
-        The numbers of hidden nodes.
-    starts, splits : int
+    seed: The seed of the first split. Further splits take the next seeds.
+    counts: The numbers of hidden nodes.
     """
     recording = _thesis_recording()
     parts = [split_rows(len(recording.readings), s) for s in range(seed, seed + splits)]

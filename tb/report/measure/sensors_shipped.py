@@ -1,7 +1,5 @@
 """The digit with four, three and two sensors, trained as its shipped networks are."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -42,11 +40,7 @@ def sensors_shipped(seed: int) -> Table:
 def kept(seed: int, splits: int = SPLITS, restarts: int = RESTARTS) -> Table:
     """The held-out errors for each set of sensors.
 
-    Parameters
-    ----------
-    seed : int
-        The seed of the first split. Further splits take the next seeds.
-    splits, restarts : int
+    seed: The seed of the first split. Further splits take the next seeds.
     """
     jobs = [
         delayed(_held_out)(sensors, seed + n, restarts) for sensors in SETS for n in range(splits)

@@ -4,8 +4,6 @@ This is not a bench: nothing is compared here. Icarus plays the frame into the t
 the streams of the top and of the networks in it, clock by clock.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tempfile
@@ -43,20 +41,9 @@ class Watched:
 def simulate_frame(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
     """The streams of the scene's top, and of the networks of a cascade, during one frame.
 
-    Parameters
-    ----------
-    scene : Scene
-        One whose design takes a stream of samples, or all of them at once.
-    frame : int
-        Row of the scene's recorded vectors. If there are several recordings, of the first.
-    build : Path
-        The folder of the export, which is made if it is not there.
-
-    Raises
-    ------
-    InputError
-        When Icarus is missing or refuses the design, or when the scene cannot be exported.
-        Also for a frame number beyond the vectors, and for a design without such a stream.
+    scene: One whose design takes a stream of samples, or all of them at once.
+    frame: Row of the scene's recorded vectors. If there are several recordings, of the first.
+    build: The folder of the export, which is made if it is not there.
     """
     check_simulator("icarus")
     design = scene.twin()

@@ -1,7 +1,5 @@
 """How many frames a second each simulator computes, all on the same frames."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -28,16 +26,7 @@ def simulators(_: int) -> Table:
 def compare_simulators(scene: Scene, netlist: bool = False) -> Table:
     """Floating point, bit-true numpy, MyHDL, Icarus and GHDL on a scene's recorded frames.
 
-    Parameters
-    ----------
-    scene : Scene
-    netlist : bool
-        Whether the netlist of Virtex-II cells is simulated, too.
-
-    Raises
-    ------
-    RuntimeError
-        When the results of a simulator are not those of the twin.
+    netlist: Whether the netlist of Virtex-II cells is simulated, too.
     """
     vectors = scene.vectors()
     design = scene.twin().core

@@ -15,8 +15,6 @@ by last bits, which has the same effect as another processor. ``--python`` adds 
 with other versions of numpy and SciPy.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -59,13 +57,7 @@ Tables = Mapping[str, Mapping[str, Any]]
 
 
 def finished(command: Sequence[str], setting: Mapping[str, str]) -> bool:
-    """Run a command, and return whether this processor has the instructions for it.
-
-    Raises
-    ------
-    InputError
-        When the command fails, with its message.
-    """
+    """Run a command, and return whether this processor has the instructions for it."""
     done = subprocess.run(
         command, cwd=ROOT, env=os.environ | setting, capture_output=True, text=True, check=False
     )
@@ -85,10 +77,7 @@ def runs(settings: Sequence[str], pythons: Sequence[str]) -> Iterator[tuple[str,
 def differences(found: Mapping[str, Tables]) -> Table:
     """The columns in which runs differ, and the two figures that are farthest apart.
 
-    Parameters
-    ----------
-    found : mapping
-        The tables of each run, as ``figures.json`` holds them.
+    found: The tables of each run, as ``figures.json`` holds them.
     """
     rows: list[list[Cell]] = []
     for name, first in next(iter(found.values())).items():

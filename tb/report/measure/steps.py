@@ -1,7 +1,5 @@
 """The tables of ``make figures`` for the report, which are recorded, kept or measured."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Collection
 from functools import partial

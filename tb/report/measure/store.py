@@ -4,8 +4,6 @@ The key of a part holds the code that makes it and all data that tactus ships. S
 measured again when only a page of the report changes.
 """
 
-from __future__ import annotations
-
 import platform
 import time
 from collections.abc import Callable, Iterable
@@ -26,13 +24,8 @@ Progress = Callable[[str, float, bool], None]
 def part_key(name: str, modules: Iterable[str], **parts: store.Part) -> store.Key:
     """The key of a part.
 
-    Parameters
-    ----------
-    name : str
-    modules : iterable of str
-        The modules with the functions and classes that make it.
-    parts : Part
-        Everything else on which the part depends.
+    modules: The modules with the functions and classes that make it.
+    parts: Everything else on which the part depends.
     """
     tools = [f"{package} {version(package)}" for package in ("myhdl", "numpy", "scipy")]
     tools.append(f"python {platform.python_version()}")

@@ -1,7 +1,5 @@
 """The errors of networks on the generated recordings of the swing, for more and more noise."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.metrics import displacement_errors

@@ -22,24 +22,11 @@ Cell = str | int | float | None
 class Table:
     """One table.
 
-    Parameters
-    ----------
-    name : str
-        The name of the table and of its CSV.
-    columns : sequence of str
-        The headings with their units.
-    rows : sequence of sequences
-        Cells of text or numbers, or None if there is no figure.
-    note : str
-        Says what was measured and how, and what differs from the reference and why.
-    timed : sequence of str
-        The columns that hold run times of this machine, which differ from call to call.
-
-    Raises
-    ------
-    ValueError
-        When a row and the columns differ in length, when a row holds NaN or infinity, or when a
-        timed column is not among the columns.
+    name: The name of the table and of its CSV.
+    columns: The headings with their units.
+    rows: Cells of text or numbers, or None if there is no figure.
+    note: Says what was measured and how, and what differs from the reference and why.
+    timed: The columns that hold run times of this machine, which differ from call to call.
     """
 
     name: str

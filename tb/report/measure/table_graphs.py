@@ -1,7 +1,5 @@
 """The held-out errors of the designs that take a frame every clock, with tables and with tanh."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -57,13 +55,7 @@ def table_graph(seed: int) -> Table:
 
 
 def tested(scene: Scene) -> Trained:
-    """The only network of a scene as it was before the held-out rows took part in its training.
-
-    Raises
-    ------
-    InputError
-        When the scene's network was not trained here.
-    """
+    """The only network of a scene as it was before the held-out rows took part in its training."""
     stories = provenances(scene)
     if stories is None:
         raise InputError(f"{scene.path}: got a network of unknown training, expected make train's")

@@ -14,8 +14,6 @@ pages hold the run times of one machine, which the record names. A test compares
 columns with what it measures.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -167,13 +165,7 @@ def write(table: Table) -> Path:
 
 
 def machine() -> str:
-    """The processor on which every table for pages was recorded.
-
-    Raises
-    ------
-    InputError
-        When the records name several processors. All of them must be recorded on one.
-    """
+    """The processor on which every table for pages was recorded."""
     found = {_found(name)["machine"]["processor"] for name in FOR_PAGES}
     if len(found) > 1:
         raise InputError(f"tables for pages: got {sorted(found)}, expected one processor")

@@ -1,7 +1,5 @@
 """The table tanh_rounding: what a table of lines needs to round every tanh correctly."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The table tanh_words: the error of an engine's tanh against the words of its table."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

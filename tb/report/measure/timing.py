@@ -1,7 +1,5 @@
 """Measures run times for the timed columns of a table."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar

@@ -1,7 +1,5 @@
 """Validation error against processor time, for two optimisers and two ways to train a cascade."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -30,10 +28,8 @@ CASCADES = {"cascade A": "float", "cascade B": "bit-true"}
 class Watched(Objective):
     """An objective that notes how far its descent has come.
 
-    Attributes
-    ----------
-    notes : list of tuples
-        The evaluations of the residuals, the seconds of processor time, and the best point so far.
+    notes: The evaluations of the residuals, the seconds of processor time, and the best point so
+        far.
     """
 
     evaluations: int = 0

@@ -1,7 +1,5 @@
 """Equations 3.17 and 3.18: error against terms, and bit-true against real arithmetic."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

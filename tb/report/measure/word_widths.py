@@ -8,8 +8,6 @@ find, so the figures are recorded. Table ``word_widths`` of ``make figures`` sho
     python -m tb.report.measure.word_widths --record
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -5,8 +5,6 @@ and the table of blocks in ``docs/README.md``. Formats and clocks are those of e
 one network in every design, activation and precision.
 """
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import sys

@@ -5,8 +5,6 @@ The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python
 hdl.boards.variants`` record beside a scene what it takes.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

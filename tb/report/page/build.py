@@ -1,7 +1,5 @@
 """Writes a report: the page, and every picture and table beside it."""
 
-from __future__ import annotations
-
 import dataclasses
 import time
 

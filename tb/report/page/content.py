@@ -1,7 +1,5 @@
 """The content of the report of a scene."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol

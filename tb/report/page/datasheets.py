@@ -4,8 +4,6 @@ It rewrites the text between the markers of ``docs/synthesis.md`` and of each pa
 ``docs/blocks``. The rest of a page stays as it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

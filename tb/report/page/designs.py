@@ -1,7 +1,5 @@
 """The text and the picture of docs/designs.md."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from golden.scene import Scene, load_scene

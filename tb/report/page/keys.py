@@ -1,7 +1,5 @@
 """``python -m tb.report.page.keys``: writes the keys of a scene for its page and for an editor."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

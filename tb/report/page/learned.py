@@ -1,7 +1,5 @@
 """The tables of networks of learned functions, as the pages show them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from golden.disturbance import Disturbance

@@ -1,7 +1,5 @@
 """The content of docs/left-out.md: what scenes leave out, and which sensors they do not need."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ the networks of scene digit, of the cost of designs and of an engine's tanh. The
 stays as it is.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable

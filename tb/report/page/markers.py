@@ -1,7 +1,5 @@
 """Replaces generated text between two markers of a page. The rest of a page is written by hand."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -20,18 +18,8 @@ def begin(command: str, section: str = "") -> str:
 def put(page: Path, old: str, text: str, command: str, section: str = "") -> str:
     """The page's text ``old`` with ``text`` between its markers.
 
-    Parameters
-    ----------
-    page : Path
-        The page, which the message names.
-    old, text : str
-    command, section : str
-        See ``begin``.
-
-    Raises
-    ------
-    InputError
-        When the page does not have the first marker once, followed by the last one.
+    page: The page, which the message names.
+    command, section: See ``begin``.
     """
     first = begin(command, section)
     head, _, rest = old.partition(first)

@@ -1,7 +1,5 @@
 """The content of docs/learning.md: the tables ``on_line_learning`` and ``beyond_drift``."""
 
-from __future__ import annotations
-
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.plots import Plot, side_by_side
 from tb.report.measure.on_line_learning import (

@@ -1,7 +1,5 @@
 """The text of docs/limits.md on readings that are unlike those of the training."""
 
-from __future__ import annotations
-
 from tb.report.measure.table import Table
 
 

@@ -1,7 +1,5 @@
 """The report as one HTML file that needs no other files."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,17 +18,10 @@ WIDEST, ANY = 72 * 16, 1e5
 class Picture:
     """A drawing with a sentence below it.
 
-    Parameters
-    ----------
-    name : str
-        The file name without its suffix.
-    title : str
-    svg : str
-        An ``<svg>`` element.
-    sentence : str
-        Says what the drawing shows, or what its figures support.
-    wide : bool
-        Whether the drawing takes the whole width of a desktop. On a phone it scrolls sideways.
+    name: The file name without its suffix.
+    svg: An ``<svg>`` element.
+    sentence: Says what the drawing shows, or what its figures support.
+    wide: Whether the drawing takes the whole width of a desktop. On a phone it scrolls sideways.
     """
 
     name: str
@@ -53,18 +44,10 @@ class Picture:
 class Section:
     """A part of the page.
 
-    Parameters
-    ----------
-    name : str
-        The name of the anchor.
-    title : str
-    text, points : sequence of str
-        The paragraphs, and the list below them.
-    pictures : sequence of Picture
-    tables : sequence of Table
-        The tables that are shown in full.
-    folded : sequence of Table
-        The tables that are shown when the reader opens them, and in print.
+    name: The name of the anchor.
+    text, points: The paragraphs, and the list below them.
+    tables: The tables that are shown in full.
+    folded: The tables that are shown when the reader opens them, and in print.
     """
 
     name: str
@@ -80,16 +63,9 @@ class Section:
 class Page:
     """The whole report.
 
-    Parameters
-    ----------
-    title : str
-    built : sequence of str
-        The lines that say what was built.
-    errors, costs : Table
-        The tables of the first screen.
-    sections : sequence of Section
-    made : sequence of str
-        The lines that say with which tools the report was made.
+    built: The lines that say what was built.
+    errors, costs: The tables of the first screen.
+    made: The lines that say with which tools the report was made.
     """
 
     title: str

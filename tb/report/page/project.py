@@ -1,7 +1,5 @@
 """The errors and costs of the project's own approximations, which FULL=1 adds to a report."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from golden import store
@@ -27,16 +25,10 @@ Draw = Callable[[str, Sequence[Plot]], list[Picture]]
 def sections(scene: Scene, asked: store.Key, draw: Draw, tell: Progress) -> list[Section]:
     """The sections that FULL=1 adds.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene whose frames every simulator computes.
-    asked : Key
-        The key of the table of simulators.
-    draw : callable
-        Draws plots, and keeps the pictures under a name.
-    tell : callable
-        See ``tb.report.measure.store``.
+    scene: The scene whose frames every simulator computes.
+    asked: The key of the table of simulators.
+    draw: Draws plots, and keeps the pictures under a name.
+    tell: See ``tb.report.measure.store``.
     """
     tables = measured(tell)
     speed = unpacked(once(asked, tell, lambda: packed(compare_simulators(scene))))

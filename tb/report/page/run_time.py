@@ -3,8 +3,6 @@
 Errors, clocks and cells are computed. Run times are the recorded ones of one machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -55,12 +53,8 @@ SHOWS = {
 def pages(networks: Table, command: str) -> dict[Path, str]:
     """The page and its pictures.
 
-    Parameters
-    ----------
-    networks : Table
-        See ``tb.report.measure.costs.with_network_cells``.
-    command : str
-        The command that writes them, which the markers name.
+    networks: See ``tb.report.measure.costs.with_network_cells``.
+    command: The command that writes them, which the markers name.
     """
     tables = {name: table_records.read(name) for name in table_records.FOR_PAGES}
     tables["clocks"] = with_network_times(networks)

@@ -4,8 +4,6 @@ Rewrites what stands between the markers of each page in ``docs/blocks`` and the
 ``docs/verification.md``.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable
@@ -17,17 +15,12 @@ from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
 from tb.report.page.markers import put, write
 from tb.sign_off.mutate.score import COUNT
-from tb.sign_off.record import read_record, record_path
+from tb.sign_off.record import recorded
 from tb.sign_off.subject import recorded_cases
 
 COMMAND = "make pages"
 SECTION = "sign-off"
 Record = dict[str, Any]
-
-
-def recorded(kind: str, block: str) -> Record:
-    """The record of a block; empty if there is none."""
-    return read_record(kind, block) if record_path(kind, block).exists() else {}
 
 
 def mutation(record: Record) -> str:
@@ -129,24 +122,18 @@ def proved_properties(record: Record) -> list[str]:
 
 def coverage(record: Record) -> str:
     """A text on the borders, states and values that the bench reached."""
-    borders = len(record["borders"]) - sum("unreachable" in b for b in record["borders"].values())
-    values = sum(len(values) for values in record["ports"].values())
-    states = sum(state["values"] for state in record["states"].values())
     return (
-        f"the bench meets {_count(borders, 'border')} on both sides, "
-        f"{_count(values, 'port value')} and {_count(states, 'state')}"
+        f"the bench meets {_count(record['borders'], 'border')} on both sides, "
+        f"{_count(record['ports'], 'port value')} and {_count(record['states'], 'state')}"
     )
 
 
 def unreachable(record: Record) -> list[str]:
     """A row for each border or value that no stimulus reaches."""
-    borders = record.get("borders", {})
-    closed = {name: b["unreachable"] for name, b in borders.items() if "unreachable" in b}
-    closed |= record.get("unreachable", {})
     return _table(
         "No stimulus can reach the following:",
         ["border or value", "reason"],
-        [[name, reason] for name, reason in closed.items()],
+        [[name, reason] for name, reason in record.get("unreachable", {}).items()],
     )
 
 
@@ -193,8 +180,7 @@ def unknown(record: Record) -> str:
     """A text on the run in which registers begin unknown."""
     facts = [
         f"{record['compared']} values compared",
-        f"{_count(len(record['not reset']), 'register')} without reset, "
-        f"{len(record['reset'])} with reset",
+        f"{_count(record['not reset'], 'register')} without reset, {record['reset']} with reset",
     ]
     if record["tests"] != "all":
         facts.append(f"tests {_tests(record['tests'])}")
@@ -290,10 +276,10 @@ def overview() -> str:
             *(mutants.get(key, "") for key in ("mutants", "killed", "same")),
             percent(mutants) if mutants else "",
             len(proofs.get("properties", [])) or "",
-            sum("unreachable" not in border for border in met.get("borders", {}).values()) or "",
+            met.get("borders") or "",
             equal.get("method", "").partition(",")[0],
             ", ".join(sorted({one["family"] for one in mapped.get("runs", [])})),
-            len(unreset["not reset"]) if unreset else "",
+            unreset.get("not reset", ""),
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
     return "\n".join(lines)

@@ -1,7 +1,5 @@
 """The content of docs/stability.md: stiff and extreme cases, margins, what would break them."""
 
-from __future__ import annotations
-
 from golden.precision import SIGNAL
 from tb.report.measure.stability.digits import DIGITS
 from tb.report.measure.stability.margins import Case, cases, closest

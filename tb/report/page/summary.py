@@ -1,7 +1,5 @@
 """The first screen of the report: what was built, its errors, its costs, what was left out."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from golden.block import walk

@@ -4,8 +4,6 @@ It rewrites the text between its markers in ``docs/thesis.md`` and in the pages 
 and the pictures in ``docs/thesis``. The rest of a page stays as it is.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``make mutate``: find the mutation score of one block, or of every block."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +13,7 @@ from tb.common.where import check_block
 from tb.sign_off.mutate.initial import score_words
 from tb.sign_off.mutate.score import SEED, score
 from tb.sign_off.processor import processor_line, processor_minutes
-from tb.sign_off.record import read_record, record_path, write_record
+from tb.sign_off.record import recorded, write_record
 from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects, subjects_of
 
 KIND = "mutation"
@@ -70,8 +68,7 @@ def main() -> int:
     found = True
 
     def work(name: str, job: Job) -> dict[str, Any]:
-        recorded = not arguments.scene and record_path(KIND, name).exists()
-        before = read_record(KIND, name) if recorded and not arguments.all else None
+        before = None if arguments.scene or arguments.all else recorded(KIND, name)
 
         def tell(text: str) -> None:
             print(f"{name}: {text}", flush=True)

@@ -1,7 +1,5 @@
 """The reasons why undetected mutants that are not proved equivalent are no holes of a bench."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from functools import cache

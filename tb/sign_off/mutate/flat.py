@@ -29,11 +29,6 @@ def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
 
     A selection that is missing in the end is one that nothing reads: all are there before
     ``opt_clean``, which takes out nothing else.
-
-    Raises
-    ------
-    InputError
-        When Yosys took out a selection before that.
     """
     width = max(NARROWEST, len(commands).bit_length())
     lines = ["read_rtlil base.il"]

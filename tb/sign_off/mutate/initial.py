@@ -8,8 +8,6 @@ That such a bit is right anyway is shown by comparing each exported word with th
 changed (``tests/test_bipartite.py``).
 """
 
-from __future__ import annotations
-
 import random
 import re
 import tempfile
@@ -35,14 +33,7 @@ _WORD = re.compile(r"^( *)(\w+)\[(\d+)\] <= (?:\d+'h([0-9a-f]+)|(\d+));", re.MUL
 class Word:
     """A word that the Verilog of an entity puts into a memory.
 
-    Parameters
-    ----------
-    memory : str
-    address : int
-    width : int
-    value : int
-    span : (int, int)
-        Where the assignment stands in the text.
+    span: Where the assignment stands in the text.
     """
 
     memory: str

@@ -4,8 +4,6 @@ Only what stands in the entity itself is changed, the ports of its parts too: wh
 parts has a score of its own.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import re

@@ -1,7 +1,5 @@
 """How many mutants of an entity are possible; those of a score are a sample of them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

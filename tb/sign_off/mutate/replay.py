@@ -1,7 +1,5 @@
 """What a bench drove, saw and looked at, played again in plain Verilog for each mutant."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -11,8 +11,6 @@ up: a slower processor may leave open what this one proves, and score less. What
 that is left open at once.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Collection
@@ -96,13 +94,8 @@ def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:
 class Question:
     """Whether the trigger of a netlist can rise over clocks; the netlist is built when asked.
 
-    Attributes
-    ----------
-    name : str
-        Of its files.
-    build : callable
-        Gives the netlist.
-    folder : Path
+    name: Of its files.
+    build: Gives the netlist.
     """
 
     name: str

@@ -11,8 +11,6 @@
    explained mutant only the proof within one clock is tried.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -36,6 +34,7 @@ from tb.sign_off.mutate.population import population
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import SAME, proved
 from tb.sign_off.mutate.words import describe
+from tb.sign_off.record import short
 from tb.sign_off.source import source
 
 COUNT = 200
@@ -76,13 +75,7 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
 
 
 def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
-    """The trace of the bench on the sound hardware, and a digest of it for each test.
-
-    Raises
-    ------
-    RuntimeError
-        When the bench fails on it, or when its netlist does not show what the bench saw.
-    """
+    """The trace of the bench on the sound hardware, and a digest of it for each test."""
     job = replace(subject.job, trace=True)
     outcome = run_job(job)
     if not outcome.passed:
@@ -157,7 +150,7 @@ def score(
         state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
         possible = population(job.entity, seed, subject.folder)
         tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
-        if before and before.get("digest") == state:
+        if before and before.get("digest") == short(state):
             found = before
         else:
             found = _found(subject, trace, seed, pool, tell)

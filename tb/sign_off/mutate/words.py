@@ -1,7 +1,5 @@
 """Describes a mutant in words."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Extreme cases of the activations: the most negative code, and a regression that diverges."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One case of the table, and the functions that compute its figure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Ill-conditioned problems: fits, filters and derivatives, against the same with more digits."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import Any

@@ -3,8 +3,6 @@
 They use mpmath, and are slow.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import mpmath as mp

@@ -1,7 +1,5 @@
 """Computes the networks of a scene in integers of unlimited width."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.fixed import Codes
@@ -13,12 +11,7 @@ from golden.networks.oracle import designs_in, exact
 def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
     """The output codes, shape (frames, outputs), for sample codes, shape (frames, inputs).
 
-    Parameters
-    ----------
-    design : Network
-    arrangement : str
-        The arrangement of the networks in ``design``.
-    frames : int64 array
+    arrangement: The arrangement of the networks in ``design``.
     """
     found: list[Codes] = []
     for part in designs_in(design):

@@ -1,7 +1,5 @@
 """Extreme cases of several hidden layers on the engine."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """How far the figures of the table are from their bounds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from tb.report.measure.table import Cell, Table
@@ -12,14 +10,7 @@ REACHED = 0.999
 
 @dataclass(frozen=True)
 class Case:
-    """A row of the table as an object.
-
-    Attributes
-    ----------
-    model, case, must, figure : str
-    value, bound : float
-    holds : bool
-    """
+    """A row of the table as an object."""
 
     model: str
     case: str

@@ -1,7 +1,5 @@
 """Extreme cases of the networks: readings, rails, huge weights, full accumulators."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterator
 from functools import partial

@@ -1,7 +1,5 @@
 """Stiff and extreme cases of the physics: swing, plate, beam, conditioning."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

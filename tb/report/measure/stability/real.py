@@ -1,7 +1,5 @@
 """A bit-true network against real arithmetic that saturates, with a bound of the difference."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from golden.fixed import Codes
@@ -20,16 +18,9 @@ def real_error(
     The reference uses tanh and the unrounded weights. In it, q saturates to the range of its
     format, and y to that of the signals.
 
-    Parameters
-    ----------
-    mlp : Mlp
-    precision : Precision
-    network : Design
-        The bit-true network.
-    frames, found : int64 arrays
-        The samples and the results.
-    sensors : int
-        How many inputs are samples. The inputs after them are outputs of earlier networks.
+    network: The bit-true network.
+    frames, found: The samples and the results.
+    sensors: How many inputs are samples. The inputs after them are outputs of earlier networks.
     """
     factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
     hidden = precision.hidden_fmt

@@ -1,7 +1,5 @@
 """All stiff and extreme cases as one table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

@@ -1,7 +1,5 @@
 """Extreme cases of the visualisation: very narrow loads, and the jumps of equation 3.17."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
