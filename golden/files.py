@@ -115,9 +115,10 @@ def _laid_out(facts: Any, sort_keys: bool, margin: str = "\n") -> str:
     flat = json.dumps(facts, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
     deeper = f"{margin} "
     if isinstance(facts, dict) and len(flat) > WIDTH:
+        items = sorted(facts.items()) if sort_keys else facts.items()
         lines = [
-            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(facts[key], sort_keys, deeper)}"
-            for key in (sorted(facts) if sort_keys else facts)
+            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(value, sort_keys, deeper)}"
+            for key, value in items
         ]
         return f"{{{deeper}{f',{deeper}'.join(lines)}{margin}}}"
     if isinstance(facts, (list, tuple)) and any(isinstance(v, (dict, list, tuple)) for v in facts):
