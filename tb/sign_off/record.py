@@ -1,7 +1,8 @@
 """Records of what was found for a block, so that datasheets and tests need not find it again.
 
 A kind of record, such as "mutation", is one CSV file with a row for each block or recorded case of
-it, sorted by name. A cell holds one field as JSON, or nothing where the record has no such field.
+it, sorted by name. A cell holds one field, as JSON if it is no text, or nothing where the record
+has no such field.
 """
 
 import csv
@@ -50,7 +51,19 @@ def _write(kind: str, records: dict[str, dict[str, Any]]) -> None:
 
 
 def _cell(record: dict[str, Any], field: str) -> str:
-    return json.dumps(record[field], sort_keys=True) if field in record else ""
+    if field not in record:
+        return ""
+    found = record[field]
+    # A text stands as it is where it comes back as this text.
+    plain = found and _value(str(found)) == found
+    return str(found) if plain else json.dumps(found, sort_keys=True)
+
+
+def _value(cell: str) -> Any:
+    try:
+        return json.loads(cell)
+    except ValueError:
+        return cell
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
@@ -78,6 +91,6 @@ def records(kind: str) -> dict[str, dict[str, Any]]:
     csv.field_size_limit(sys.maxsize)
     with reading(path, "a table of records"), path.open(newline="", encoding="utf-8") as file:
         return {
-            row.pop(NAME): {field: json.loads(cell) for field, cell in row.items() if cell}
+            row.pop(NAME): {field: _value(cell) for field, cell in row.items() if cell}
             for row in csv.DictReader(file)
         }
