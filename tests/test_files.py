@@ -135,7 +135,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert read_json(path, "a record", make=lambda found: found["b"]) == "µm"
     with pytest.raises(InputError, match=r"record\.json: not a record: 'c'"):
         read_json(path, "a record", make=lambda found: found["c"])
-    with pytest.raises(ValueError, match="nan"):
+    with pytest.raises(ValueError, match="JSON"):
         write_json(path, float("nan"))
     assert list(read_json(path, "a record")) == ["b", "a"]
     write_json(path, {"b": 1, "a": 2}, sort_keys=True)
