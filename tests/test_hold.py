@@ -10,6 +10,7 @@ import pytest
 from golden.fingerprint import ROOT
 from golden.hold import VARIABLE, held
 from tb.common.cases import random_mlp, write_scene
+from tb.common.collected import CASES_OF
 
 WAITS = "from golden.hold import held; import sys; from pathlib import Path\n"
 WAITS += "with held([Path(sys.argv[1])]): print('has it', flush=True); sys.stdin.read()"
@@ -61,12 +62,18 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
         "hdl.export same.toml vhdl",
         "tb.report same.toml",
         "tb.certify same.toml",
+        "tb.sign_off.mutate --scene=same.toml",
+        "tb.prove --block=abs_unit",
+        "tb.sign_off.mutate --block=abs_unit",
+        "tb.sign_off.coverage --block=abs_unit",
+        "tb.sim --block=abs_unit --netlist=1 --record",
     ],
 )
-def test_commands_wait_for_others_on_a_scene_of_the_same_name(tmp_path: Path, words: str) -> None:
+def test_commands_wait_for_others_on_the_same_folder(tmp_path: Path, words: str) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
+    name = CASES_OF["abs_unit"][0] if "--block" in words else "same"
     with (
-        held([tmp_path / "build" / "same"]),
+        held([tmp_path / "build" / name]),
         subprocess.Popen(
             [sys.executable, "-m", *words.split()],
             cwd=tmp_path,

@@ -20,7 +20,7 @@ from tb.common.coverage import values_of
 from tb.common.runner import Outcome, run_job, run_jobs
 from tb.sign_off.record import write_record
 from tb.sign_off.source import source
-from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects
+from tb.sign_off.subject import cases_line, chosen_blocks, hold_recorded, recorded_subjects
 
 KIND = "coverage"
 
@@ -58,6 +58,12 @@ def main() -> int:
     blocks = chosen_blocks(arguments.block)
     print(cases_line(arguments.block), flush=True)
     would(f"export, then run {len(blocks)} benches")
+    with hold_recorded(blocks):
+        return count(blocks, arguments.record)
+
+
+def count(blocks: list[str], record: bool) -> int:
+    """Run the benches of blocks, print what they met, and return the exit code."""
     planned = recorded_subjects(blocks)
     jobs = list(planned.values())
     with Progress("coverage", len(jobs), "benches") as progress:
@@ -66,7 +72,7 @@ def main() -> int:
     for name, outcome in zip(planned, outcomes, strict=True):
         if outcome.passed:
             facts = summary(outcome)
-            if arguments.record:
+            if record:
                 write_record(KIND, name, facts)
             print(
                 f"{name:20} {facts['borders']:4} borders, {facts['states']:5} states, "

@@ -25,6 +25,7 @@ from tb.sign_off.record import write_record
 from tb.sign_off.source import EVERY, source, verilog
 from tb.sign_off.subject import (
     chosen_blocks,
+    hold_recorded,
     record_name,
     recorded_cases,
     recorded_subjects,
@@ -168,8 +169,12 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
             f"NETLIST={ALL} or NETLIST={UNKNOWN}"
         )
     would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
-    if every:
-        return record_netlists(blocks, tell)
+    with hold_recorded(blocks):
+        return record_netlists(blocks, tell) if every else record_unknowns(blocks, tell)
+
+
+def record_unknowns(blocks: list[str], tell: Tell) -> list[Outcome]:
+    """Run the benches of some blocks with unknown registers, and record what is compared."""
     subjects = [played(job) for job in recorded_subjects(blocks, NETLISTS_RUN_IN).values()]
     with Progress("simulating unknown registers of", len(subjects), "entities") as progress:
 

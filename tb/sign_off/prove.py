@@ -21,6 +21,7 @@ from golden.cli import would
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
 from golden.folders import BUILD
+from golden.hold import held
 from hdl.synth.tools import digest
 from tb.common.collected import CASES_OF
 from tb.common.runner import Job
@@ -117,8 +118,12 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
 
     export: Makes the entity from block and case.
     """
-    also: tuple[str, ...] = getattr(PROOFS[block], "ALSO", ())
-    return [export(block, case) for case in (CASES_OF[block][0], *also)]
+    return [export(block, case) for case in cases(block)]
+
+
+def cases(block: str) -> list[str]:
+    """The cases in which a block is proved."""
+    return [CASES_OF[block][0], *getattr(PROOFS.get(block), "ALSO", ())]
 
 
 def check_record(planned: list[Job]) -> list[str]:
@@ -188,9 +193,10 @@ def run_blocks(block: str | None, recorded: bool) -> int:
     blocks = chosen_blocks(block)
     print(case_line(block), flush=True)
     would(f"export and prove {len(blocks)} blocks")
-    proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
-    properties = processor_minutes()
-    print(f"properties: {processor_line(properties)}", flush=True)
-    equal = prove_equal(blocks, recorded)
-    print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
+    with held(BUILD / case for block in blocks for case in cases(block)):
+        proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
+        properties = processor_minutes()
+        print(f"properties: {processor_line(properties)}", flush=True)
+        equal = prove_equal(blocks, recorded)
+        print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
     return 0 if proved and equal else 1

@@ -1,8 +1,11 @@
 """The entity that stands for a block where it is proved, mutated or mapped to cells."""
 
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from functools import cache
 
 from golden.folders import BUILD
+from golden.hold import held
 from golden.input_error import InputError
 from golden.scene import load_scene
 from golden.table import suggest
@@ -43,6 +46,11 @@ def recorded_cases(block: str) -> dict[str, str]:
     """
     also: tuple[str, ...] = getattr(BENCHES[block], "ALSO", ())
     return {block: CASES_OF[block][0]} | {f"{block}.{case}": case for case in also}
+
+
+def hold_recorded(blocks: Iterable[str]) -> AbstractContextManager[None]:
+    """Hold the folders in which blocks are exported when they are recorded."""
+    return held(BUILD / case for block in blocks for case in recorded_cases(block).values())
 
 
 def recorded_subjects(blocks: list[str], simulator: str = RUNS_IN) -> dict[str, Job]:

@@ -6,6 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from golden.cli import MOST_SEED, run, whole, would
+from golden.folders import BUILD
+from golden.hold import held
 from golden.input_error import InputError
 from golden.scene import load_scene
 from tb.common.runner import Job
@@ -14,7 +16,13 @@ from tb.sign_off.mutate.initial import score_words
 from tb.sign_off.mutate.score import SEED, score
 from tb.sign_off.processor import processor_line, processor_minutes
 from tb.sign_off.record import recorded, write_record
-from tb.sign_off.subject import cases_line, chosen_blocks, recorded_subjects, subjects_of
+from tb.sign_off.subject import (
+    cases_line,
+    chosen_blocks,
+    hold_recorded,
+    recorded_subjects,
+    subjects_of,
+)
 
 KIND = "mutation"
 BESIDE = 2
@@ -56,15 +64,22 @@ def main() -> int:
             "RECORD=1: got SCENE= too, expected none: only the cases of benches are recorded"
         )
     if arguments.scene:
-        check_block(load_scene(arguments.scene), arguments.block)
+        scene = load_scene(arguments.scene)
+        check_block(scene, arguments.block)
         would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")
-        planned = {job.block: job for job in subjects_of(arguments.scene, arguments.block)}
-    else:
-        blocks = chosen_blocks(arguments.block)
-        print(f"seed {arguments.seed}")
-        print(cases_line(arguments.block), flush=True)
-        would(f"export and mutate {len(blocks)} blocks")
-        planned = recorded_subjects(blocks)
+        with held([BUILD / scene.name]):
+            jobs = subjects_of(arguments.scene, arguments.block)
+            return mutate({job.block: job for job in jobs}, arguments)
+    blocks = chosen_blocks(arguments.block)
+    print(f"seed {arguments.seed}")
+    print(cases_line(arguments.block), flush=True)
+    would(f"export and mutate {len(blocks)} blocks")
+    with hold_recorded(blocks):
+        return mutate(recorded_subjects(blocks), arguments)
+
+
+def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
+    """Find the score of each entity, print it, and return the exit code."""
     found = True
 
     def work(name: str, job: Job) -> dict[str, Any]:
