@@ -1,5 +1,6 @@
 """How every command ends: bad input prints one line and exits with 2, never with a traceback."""
 
+import _posixsubprocess
 import errno
 import os
 import shlex
@@ -13,11 +14,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from golden.input_error import InputError
 
 # Errors of a full or broken disk, in writing a file that the error may not name.
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+_FORK_EXEC = _posixsubprocess.fork_exec
 # The largest seed of random numbers that every generator accepts.
 MOST_SEED = (1 << 32) - 1
 # What is said after each signal that asks a command to end.
@@ -139,14 +142,29 @@ def _stopped_by_signals() -> Iterator[None]:
     except ValueError:  # only the main thread gets signals
         yield
         return
+    _posixsubprocess.fork_exec = _start_deaf
     try:
         yield
     finally:
+        _posixsubprocess.fork_exec = _FORK_EXEC
         over.set()
         if ended:
             end_workers()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _start_deaf(*given: Any) -> int:
+    """Start a worker of joblib, which ``stop`` ends, so that it does not notice Ctrl-C.
+
+    It would print a traceback while it imports. The module ``subprocess`` has a name of its own for
+    what this replaces.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        return _FORK_EXEC(*given)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_descendants() -> None:

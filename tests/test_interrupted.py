@@ -63,9 +63,9 @@ def wait(condition: Callable[[], object]) -> None:
         time.sleep(0.05)
 
 
-def alive(session: int) -> list[str]:
-    """The processes of a session that have not ended."""
-    found = []
+def alive(session: int) -> dict[int, str]:
+    """The names of the processes of a session that have not ended."""
+    found = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             name, _, others = path.read_text().rpartition(")")
@@ -73,8 +73,19 @@ def alive(session: int) -> list[str]:
             continue
         state, _, _, its_session, *_ = others.split()
         if int(its_session) == session and state != "Z":
-            found.append(name)
+            found[int(path.parent.name)] = name
     return found
+
+
+def beginning(session: int) -> bool:
+    """Whether a worker of joblib has begun to run Python, which would now notice Ctrl-C."""
+    with suppress(OSError):
+        for folder in (Path(f"/proc/{one}") for one in alive(session)):
+            status = (folder / "status").read_text()
+            caught = int(status.partition("SigCgt:")[2].split()[0], 16) >> (signal.SIGINT - 1)
+            if caught & 1 and b"popen_loky" in (folder / "cmdline").read_bytes():
+                return True
+    return False
 
 
 @pytest.mark.parametrize(
@@ -86,10 +97,18 @@ def test_a_search_ends_with_its_workers_and_its_shared_memory(
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 20, 2), 1.0, 1)])
     command = [sys.executable, "-m", "golden.commands.train", "mine.toml"]
     with started(*command, folder=tmp_path) as search:
-        wait(lambda: list(Path("/dev/shm").glob(f"*loky-{search.pid}-*")))
-        search.send_signal(number)
-        *_, last = search.communicate(timeout=LIMIT)[0].splitlines()
-        assert last == said
+        wait(lambda: beginning(search.pid))
+        if number == signal.SIGINT:
+            # Ctrl-C reaches the workers too, maybe long before the command.
+            search.send_signal(signal.SIGSTOP)
+            os.killpg(search.pid, number)
+            time.sleep(1)
+            search.send_signal(signal.SIGCONT)
+        else:
+            search.send_signal(number)
+        output = search.communicate(timeout=LIMIT)[0]
+        assert output.splitlines()[-1] == said
+        assert "Traceback" not in output
         assert search.returncode == 128 + number
         wait(lambda: not alive(search.pid))
         assert not list(Path("/dev/shm").glob(f"*[-_]{search.pid}[-_]*"))
