@@ -23,6 +23,9 @@ DRY_RUN := $(filter-out 0,$(DRY))
 # $(1): what a recipe would do; $(2): how.
 own = @$(if $(DRY_RUN),echo "DRY=1: nothing done; would $(1)",$(2))
 
+# $(1): several commands. A signal that make passes on reaches only the shell of a recipe, so what takes its place ends them.
+ends = exec $(RUN) -m tb.commands shell '$(subst ','\'',$(1))'
+
 # $(1): a variable that names a folder which is removed; $(2): a file by which it is known.
 mine = if [ -e "$$$(1)" ] && ! [ -e "$$$(1)/$(2)" ]; then \
 	echo "error: $(1)=$$$(1): is there already, and has no $(2), so it may be yours" >&2; exit 2; fi
@@ -60,23 +63,23 @@ test: $(READY) $(if $(DRY_RUN),,tools browser)
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs
 
 docs: $(READY)
-	$(call own,build $$SITE,set -e; \
+	$(call own,build $$SITE,$(call ends,set -e; \
 		$(call mine,SITE,index.html); \
 		rm -rf -- "$$SITE.new" "$$SITE.doctrees"; \
 		$(SPHINX) "$$SITE.new"; \
 		$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$$SITE.links";) \
 		rm -rf -- "$$SITE" "$$SITE.doctrees" "$$SITE.links"; \
 		mv -- "$$SITE.new" "$$SITE"; \
-		printf 'wrote %s/index.html\n' "$$SITE")
+		printf 'wrote %s/index.html\n' "$$SITE"))
 
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
-	$(call own,write what is generated in the documentation,set -e; \
-		for page in blocks datasheets boards keys lists thesis sign_off; do $(RUN) -m tb.report.page.$$page; done)
+	$(call own,write what is generated in the documentation,$(call ends,set -e; \
+		for page in blocks datasheets boards keys lists thesis sign_off; do $(RUN) -m tb.report.page.$$page; done))
 
 lint: $(READY)
-	$(call own,run ruff$(comma) import-linter and mypy,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && \
-		"$$VENV/bin/lint-imports" --no-cache --no-logo && $(RUN) -m mypy)
+	$(call own,run ruff$(comma) import-linter and mypy,$(call ends,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && \
+		"$$VENV/bin/lint-imports" --no-cache --no-logo && $(RUN) -m mypy))
 
 clean:
 	$(call own,remove build and $$VENV,$(call mine,VENV,pyvenv.cfg); rm -rf build "$$VENV")
@@ -96,9 +99,9 @@ browser:
 	$(call install,$$missing)
 
 # For x86-64 every package comes compiled; elsewhere pip compiles cocotb.
+is_ready = if [ -e "$$VENV/.ready" ] && ! [ pyproject.toml -nt "$$VENV/.ready" ]; then exit 0; fi; set -e
 ready:
-	@if [ -e "$$VENV/.ready" ] && ! [ pyproject.toml -nt "$$VENV/.ready" ]; then exit 0; fi; \
-	set -e; \
+	@$(is_ready); \
 	missing=; \
 	command -v "$$PYTHON" >/dev/null || missing="$$missing python3"; \
 	"$$PYTHON" -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
@@ -106,7 +109,8 @@ ready:
 	{ $(call install,$$missing); } || exit 2; \
 	"$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }; \
-	"$$PYTHON" -m tb.set_up "$$VENV"; \
+	exec "$$PYTHON" -m tb.set_up "$$VENV"
+	@$(is_ready); \
 	missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \
 		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \

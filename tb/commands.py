@@ -8,6 +8,7 @@ imports nothing but the standard library.
 
 import difflib
 import os
+import subprocess
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -520,19 +521,21 @@ def refuse_unknown(goals: Sequence[str], names: Sequence[str], given: Mapping[st
             raise InputError(f"{name}={value}: expected 1, or 0 or nothing")
 
 
-def main() -> None:
-    """``python -m tb.commands TARGET``: print the help, or run a command.
+def main() -> int | None:
+    """``python -m tb.commands TARGET``: print the help, or run a command or the text of a recipe.
 
     The values of the variables come from the environment, where no character is special.
     """
     name = sys.argv[1]
     if name == "help":
         print(help_text())
-        return
+        return None
+    if name == "shell":
+        return subprocess.run(["sh", "-c", sys.argv[2]], check=False).returncode
     if name == "named":
         goals, names = (os.environ[name].split() for name in ("GOALS", "NAMED"))
         refuse_unknown(goals, names, os.environ)
-        return
+        return None
     start(BY_NAME[name], os.environ)
 
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from golden.cli import run
 from golden.progress import stage
 
 # Pip does not always have a terminal, so it shows no colours and no progress bars.
@@ -37,4 +38,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(main))

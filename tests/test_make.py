@@ -41,18 +41,22 @@ OTHERS = {"DRY", "PYTHON", "SITE", "VENV"}
 CALL = "a call"
 
 
-def environment(folder: Path, venv: str = "venv") -> Path:
+def environment(folder: Path, venv: str = "venv", instead: str = "") -> Path:
     """A virtual environment that seems ready, whose python only logs its arguments.
+
+    Or it does what the text of a shell says, instead.
 
     For the arguments of ``tb.commands`` it does what the real one does.
     """
     python = folder / venv / "bin" / "python"
     python.parent.mkdir(parents=True)
     log = folder / "arguments"
-    called = "import sys; sys.executable = sys.argv.pop(1); from tb.commands import main; main()"
+    called = "import sys; sys.executable = sys.argv.pop(1); from golden.cli import run; "
+    called += "from tb.commands import main; sys.exit(run(main))"
     python.write_text(
         f"""#!/bin/sh
-if [ "$2" = tb.commands ]; then exec '{sys.executable}' -S -E -c '{called}' "$0" "$3"; fi
+if [ "$2" = tb.commands ]; then exec '{sys.executable}' -S -E -c '{called}' "$0" "$3" "$4"; fi
+{instead}
 printf '%s\\0' '{CALL}' "$@" >> '{log}'
 echo found
 for last; do :; done
