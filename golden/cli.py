@@ -1,6 +1,7 @@
 """How every command ends: bad input prints one line and exits with 2, never with a traceback."""
 
 import _posixsubprocess
+import ctypes
 import errno
 import os
 import shlex
@@ -20,6 +21,8 @@ from golden.input_error import InputError
 
 # Errors of a full or broken disk, in writing a file that the error may not name.
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+# An option of the system's prctl: what loses its parent becomes a child of the calling process.
+PR_SET_CHILD_SUBREAPER = 36
 _FORK_EXEC = _posixsubprocess.fork_exec
 # The largest seed of random numbers that every generator accepts.
 MOST_SEED = (1 << 32) - 1
@@ -168,10 +171,19 @@ def _start_deaf(*given: Any) -> int:
 
 
 def end_descendants() -> None:
-    """Ask all processes to end that this one has started, and those that these have started."""
-    for process in descendants(os.getpid()):
-        with suppress(OSError):
-            os.kill(process, signal.SIGTERM)
+    """Ask all processes to end that this one has started, and those that these have started.
+
+    A process that starts another one meanwhile may end before it, so this one takes its place as
+    the parent, and looks again until it finds no more.
+    """
+    with suppress(AttributeError, OSError):  # Linux alone has it
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+    asked: set[int] = set()
+    while new := set(descendants(os.getpid())) - asked:
+        for process in new:
+            with suppress(OSError):
+                os.kill(process, signal.SIGTERM)
+        asked |= new
 
 
 def end_more(over: threading.Event) -> None:
