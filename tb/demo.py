@@ -44,8 +44,8 @@ from golden.training.split import unused_text
 from tb.common.results import left_texts, simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
+from tb.every_frame.kept import proof_line
 from tb.every_frame.verdict import DIFFERS, SAID
-from tb.prove import proof_line
 from tb.report.page.build import build_report
 from tb.report.side_by_side import side_by_side
 
@@ -216,7 +216,7 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
             text = report(scene, results[scene.name])
         print(text)
         with stage(f"{scene.name}: proving every frame"):
-            proof = proof_line(scene)
+            proof = str(proof_line(scene, ask=True))
         print(f"Verilog, {proof}")
         if proof.startswith(SAID[DIFFERS]):
             return 1

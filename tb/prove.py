@@ -23,28 +23,24 @@ from golden.input_error import InputError
 from golden.progress import PAUSE, Heartbeat, duration, stage
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import compile_order
-from hdl.synth.tools import run_tool
 from tb.common.runner import export
 from tb.common.tools import check_simulator
 from tb.every_frame.counterexample import bench
+from tb.every_frame.kept import keep, read_export, yosys
 from tb.every_frame.netlist import Netlist, NotReadableError, read_verilog
 from tb.every_frame.specify import description
-from tb.every_frame.verdict import PROVED, UNKNOWN, Verdict, judge
+from tb.every_frame.verdict import PROVED, Verdict, judge
 from tb.sign_off import prove as blocks
 from tb.sign_off.equal_gates import dump, read_dump
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
 
 
-def yosys(arguments: list[str], folder: Path) -> str:
-    return run_tool("yosys", arguments, folder)
-
-
 def hardware(folder: Path, entity: str, language: str) -> Netlist:
     """The netlist of an entity of an export."""
-    files = [folder / name for name in compile_order(folder)]
+    if language == "verilog":
+        return read_export(folder, entity)
     try:
-        if language == "verilog":
-            return read_verilog(files, entity, yosys)
+        files = [folder / name for name in compile_order(folder)]
         with tempfile.TemporaryDirectory() as made:
             modules = read_dump(dump(files, entity, Path(made)))
             written = []
@@ -101,11 +97,10 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
     return values.reshape(-1, outputs) if whole else None
 
 
-def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) -> int:
+def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
     """Export a scene and prove it in each language; the code of the worst that is found."""
-    given = description(scene)
     codes = set()
-    for language in languages:
+    for language in ("verilog", "vhdl"):
         folder = BUILD / scene.name / language
         with stage(f"{scene.name}: exporting and reading {language}", quick=True):
             export(scene, language)
@@ -114,19 +109,10 @@ def prove_scene(scene: Scene, languages: tuple[str, ...] = ("verilog", "vhdl")) 
         print(f"{scene.name}, {language}:", flush=True)
         found = prove_netlist(given, netlist, folder)
         print(f"{found}; {time.process_time() - begun:.1f} s of processor time", flush=True)
+        if language == "verilog":
+            keep(given, folder, found)
         codes.add(found.code)
     return min(codes - {PROVED}, default=PROVED)
-
-
-def proof_line(scene: Scene) -> str:
-    """A line about the exported Verilog of a scene, which stands below build."""
-    folder = BUILD / scene.name / "verilog"
-    try:
-        given = description(scene)
-        netlist = hardware(folder, given["entity"], "verilog")
-    except InputError as reason:
-        return str(Verdict(UNKNOWN, str(reason)))
-    return str(prove_netlist(given, netlist, folder, lambda _: None))
 
 
 def main() -> int:
@@ -143,9 +129,10 @@ def main() -> int:
     for simulator in ("ghdl", "icarus"):
         check_simulator(simulator)
     scene = load_scene(arguments.scene)
+    given = description(scene)
     would(f"export {scene.name} and prove it for every frame")
     with held([BUILD / scene.name]):
-        return prove_scene(scene)
+        return prove_scene(scene, given)
 
 
 if __name__ == "__main__":

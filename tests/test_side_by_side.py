@@ -130,7 +130,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, bool]]:
     monkeypatch.setattr(demo, "simulate", simulate)
     monkeypatch.setattr(demo, "build_report", lambda *_, **__: None)
     monkeypatch.setattr(demo, "twin_speed", lambda _: 1.0)
-    monkeypatch.setattr(demo, "proof_line", lambda _: "proved")
+    monkeypatch.setattr(demo, "proof_line", lambda *_, **__: "proved")
     return asked
 
 

@@ -5,6 +5,7 @@ Without a scene the default scenes are exported. The same scene gives the same b
 """
 
 import argparse
+import shlex
 from itertools import product
 from pathlib import Path
 
@@ -42,6 +43,8 @@ def main() -> None:
         for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
             with stage(f"exporting {scene.name} as {tongue}", quick=True):
                 export_scene(scene, tongue, folder)
+        for name in names:
+            print(f"make prove SCENE={shlex.quote(name)} proves it for every frame")
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:

@@ -16,6 +16,7 @@ from golden.sizing.routed import ROUTED
 from tb.common.results import left_texts, stored_results
 from tb.common.runner import scene_variable
 from tb.common.tools import SIMULATORS, version
+from tb.every_frame.kept import proof_line
 from tb.report.draw.confusion import confusion_plot
 from tb.report.draw.designs import picture_of, sentence
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
@@ -186,13 +187,19 @@ def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:
 
 def _verified(scene: Scene) -> Section:
     """The section on what the benches compared, if they have run on the present files."""
-    results = stored_results(scene)
+    results, proof = stored_results(scene), proof_line(scene, ask=False)
+    prove = f"make prove {scene_variable(scene)}"
+    proved = (
+        f"Verilog, {proof}; {prove} proves the VHDL too."
+        if proof
+        else f"The present export was not proved for every frame: {prove} does it."
+    )
     if results is None:
         text = (
             "The benches have not run since something that they depend on changed: make demo "
             f"{scene_variable(scene)} runs them."
         )
-        return Section("verified", "Verified", text=[text])
+        return Section("verified", "Verified", text=[proved, text])
     rows: list[list[Cell]] = [
         [block, *(number for s in SIMULATORS for number in cells[s])]
         for block, cells in results["blocks"].items()
@@ -207,8 +214,9 @@ def _verified(scene: Scene) -> Section:
         "without any tolerance, in " + " and ".join(version(s) for s in SIMULATORS) + ".",
     )
     said = [
+        proved,
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
-        "compared bit for bit."
+        "compared bit for bit.",
     ]
     said += left_texts(results)
     return Section("verified", "Verified", text=said, folded=[table])
