@@ -13,7 +13,7 @@ FLAGS := ALL DRY FORCE FULL LINKS PAGES RECORD WAVES
 export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name))))
 export GOALS := $(MAKECMDGOALS)
 GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
-	RECORD RECORDED RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
+	RECORD RECORDED RIG SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -56,7 +56,7 @@ $(CALLED): $(READY)
 	@exec $(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@exec $(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record) \
+	@exec $(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) \
 		$(if $(GROUP),--group="$$GROUP") $(if $(MACHINE),--machine="$$MACHINE") --tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.

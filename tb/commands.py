@@ -150,17 +150,14 @@ COMMANDS = (
     Command(
         "test",
         "Runs the tests: all, those that TESTS= names, those that concern the block that BLOCK= "
-        "names, or with PAGES=1 those of the documentation. ALL=1 adds every constant of every "
-        "scene; SAMPLE= adds a random part of these tests that takes about so many seconds. "
-        "RECORD=1 with ALL=1 records how long each test takes. MACHINE= imitates another machine "
-        "and runs the tests of its group, whose result may differ there; GROUP= chooses a group.",
+        "names, or with PAGES=1 those of the documentation. ALL=1 adds what takes "
+        "longer. MACHINE= imitates another machine and runs the tests of its group, whose result "
+        "may differ there; GROUP= chooses a group.",
         (
             TESTS,
             BLOCK,
             flag("PAGES"),
             ALL,
-            option("SAMPLE", "180"),
-            RECORD,
             word("MACHINE", "name"),
             word("GROUP", "name"),
         ),

@@ -8,11 +8,10 @@ from pathlib import Path
 from groups import group_of
 from machines import machine_of, run_on
 
-from golden.cli import run, whole, words, would
+from golden.cli import run, words, would
 from tb.common.where import check_name
 
 CORES = ("-n", "logical", "--dist", "worksteal")
-MOST_SECONDS = 86400
 
 
 def files_of_pages() -> list[str]:
@@ -28,8 +27,6 @@ def main() -> int:
     parser.add_argument("--block", help="what concerns a block")
     parser.add_argument("--pages", action="store_true", help="the tests of the documentation")
     parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
-    parser.add_argument("--sample", type=whole("SAMPLE", 1, MOST_SECONDS))
-    parser.add_argument("--record", action="store_true", help="with ALL=1, how long its tests take")
     parser.add_argument("--group", help="the tests whose result a kind of machine may change")
     parser.add_argument("--machine", help="the machine to imitate; alone, the tests of its group")
     arguments = parser.parse_args()
@@ -51,9 +48,6 @@ def main() -> int:
     would(f"{work} as on {machine.machine}" if machine else work)
     if machine:
         return run_on(machine, name or "")
-    command += ["--record"] * arguments.record
-    if arguments.sample:
-        command += ["--sample", str(arguments.sample)]
     return os.execv(sys.executable, [*command, *chosen])
 
 

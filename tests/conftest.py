@@ -4,13 +4,11 @@ import os
 import signal
 import sys
 import time
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-import sample
 from concerned import concerns
 from front_door import GIVEN
 from hypothesis import HealthCheck, settings
@@ -27,12 +25,9 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
-# The unit of each test that only ALL=1 runs, and how long the tests of each unit took that passed.
-UNITS: dict[str, str] = {}
-TIMES: Counter[str] = Counter()
 # Tests that simulate, synthesise, or measure.
 LONG = (
-    *("test_benches", "test_cells", "test_export", "test_handover", "test_image", "test_lean"),
+    *("test_benches", "test_export", "test_handover", "test_image", "test_lean"),
     *("test_new_block", "test_new_design", "test_pages", "test_report", "test_site", "test_synth"),
     "test_tutorial",
 )
@@ -44,16 +39,11 @@ settings.load_profile("untimed")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="what make test ALL=1 adds, too")
-    parser.addoption("--sample", type=float, help="so many seconds of what ALL=1 adds")
     parser.addoption("--block", help="only what concerns this block")
-    parser.addoption("--record", action="store_true", help="how long the tests of ALL=1 take")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line(
-        "markers",
-        "all_only(unit): run by make test ALL=1 alone; a sample draws all tests of a unit or none",
-    )
+    config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
     config.addinivalue_line("markers", "pages: of the documentation; make test PAGES=1 runs these")
     # A shell that starts this in the background lets it ignore Ctrl-C, and so all that it starts.
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
@@ -97,25 +87,20 @@ def grouped(
     return list(groups.values())
 
 
-def long_first(
-    items: list[pytest.Item], workers: int, drawn: Sequence[list[pytest.Item]] = ()
-) -> list[pytest.Item]:
+def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
     """Reorder the tests, so that the share of each worker begins with its part of the long tests.
 
     Worker i of n begins with the i-th of n equal parts of the list. A worker that has finished
-    takes tests from the end of another's part, so the last tests are short. What a
-    sample has drawn comes before all others, since one test of it may take as long as the sample.
+    takes tests from the end of another's part, so the last tests are short.
     """
-    early = {id(item) for group in drawn for item in group}
-    others = [item for item in items if id(item) not in early]
-    modules = {name: [i for i in others if i.path.stem == name] for name in LONG}
+    modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
     # The first test of a case or scene makes its exports. Apart, a worker with another of its tests
     # would wait while the first worker exports.
     benches = grouped(modules.pop("test_benches"), scene_of)
-    short = [item for item in others if item.path.stem not in LONG]
+    short = [item for item in items if item.path.stem not in LONG]
     found: list[pytest.Item] = []
     for worker in range(workers):
-        for group in [*drawn[worker::workers], *benches[worker::workers]]:
+        for group in benches[worker::workers]:
             found += group
         # The first tests of a module make what the others use, so they stay on one worker.
         for module in list(modules.values())[worker::workers]:
@@ -130,50 +115,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Skip the tests of the other tier, so that the summary counts them."""
     if block := config.getoption("--block"):
         items[:] = [item for item in items if concerns(item, block, LONG)]
-    units = grouped((item for item in items if item.get_closest_marker("all_only")), unit_of)
-    for item in (item for unit in units for item in unit):
-        item.user_properties.append(("unit", unit_of(item)))
-    drawn: list[list[pytest.Item]] = []
     if not config.getoption("--all"):
-        times, names, chosen = sample.timed(), [unit_of(unit[0]) for unit in units], []
-        if seconds := config.getoption("--sample"):
-            chosen = sample.draw(names, times, seconds * sample.cores(), sample.tree())
-        for name, unit in zip(names, units, strict=True):
-            if name in chosen:
-                drawn.append(unit)
-            else:
-                for item in unit:
-                    item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
-        drawn.sort(key=lambda unit: -times.get(unit_of(unit[0]), sample.UNTIMED))
-    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), drawn)
+        for item in items:
+            if item.get_closest_marker("all_only"):
+                item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
 
 
-def unit_of(item: pytest.Item) -> str:
-    """What a sample draws: a test, or the tests of a module that share what one of them makes.
-
-    Each of the latter alone would take as long as all of them, because it would make the same.
-    """
-    (*unit,) = item.get_closest_marker("all_only").args
-    return "::".join([item.nodeid.partition("::")[0], *unit]) if unit else item.nodeid
-
-
-def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Note how long a test took, in the process that gets the reports of all workers."""
-    if "all_only" in report.keywords and report.when != "teardown" and report.passed:
-        unit = dict(report.user_properties)["unit"]
-        TIMES[unit] += report.duration
-        if report.when == "call":
-            UNITS[report.nodeid] = unit
-
-
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
-    """Print the machine and the drawn tests before the closing line of pytest."""
-    if config.getoption("--sample"):
-        terminalreporter.section("drawn of what ALL=1 adds")
-        for name in sorted(UNITS):
-            terminalreporter.line(name)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print the machine before the closing line of pytest."""
     terminalreporter.section("machine")
     for line in closing(time.perf_counter() - STARTED, **simulator_versions()):
         terminalreporter.line(line)
@@ -186,17 +136,11 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED
     if reporter and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
         reporter.write_line("error: no test was chosen that could run")
-    if reporter and session.config.getoption("--record"):
-        sample.record({unit: TIMES[unit] for unit in UNITS.values()})
 
 
-def tiered(always: Iterable[Any], all_only: Iterable[Any], *unit: str) -> list[Any]:
-    """The values of a test's parameter: those of every run, and those that ALL=1 adds.
-
-    A fixture that several tests share has a ``unit``, so that a sample draws all of these or none.
-    """
-    mark = pytest.mark.all_only(*unit)
-    return [*always, *(pytest.param(value, marks=mark) for value in all_only)]
+def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:
+    """The values of a test's parameter: those of every run, and those that ALL=1 adds."""
+    return [*always, *(pytest.param(value, marks=pytest.mark.all_only) for value in all_only)]
 
 
 @pytest.fixture(scope="session")

@@ -41,7 +41,6 @@ SIMULATED = Rest(
     "seen in test_synth.py, that benches start in test_new_design.py.",
     (
         "test_benches.py",
-        "test_cells.py",
         "test_equal.py",
         "test_export.py::test_ghdl_accepts_every_file_in_the_listed_order",
         "test_export.py::test_vhdl_synthesises_without_a_latch",

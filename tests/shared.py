@@ -101,15 +101,13 @@ class Shared:
         """The entity that represents a block (``tb.sign_off.subject``), on the shared exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 
-    def recorded(self, name: str, anew: bool) -> Table:
-        """A recorded table, or the same table measured again if ``anew`` is true."""
+    def measured(self, name: str) -> Table:
+        """A table, measured once in this run."""
         # What measures is imported only here, because every run imports this module, and that takes
         # longer than the tests of one file.
         from tb.report.measure import store, table_records
         from tb.report.measure.registry import TABLES
 
-        if not anew:
-            return table_records.read(name)
         path = self.folder / f"{name}.json"
         self.once(
             f"measured {name}",

@@ -2,7 +2,7 @@
 
 No simulator runs: each test of each bench runs up to its first play. The values that it would drive
 must fit its ports. If its stimuli come from a function, the twin must accept them, and they must
-reach every border. For some scenes the benches are run completely, which only ALL=1 does.
+reach every border.
 """
 
 from contextlib import suppress
@@ -15,24 +15,17 @@ from cocotb._decorators import TestGenerator
 from conftest import tiered
 from drawn import drawn_scene
 
-from golden.activation.schemes import SCHEMES
 from golden.block import Block, walk
-from golden.networks.designs import DESIGNS
 from golden.port import Port
-from golden.precision import PRECISIONS
 from golden.scene import Scene
-from golden.sensing.converter_parts import PARTS
 from tb.common.bench import Bench
 from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, missing
 from tb.common.given import Given
-from tb.common.runner import plan as plan_jobs
-from tb.common.runner import run_jobs
-from tb.common.tools import SIMULATORS
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-EVERY_RUN, MORE, WHOLE = 4, 200, 20
+EVERY_RUN, MORE = 4, 40
 
 
 class PlannedError(Exception):
@@ -127,41 +120,3 @@ def test_the_benches_of_a_drawn_scene_have_a_plan(planned: None, tmp_path: Path,
         subject = Subject(scene, design, twin, seed)
         check(subject)
         plan(subject)
-
-
-@pytest.mark.all_only
-@pytest.mark.parametrize("seed", range(WHOLE))
-def test_the_benches_of_a_drawn_scene_are_green(tmp_path: Path, seed: int) -> None:
-    """One entity of each block runs in both simulators."""
-    scene = drawn_scene(seed, tmp_path, large=False)
-    for simulator in SIMULATORS:
-        entities = {job.block: job for job in plan_jobs(scene, [simulator], build=tmp_path)}
-        outcomes = run_jobs([*entities.values()], lambda _: None, 1)
-        assert {outcome.job.block for outcome in outcomes} == {p.block for p in walk(scene.twin())}
-        assert [o.complaint() for o in outcomes if not o.passed] == []
-        assert all(outcome.compared for outcome in outcomes)
-
-
-@pytest.mark.all_only
-def test_every_choice_is_drawn(tmp_path: Path) -> None:
-    """Every choice of a scene occurs in the drawn scenes, most of which only ALL=1 plans."""
-    scenes = [drawn_scene(seed, tmp_path, large=False) for seed in range(MORE)]
-    assert {scene.design for scene in scenes} == set(DESIGNS)
-    assert {scene.activation for scene in scenes} == set(SCHEMES)
-    assert {scene.arrangement for scene in scenes} == {"single", "multiple", "cascade"}
-    assert {scene.precision.name for scene in scenes} == set(PRECISIONS)
-    assert {scene.interface for scene in scenes} == {"stream", "axi_stream"}
-    converters = {scene.front_end.converter for scene in scenes if scene.front_end}
-    assert converters >= {"", *PARTS}
-    assert {bool(scene.uart) for scene in scenes} == {True, False}
-    assert {bool(scene.visualisation) for scene in scenes} == {True, False}
-    assert {scene.window.plain for scene in scenes} == {True, False}
-    chosen = {key for scene in scenes for key in scene.design_options}
-    assert chosen >= {
-        "segment_width",
-        "pipeline",
-        "multiplier",
-        "reload",
-        "adders_per_clock",
-        "lanes",
-    }

@@ -1,9 +1,9 @@
 """Runs every bench in both simulators, on its cases and on the shipped scenes.
 
 Every run simulates each block in the cases in which its records are made, in both simulators. Those
-other cases that drive something else it simulates in one of them, and ALL=1 in both. ``LEFT`` and
-``LEFT_OF`` name the cases that only ALL=1 simulates. Where a case combines two properties, such as
-ReLU and a program that can be reloaded, every run has each of them in another case.
+other cases that drive something else it simulates in one of them, and ALL=1 in both. ``ALL_ONLY``
+names the cases that only ALL=1 simulates. Whole networks that the proof of every frame covers are
+simulated in few cases, and proved in the others (test_every_frame.py).
 """
 
 from pathlib import Path
@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from conftest import tiered
 from shared import Shared
+from test_every_frame import NETWORKS as WHOLE_NETWORKS
+from test_every_frame import REFUSED
 
 from golden.activation.left_out import left_out
 from golden.scene import load_scene
@@ -23,89 +25,61 @@ from tb.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Every run plays all recorded frames through the default scene. ALL=1 adds the design with every
-# multiplication at once, and the design of the thesis in its arithmetic, which `make demo`
-# simulates too. The cases cover the other arrangements and interfaces.
-NETWORKS = tiered(
-    ["digit"],
-    [
-        *("digit-parallel", "digit-single-thesis"),
-        *(f"comparison/swing-{form}-thesis" for form in ("single", "multiple", "cascade")),
-    ],
+# Every run plays all recorded frames through a default scene. ALL=1 adds the other one, the design
+# that is not proved for every frame, and a whole board.
+NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
+
+# Cases that ALL=1 adds: images and a serial line around an engine, no multiplier, converters,
+# profiles, graphs of adders that are not proved, and activations of the thesis.
+ALL_ONLY = (
+    *("deep-reload", "tables-reload", "tables-lanes-reload", "reload-uart", "plain-uart"),
+    *("layers-serial", "tables-serial", "chain-serial", "serial-past", "loop-past", "chain-past"),
+    *("winner-uart", "winner-reload", "drawn-winner", "winner-instrument", "other-profile"),
+    *("wide-converter", "signed-converter", "least-instrument", "engine-instrument"),
+    *("axis-cascade", "axis-past", "axis-loop", "least-axis", "wide-winner", "hybrid-winner"),
+    *("short-graph", "three-graph", "logic-graph", "relu-graph", "narrow-graph"),
+    *("pade-thesis", "polynomial-thesis", "polynomial-short", "gradient_parallel-thesis"),
+    *("bipartite-low", "bipartite-logic", "logic-huge", "block-ram-huge", "chain-loop"),
+    *("deep-least-engine", "huge-engine"),
 )
-
-
-# These cases drive the same as others in other sizes, so only ALL=1 runs them. ``chain-engine`` is
-# a cascade on the engine, as ``digit`` is, whose recorded frames every run plays. ``ranged-engine``
-# differs from ``steep-engine`` in ``round_saturate``, of which every run has all cases. And
-# ``tables-serial`` has the tables of ``tables-engine`` and the sum of ``least-serial``.
+# Of these cases it adds the whole network. Every run simulates the other blocks.
+WHOLE = (
+    *("chain-lanes", "layers-lanes", "flat-lanes", "exact-lanes", "floor-lanes"),
+    *("rails-loop", "least-loop", "relu-loop", "deep-loop", "rails-lanes-reload"),
+)
+# Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
-    *("deep-cascade", "slow-axis-cascade", "huge-exact", "wide-thesis", "pade-thesis"),
-    *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
-    *("chain-engine", "ranged-engine"),
-    *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
-    *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
-    *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
-    *("chain-serial", "axis-cascade", "gradient_parallel-thesis", "lut-exact", "polynomial-exact"),
-    *("deep-least-engine", "wide-engine", "tables-serial", "wide-graph", "least-thesis"),
-    *("pade-exact", "pade-axis", "parallel", "polynomial-thesis", "gradient_parallel-exact"),
-    *("three-graph", "axis-multiple", "chain-past"),
-    *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
-    *("reload-uart", "wide-uart", "plain-uart", "engine-instrument"),
-    *("precise-parallel", "axis-engine", "fine-serial", "deep-layers-engine"),
-    *(
-        "hybrid-winner",
-        "winner-past",
-        "winner-long",
-        "winner-converter",
-        "winner-uart",
-        "least-winner-axis",
-    ),
-    *("winner-reload", "drawn-winner", "wide-winner", "winner-instrument"),
-    *("small-tables-engine", "tables-reload", "tables-lanes-reload"),
-    *("exact-reload", "layers-reload", "layers-serial", "bipartite-logic"),
-    *("least-graph", "polynomial-short", "relu-graph", "narrow-graph"),
-    *("least-axis", "least-cascade", "least-multiple", "least-instrument"),
-    *("least-lanes", "huge-lanes", "chain-lanes", "three-lanes", "flat-lanes"),
-    *("least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop", "loop-past"),
-    *("axis-loop", "winner-loop"),
+    *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),
+    *("winner-past", "winner-loop", "wide-uart", "winner-converter"),
+    *("least-graph", "layers-reload", "exact-reload", "layers-loop"),
 )
-# So are these of cases whose other blocks are simulated in every run. An engine with several layers
-# is ``steep-engine``, and a cascade is ``chain``: what is different in ``layers-engine`` and in
-# ``slow-cascade`` are these other blocks.
+# Nor these of cases whose other blocks are simulated, but for records.
 LEFT_OF = {
-    "block-ram": {"hybrid"},
-    "bell-lanes": {"lanes"},
-    "deep-engine": {"engine"},
-    "deep-lanes": {"lanes"},
-    "deep-tables-engine": {"engine"},
-    "exact-engine": {"engine"},
-    "exact-lanes": {"lanes"},
-    "fine-engine": {"engine", "operand_select", "program_memory"},
-    "floor-engine": {"engine"},
-    "floor-lanes": {"lanes"},
+    "fine-engine": {"operand_select", "program_memory"},
     "layers-lanes": {"lane_memory"},
-    "least": {"gradient", "output_controller", "output_integral"},
-    "layers-engine": {"engine"},
-    "logic": {"hybrid"},
     "rails-lanes-reload": {"frame_guard"},
-    "rails-serial": {"engine"},
-    "slow-cascade": {"cascade"},
-    "tables-lanes": {"lanes"},
-    "wide": {"gradient", "output_controller", "output_integral"},
 }
 
 
-# Networks of these are proved for every frame (test_every_frame.py), so in every run each has its
-# recorded cases only. Engines without a multiplier are not proved.
-PROVED = ("engine", "lanes", "hybrid", "parallel", "table_graph")
-SERIAL = "least-serial"
+def every_run(block: str, case: str) -> bool:
+    """Whether every run simulates a bench's case."""
+    left = case in (*LEFT, *ALL_ONLY) or block in LEFT_OF.get(case, ())
+    whole = block in WHOLE_NETWORKS and case in WHOLE
+    recorded = case in recorded_cases(block).values()
+    return not left and not whole and (recorded or not proved(block, case))
 
 
-def left(block: str, case: str) -> bool:
-    """Whether a bench's case is left to ALL=1."""
-    proved = block in PROVED and case not in (SERIAL, *recorded_cases(block).values())
-    return proved or case in LEFT or block in LEFT_OF.get(case, ())
+def only_all(block: str, case: str) -> bool:
+    """Whether only ALL=1 simulates a bench's case."""
+    whole = block in WHOLE_NETWORKS and case in WHOLE
+    chosen = (whole or case in ALL_ONLY) and not proved(block, case)
+    recorded = case in recorded_cases(block).values()
+    return not every_run(block, case) and (recorded or chosen)
+
+
+def proved(block: str, case: str) -> bool:
+    """Whether a case of a whole network is proved for every frame."""
+    return block in WHOLE_NETWORKS and case not in REFUSED
 
 
 def simulators_of(block: str, case: str) -> tuple[str, ...]:
@@ -114,7 +88,7 @@ def simulators_of(block: str, case: str) -> tuple[str, ...]:
     If there is only one case of a bench in every run, it is simulated in both.
     """
     both = tuple(SIMULATORS)
-    others = [name for name in CASES_OF[block] if not left(block, name)]
+    others = [name for name in CASES_OF[block] if every_run(block, name)]
     if case in recorded_cases(block).values() or case not in others or others == [case]:
         return both
     return (both[others.index(case) % len(both)],)
@@ -122,9 +96,10 @@ def simulators_of(block: str, case: str) -> tuple[str, ...]:
 
 # Each bench with each of its cases. Those of a case are together, because they share exports.
 PAIRS = [
-    pytest.param(block, case, marks=[pytest.mark.all_only] if left(block, case) else [])
-    for case in sorted(CASES, key=lambda name: name in LEFT)
+    pytest.param(block, case, marks=[pytest.mark.all_only] if only_all(block, case) else [])
+    for case in sorted(CASES, key=lambda name: name in ALL_ONLY)
     for block in sorted(blocks_of(case))
+    if every_run(block, case) or only_all(block, case)
 ]
 
 
@@ -172,14 +147,14 @@ def test_a_bench_has_cases(block: str) -> None:
 
 
 def test_every_bench_has_a_case_in_every_run() -> None:
-    assert set(LEFT) <= set(CASES)
+    assert {*LEFT, *ALL_ONLY, *WHOLE, *REFUSED} <= set(CASES)
     assert all(blocks < blocks_of(case) for case, blocks in LEFT_OF.items())
-    assert {b for case in CASES for b in blocks_of(case) if not left(b, case)} == set(BENCHES)
+    assert {b for case in CASES for b in blocks_of(case) if every_run(b, case)} == set(BENCHES)
 
 
 def test_every_run_has_each_bench_in_both_simulators() -> None:
     for block, cases in CASES_OF.items():
-        kept = [case for case in cases if not left(block, case)]
+        kept = [case for case in cases if every_run(block, case)]
         assert {s for case in kept for s in simulators_of(block, case)} == set(SIMULATORS)
 
 
@@ -210,19 +185,6 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     check_clocks(outcomes)
 
 
-@pytest.mark.all_only
-@pytest.mark.parametrize("case", CASES)
-def test_all_constants_of_a_case(shared: Shared, case: str) -> None:
-    """Run the entities that test_hardware_equals_twin leaves out."""
-    blocks = blocks_of(case)
-    left = []
-    for simulator in SIMULATORS:
-        jobs = [job for job in shared.jobs(case, simulator) if job.block in blocks]
-        left += [job for job in jobs if job not in one_of_each(jobs)]
-    if left:
-        check(shared.run(left))
-
-
 def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
     designs = {name: case.scene(tmp_path, name).twin() for name, case in CASES.items()}
     assert designs["wide"].input_controller.spacing == 5
@@ -246,6 +208,5 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
             (activation,) = designs[name].activations
             assert bool(left_out(activation)) == name.endswith("short"), name
     assert designs["pade-exact"].input_controller.spacing == 3
-    assert designs["profile"].load_profile.divider.gain_frac == 0
     assert designs["other-profile"].load_profile.divider.gain_frac == 15
     assert designs["other-profile"].load_profile.ramp.start < 0

@@ -8,7 +8,6 @@ from conftest import tiered
 from shared import Shared, copied_job
 
 from hdl.synth.timing import OPERANDS
-from tb.common.collected import CASES_OF
 from tb.common.runner import Job, run_job
 from tb.sign_off.netlist import on_cells
 
@@ -32,9 +31,7 @@ def passes_with(job: Job, text: str) -> bool:
     return run_job(job).passed
 
 
-@pytest.mark.parametrize(
-    "case", tiered(["deep-engine"], sorted({*CASES_OF["engine"]} - {"deep-engine"}))
-)
+@pytest.mark.parametrize("case", tiered(["deep-engine"], ["chain-engine", "layers-serial"]))
 def test_a_word_that_is_read_while_it_is_written_is_not_used(
     shared: Shared, tmp_path: Path, case: str
 ) -> None:

@@ -14,7 +14,7 @@ from conftest import tiered
 
 from golden.input_error import InputError
 from golden.scene import load_scene
-from tb.common.collected import CASES
+from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import export
 from tb.every_frame.counterexample import Evaluated, differing_frame
 from tb.every_frame.kept import proof_line, read_export
@@ -24,8 +24,11 @@ from tb.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus
 from tb.every_frame.verdict import DIFFERS, UNKNOWN, judge
 from tb.prove import hardware, main, prove_netlist
 
-# A design of each kind; ALL=1 adds the other shipped scenes that are proved.
-QUICK = ["digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"]
+# A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
+QUICK = [
+    *("digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"),
+    "least-serial verilog",
+]
 SLOW = [
     *("digit vhdl", "digit-hybrid verilog", "digit-thesis verilog", "digit-parallel vhdl"),
     *("digit-multiple verilog", "comparison/digit-lanes4 verilog", "comparison/digit-sums verilog"),
@@ -33,10 +36,31 @@ SLOW = [
 ]
 
 
-@pytest.mark.parametrize("case", tiered(QUICK, SLOW))
+# Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them, but
+# for those that the proof refuses: with an image, without a multiplier, with frames that overlap,
+# and with words of too many samples.
+NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "lanes", "multiple", "parallel")
+NETWORKS += ("table_graph",)
+REFUSED = (
+    *("rails-reload", "deep-reload", "layers-reload", "exact-reload", "tables-reload"),
+    *("rails-lanes-reload", "tables-lanes-reload"),
+    *("layers-serial", "tables-serial", "chain-serial"),
+    *("rails-loop", "least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop"),
+    *("chain-lanes", "layers-lanes", "flat-lanes", "exact-lanes", "floor-lanes", "chain"),
+    *("rails-graph", "short-graph", "operands-graph", "three-graph", "relu-graph", "narrow-graph"),
+    *("exact-graph", "flat-graph", "deep-graph"),
+)
+CASES_PROVED = [
+    f"{case} verilog"
+    for case in dict.fromkeys(case for block in NETWORKS for case in CASES_OF[block])
+    if case not in (*REFUSED, "least-serial")
+]
+
+
+@pytest.mark.parametrize("case", tiered(QUICK, [*SLOW, *CASES_PROVED]))
 def test_exports_are_proved(case: str, tmp_path: Path) -> None:
     name, language = case.split()
-    scene = load_scene(name)
+    scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
     export(scene, language, tmp_path)
     folder, given = tmp_path / scene.name / language, description(scene)
     said: list[str] = []

@@ -9,22 +9,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import tiered
 from pages import ROUNDING, SEARCHED, TRAINED, cells, section, shows
 from shared import Shared
 
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
+from tb.report.measure import table_records
 from tb.report.measure.motions import RUNS
-from tb.report.measure.rbf import classes, printed_figures
+from tb.report.measure.rbf import printed_figures
 from tb.report.measure.registry import TABLES
 from tb.report.measure.swing_recordings import FORMS, NOISES
 from tb.report.measure.table import Table
 from tb.report.measure.table_records import TIMED
 
 ROOT = Path(__file__).parents[1]
-NETWORKS = ("MLP 2:6:2", "RBF 2:6:2", "RBF 2:7:2")
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
@@ -41,17 +40,13 @@ def tables(shared: Shared) -> dict[str, Table]:
     return shared.tables()
 
 
-@pytest.fixture(
-    scope="module",
-    params=tiered([QUICK], [tuple(TABLES)], "tables"),
-    ids=["quick", "all"],
-)
-def written(request, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
     """The folder and the output of a call, and the requested tables."""
     build = tmp_path_factory.mktemp("build")
-    result = run("--build", str(build), "--seed", "3", *request.param)
+    result = run("--build", str(build), "--seed", "3", *QUICK)
     assert result.returncode == 0, result.stderr
-    return build / "figures", result.stdout, list(request.param)
+    return build / "figures", result.stdout, list(QUICK)
 
 
 def columns(tables: dict[str, Table], table: str, *names: str) -> list[list]:
@@ -246,9 +241,9 @@ PAST = {
 }
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
-def past(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
-    return {"past": shared.recorded("past", request.param == "measured")}
+@pytest.fixture(scope="module")
+def past() -> dict[str, Table]:
+    return {"past": table_records.read("past")}
 
 
 def test_what_limits_the_swing_is_what_the_page_says(past) -> None:
@@ -315,34 +310,6 @@ def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
             chosen, worst = found[network, output]
             assert mlp < chosen <= worst
             assert chosen < 4 * printed_figures(network)[f"{output}_error_max"]
-
-
-@pytest.mark.all_only
-def test_the_classes_of_the_page_are_those_of_five_seeds() -> None:
-    """Every run trains them of one seed (``test_the_mlp_is_better_than_the_rbf_...``).
-
-    The range of an MLP covers two versions of SciPy, which end trainings at different points.
-
-    Their figures differ by up to 14 %.
-    """
-    page = section("figures", "classes")
-    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
-    for seed in range(1, 6):
-        for network, output, chosen, worst, *_ in classes(seed).rows:
-            found.setdefault((network, output), []).append((chosen, worst))
-    for output in ("load", "position"):
-        networks = zip(*(found[network, output] for network in NETWORKS), strict=True)
-        assert all(mlp[0] < min(rbf[0] for rbf in others) for mlp, *others in networks)
-    for (network, output), figures in found.items():
-        chosen, worst = zip(*figures, strict=True)
-        ends, shown, printed = cells(page, network, output)
-        bound = 0.15 if network.startswith("MLP") else ROUNDING
-        for text, figure in (
-            *zip(ends.split(" to "), (min(chosen), max(chosen)), strict=True),
-            (shown, max(worst)),
-        ):
-            assert shows(text, figure, bound), (network, output)
-        assert float(printed) == printed_figures(network)[f"{output}_error_max"]
 
 
 def test_the_page_shows_the_parallel_networks(tables) -> None:

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import tiered
 from pages import TRAINED, cells, section, shows
-from shared import Shared
 
 from golden.closure import code_of
 from golden.disturbance import Disturbance
@@ -23,10 +21,9 @@ OUTPUTS = load_scene(honest.SCENE).outputs
 HONEST = ("honest", "robustness")
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
-def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
-    """The tables as they were recorded or, with ALL=1, as they are measured now."""
-    return {name: shared.recorded(name, request.param == "measured") for name in HONEST}
+@pytest.fixture(scope="module")
+def tables() -> dict[str, Table]:
+    return {name: table_records.read(name) for name in HONEST}
 
 
 @pytest.mark.parametrize("name", table_records.RECORDED)

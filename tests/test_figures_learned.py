@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import tiered
 from pages import section
 
 from golden.disturbance import Disturbance
@@ -22,7 +21,6 @@ from tb.report.measure import (
 )
 from tb.report.measure.learned_functions import (
     ARRANGEMENTS,
-    CANDIDATES,
     KINDS,
     SCENE,
     SEEDS,
@@ -123,16 +121,6 @@ def test_noise_and_drift_are_larger_than_nothing() -> None:
     drift = given.measured["held out, drift"].inputs - quiet
     assert drift.std() > 2 * noise.std()
     assert scene.training.disturbance == Disturbance(noise=0.001)
-
-
-@pytest.mark.parametrize("number", tiered([], range(SEEDS), "measured"))
-def test_a_row_is_measured_again(rows, number: int) -> None:
-    """Another machine ends in other minima, so a figure is near its record by a factor."""
-    kind = KINDS["cascade"][1]
-    again = found("cascade", kind, table_records.SEED + number, CANDIDATES["cascade"])
-    for c, output in enumerate(SCENE_OUTPUTS):
-        recorded = rows["cascade", kind.name, output][f"held out {number + 1} %"]
-        assert recorded / 4 < again.means["held out"][c] < 4 * recorded
 
 
 def mean(rows, arrangement: str, name: str, output: str) -> float:

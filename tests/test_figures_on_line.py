@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import tiered
 from pages import DOCS, cells, section
 
 from golden.learning import steps
@@ -29,7 +28,6 @@ from tb.report.measure.on_line_learning import (
     draws,
     learned,
     lost,
-    recalibrated,
     uncorrected,
 )
 
@@ -108,26 +106,8 @@ def test_the_drift_is_measured_again(rows, drawn: Draws) -> None:
     near(rows, NONE, None, MOST, uncorrected(drawn, MOST))
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        (RECURSIVE, 1, 8),
-        *tiered(
-            [],
-            [
-                (RECURSIVE, 1, MOST),
-                (RECURSIVE, 3, MOST),
-                (KACZMARZ, 1, MOST),
-                (KACZMARZ, 100, MOST),
-                (LMS, 400, 4),
-                (CONJUGATE, 3, MOST),
-                ("output layers, recursive least squares", 1, MOST),
-            ],
-        ),
-    ],
-)
-def test_a_rule_is_measured_again(rows, drawn: Draws, case: tuple[str, int, int]) -> None:
-    name, passes, count = case
+def test_a_rule_is_measured_again(rows, drawn: Draws) -> None:
+    name, passes, count = RECURSIVE, 1, 8
     rule: Rule = BY_NAME[name, passes]
     found = learned(rule, drawn, count)
     near(rows, name, passes, count, found.worst)
@@ -135,11 +115,6 @@ def test_a_rule_is_measured_again(rows, drawn: Draws, case: tuple[str, int, int]
     assert row["clocks"] == found.unit.clocks
     assert row["steps"] == round(found.unit.steps / (passes * count))
     assert row["words"] == rule.memory(count)
-
-
-@pytest.mark.all_only
-def test_recalibration_is_measured_again(rows, drawn: Draws) -> None:
-    near(rows, COMPUTER, None, MOST, recalibrated(drawn, MOST))
 
 
 def test_what_does_not_fit_is_told() -> None:
@@ -277,11 +252,6 @@ def near_change(changes, number: int, names: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("number", range(len(beyond.CHANGES)))
 def test_changes_are_measured_again(changes, number: int) -> None:
     near_change(changes, number, (NONE,))
-
-
-@pytest.mark.all_only
-def test_corrections_of_a_change_are_measured_again(changes) -> None:
-    near_change(changes, 1, (NONE, COMPUTER, LMS))
 
 
 def test_what_the_page_says_of_changes_is_in_the_record(changes) -> None:

@@ -3,7 +3,6 @@
 from itertools import groupby
 
 import pytest
-from conftest import tiered
 
 from tb.report.draw.findings import search_plot
 from tb.report.measure.search_runs import COLUMNS, SCENES, matrices, row, search_runs
@@ -25,7 +24,7 @@ def test_more_runs_never_need_more_bits() -> None:
 
 
 # A thousand runs take long.
-@pytest.mark.parametrize("number", tiered([0, 1], range(2, len(ROWS))))
+@pytest.mark.parametrize("number", [0, 1])
 def test_a_row_is_what_is_measured(number: int) -> None:
     name, variant, runs, *_ = ROWS[number]
     (matrix,) = (found for found in matrices(name) if found.variant == variant)

@@ -225,7 +225,6 @@ NAMES = ("LMS", "Kaczmarz", "wide", "square root", "covariance", "perturbation")
 CASES = tiered(
     [(name, 50, 12) for name in NAMES],
     [(name, 3000, 45) for name in ("LMS", "square root")],
-    "million",
 )
 
 

@@ -123,8 +123,6 @@ def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None
         "tests/chosen.py",
         f"--block={given['BLOCK']}",
         "--pages",
-        f"--sample={given['SAMPLE']}",
-        "--record",
         f"--group={given['GROUP']}",
         f"--machine={given['MACHINE']}",
         tests,
@@ -162,7 +160,7 @@ def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
         ("sim a`touch>ran`=1", "a`touch>ran`=: make sim takes no such variable"),
         ("sim DRY=no", "DRY=no: expected 1, or 0 or nothing"),
         ("report FULL=2", "FULL=2: expected 1"),
-        ("test RECORD=maybe", "RECORD=maybe: expected 1"),
+        ("test ALL=maybe", "ALL=maybe: expected 1"),
         ("sim WAVES=`touch${IFS}ran`", "WAVES=.*: expected 1"),
     ],
 )
@@ -260,13 +258,6 @@ def test_a_quote_without_its_other_is_one_message(tmp_path: Path) -> None:
         result = make(tmp_path, f"VENV={sys.prefix}", target, f"{name}=it's", PYTHONPATH=str(ROOT))
         assert result.returncode == 2
         assert f"error: {name}=it's: No closing quotation" in result.stderr
-
-
-def test_a_sample_reaches_the_tests(tmp_path: Path) -> None:
-    log = environment(tmp_path)
-    result = make(tmp_path, "test", VENV=str(tmp_path / "venv"), SAMPLE="1; 2", RECORD="1")
-    assert result.returncode == 0, result.stderr
-    assert calls(log) == [["tests/chosen.py", "--sample=1; 2", "--record", "--tests="]]
 
 
 def test_a_selection_reaches_the_tests(tmp_path: Path) -> None:

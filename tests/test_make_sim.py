@@ -1,10 +1,4 @@
-"""Runs ``make sim SCENE=`` for every shipped scene, and for scenes of a board that learns.
-
-Of a shipped scene it is every bench, in both simulators.
-
-Only these tests simulate what shipped scenes have beyond the sizes of the benches' cases. ALL=1
-runs them, and CI draws a sample of them (``tests/sample.py``).
-"""
+"""Runs ``make sim SCENE=`` for scenes of a board that learns, as a user types it."""
 
 import subprocess
 import sys
@@ -12,30 +6,10 @@ from pathlib import Path
 
 import pytest
 from copied import movable
-from test_benches import check, check_clocks
 
-from golden.block import walk
-from golden.scene import load_scene, scene_names, scene_path
-from tb.common.runner import jobs, read_outcome
-from tb.common.tools import SIMULATORS
+from golden.scene import scene_path
 
 ROOT = Path(__file__).parents[1]
-
-
-@pytest.mark.all_only
-@pytest.mark.parametrize("name", scene_names())
-def test_every_bench_of_a_scene_is_green(name: str) -> None:
-    (Path(sys.prefix) / ".ready").touch()
-    command = ["make", "--no-print-directory", f"VENV={sys.prefix}", "sim", f"SCENE={name}"]
-    said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    red = [line for line in said.stdout.splitlines() if "FAIL" in line or "Error: " in line]
-    assert said.returncode == 0, "\n".join([*red, said.stderr])
-    scene = load_scene(name)
-    outcomes = [read_outcome(job, True, 0) for s in SIMULATORS for job in jobs(scene, s)]
-    entities = {part.entity for part in walk(scene.twin())}
-    assert {outcome.job.entity for outcome in outcomes} == entities
-    check(outcomes)
-    check_clocks(outcomes)
 
 
 LEARNS = """

@@ -242,7 +242,7 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
     assert rows["hybrid_3: shape.out_data"] == written[-1:]
 
 
-@pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile", "chain-engine"])
+@pytest.mark.parametrize("name", ["parallel", "least-multiple", "other-profile", "chain-engine"])
 def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name)
     ports = simulate_frame(scene, 1, tmp_path)

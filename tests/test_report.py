@@ -42,8 +42,7 @@ DATA = ROOT / "golden" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
 
 
-# A sample runs all tests of the complete report if it runs one, because the first of them makes it.
-of_the_complete = pytest.mark.all_only("complete")
+of_the_complete = pytest.mark.all_only
 BOTH = ["own", pytest.param("report", marks=of_the_complete)]
 
 

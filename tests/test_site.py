@@ -56,8 +56,7 @@ def broken_links(site: Path) -> list[str]:
     return found
 
 
-# A sample runs all tests of the site if it runs one, because the first of them builds it.
-of_the_site = pytest.mark.all_only("site")
+of_the_site = pytest.mark.all_only
 
 
 @pytest.fixture(scope="module")

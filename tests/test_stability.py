@@ -112,7 +112,7 @@ NAMED = [
 
 @pytest.fixture(scope="module")
 def found(shared: Shared) -> Table:
-    return shared.recorded("stability", anew=True)
+    return shared.measured("stability")
 
 
 def test_the_columns(found: Table) -> None:

@@ -7,9 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from conftest import tiered
 from pages import same_picture
-from shared import Shared
 
 from golden.disturbance import Disturbance
 from golden.fingerprint import ROOT
@@ -57,9 +55,9 @@ def widths() -> Table:
     return printed.widths(1)
 
 
-@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"], "measured"))
-def convergence(request: pytest.FixtureRequest, shared: Shared) -> Table:
-    return shared.recorded("convergence", request.param == "measured")
+@pytest.fixture(scope="module")
+def convergence() -> Table:
+    return table_records.read("convergence")
 
 
 def test_the_pages_hold_what_is_measured() -> None:

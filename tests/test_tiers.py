@@ -71,10 +71,3 @@ def test_each_worker_begins_with_benches_and_has_all_of_a_case(workers: int) -> 
     for share, mine in zip(shares, found, strict=True):
         assert share[: len(mine)] == mine
         assert len(mine) == 3 * len({i.callspec.params["case"] for i in mine})
-    drawn = [[others[30], others[40]], [others[50]], [again[0]]]
-    ordered = long_first(items, workers, drawn)
-    assert sorted(map(id, ordered)) == sorted(map(id, items))
-    for worker in range(workers):
-        first = [item for group in drawn[worker::workers] for item in group]
-        start = worker * size
-        assert list(map(id, ordered[start : start + len(first)])) == list(map(id, first))

@@ -14,11 +14,11 @@ import numpy as np
 from golden.fixed import Fix
 from tb.common.bench import Bench
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import PARTS, both_precisions
+from tb.common.small import PARTS
 from tb.common.stimulus import all_codes
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
-CASES = PARTS | both_precisions("gradient_parallel")
+CASES = PARTS
 
 OUTPUTS = {"out_addr": UNSIGNED, "out_mag": UNSIGNED}
 

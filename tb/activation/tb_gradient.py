@@ -15,9 +15,9 @@ from tb.common import activation
 from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import FOLDED
+from tb.common.small import PARTS
 
-CASES = FOLDED
+CASES = PARTS
 
 
 @cocotb.test()

@@ -13,7 +13,9 @@ import cocotb
 from tb.common import activation
 from tb.common.small import both_precisions, rails
 
-CASES = rails("gradient_parallel") | both_precisions("gradient_parallel")
+CASES = rails("gradient_parallel") | {
+    "gradient_parallel-thesis": both_precisions("gradient_parallel")["gradient_parallel-thesis"]
+}
 
 
 @cocotb.test()

@@ -16,7 +16,7 @@ from tb.common.small import both_precisions, rails
 
 CASES = {
     **rails("lut"),
-    **both_precisions("lut"),
+    "lut-thesis": both_precisions("lut")["lut-thesis"],
     "lut-short": Case([(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
 }
 

@@ -18,7 +18,7 @@ from tb.common.small import both_precisions, rails
 from tb.common.stimulus import spread
 from tb.common.stream import check_gaps_and_resets, check_stream
 
-CASES = rails("pade") | both_precisions("pade")
+CASES = rails("pade") | {"pade-thesis": both_precisions("pade")["pade-thesis"]}
 
 # How many codes are played at a time, so that the recording stays small.
 CHUNK = 2048

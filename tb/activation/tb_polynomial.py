@@ -20,7 +20,7 @@ from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = {
     **rails("polynomial"),
-    **both_precisions("polynomial"),
+    "polynomial-thesis": both_precisions("polynomial")["polynomial-thesis"],
     "polynomial-short": Case([(2, 1, 2)], "exact", spread=2.0, activation="polynomial"),
 }
 

@@ -24,8 +24,8 @@ FOLDED = {
     "huge": replace(LEAST, shapes=[(4, 3, 2)], precision="thesis", spread=100.0),
     "huge-exact": replace(LEAST, shapes=[(4, 3, 2)], spread=100.0),
 }
-# For a block inside a folded network, in both precisions.
-PARTS = {name: FOLDED[name] for name in ("rails", "wide-thesis")}
+# For a block inside a folded network.
+PARTS = {"rails": RAILS}
 
 PARALLEL = {
     "rails-parallel": replace(RAILS, precision="thesis", design="parallel"),
@@ -43,7 +43,6 @@ ADDER_GRAPH = Case([(3, 4, 3)], "exact", activation="bipartite", design="adder_g
 ADDER_GRAPHS = {
     "rails-graph": replace(ADDER_GRAPH, spread=20.0),
     "least-graph": replace(ADDER_GRAPH, shapes=[(1, 1, 1)]),
-    "wide-graph": replace(ADDER_GRAPH, shapes=[(5, 3, 4)], spread=0.5),
     "short-graph": replace(
         ADDER_GRAPH, shapes=[(2, 3, 2)], spread=100.0, hardware="adders_per_clock = 1"
     ),
@@ -168,7 +167,7 @@ MULTIPLES = {
     "wide-multiple": Case([(2, 9, 1), (2, 1, 1), (2, 4, 1)], "exact", arrangement="multiple"),
 }
 
-# The ramp is short, because all tests of a bench run for each fault.
+# The ramp is short, because all tests of a bench run for each mutant.
 DRAWN = {
     "drawn": Case(
         [(2, 3, 4)],
@@ -177,10 +176,9 @@ DRAWN = {
         sections=f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n",
     ),
 }
-PROFILES = DRAWN | {"profile": Case([(4, 3, 4)], "exact", sections=VISUALISATION)}
 # These have samples of past frames; a cascade whose outputs are in another order, one of them not
 # drawn; a ramp that starts below 0; and a gain that is not a whole number.
-OTHER_PROFILES = PROFILES | {
+OTHER_PROFILES = DRAWN | {
     "drawn-past": Case(
         [(4, 2, 4)],
         "exact",
@@ -207,12 +205,6 @@ shape_threshold = -0.25
     ),
 }
 INSTRUMENTS = DRAWN | {
-    "instrument": Case(
-        [(4, 3, 1), (5, 2, 1), (6, 1, 1), (7, 3, 1)],
-        "exact",
-        arrangement="cascade",
-        sections=f"{VISUALISATION}{FRONT_END}counter_width = 10\n",
-    ),
     # This has no profile and the narrowest counter, which takes a code one clock after its address.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
     # Scans of 16 clocks start every 71 clocks, and samples of earlier scans are used.
@@ -514,7 +506,7 @@ SERIAL_ENGINES = {
     if "pipeline" not in case.hardware
 }
 # For a block inside an engine without a multiplier.
-SERIAL_PARTS = {name: SERIAL_ENGINES[name] for name in ("rails-serial", "fine-serial")}
+SERIAL_PARTS = {"rails-serial": SERIAL_ENGINES["rails-serial"]}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:
@@ -543,15 +535,13 @@ PRECISE = {
     ),
 }
 
-# Networks with past samples: with other delays for each sensor; with one sample of one sensor,
-# which is not its newest; with a long past; with slots after the samples; with frames that come no
-# faster than the window sends them; with networks side by side; without a multiplier; and with
-# frames that overlap in the network.
+# Networks with past samples: with other delays for each sensor; with a long past; with slots after
+# the samples; with frames that come no faster than the window sends them; without a multiplier; and
+# with frames that overlap in the network.
 WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
 PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
 WINDOWS = {
     "past": PAST,
-    "one-past": replace(PAST, shapes=[(1, 2, 1)], window=Window(((1,),))),
     "long-past": replace(
         PAST, shapes=[(4, 1, 1)], design="hybrid", window=Window(((0, 64), (0, 3)))
     ),
@@ -563,9 +553,6 @@ WINDOWS = {
         window=Window(((0, 2), (0, 2))),
     ),
     "few-past": replace(PAST, shapes=[(2, 2, 2)], design="hybrid", window=Window(((2,), (1,)))),
-    "three-past": replace(
-        PAST, shapes=[(6, 2, 1), (6, 1, 1), (6, 3, 1)], design="hybrid", arrangement="multiple"
-    ),
     "serial-past": replace(PAST, hardware=SERIAL),
     "loop-past": replace(PAST, design="lanes", hardware="lanes = 2\ninterval = 20"),
 }
@@ -648,16 +635,12 @@ UART_INSTRUMENTS = {
     "learn-uart": LEARN_UART,
 }
 
-# For a readout: the largest output beside the stream alone, of a network with few and with many
-# past samples, of an engine that is loaded, of lanes in which frames overlap, and beside held
-# outputs and a profile. With the weights of the first and of the last case each output is the
-# largest of some frames.
+# For a readout: the largest output beside the stream alone, of a network with past samples, of an
+# engine that is loaded, of lanes in which frames overlap, and beside held outputs and a profile.
+# With the weights of the first and of the last case each output is the largest of some frames.
 READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),
-    "winner-long": replace(
-        WINDOWS["long-past"], shapes=[(4, 2, 2)], design="engine", hardware="argmax = true"
-    ),
     "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
     "winner-loop": replace(
         OVERLAPPED["rails-loop"], hardware="argmax = true\nlanes = 3\ninterval = 38", seed=15

@@ -15,10 +15,10 @@ import numpy as np
 from golden.border import State
 from tb.common.bench import Bench
 from tb.common.recorded_frames import recorded_frames
-from tb.common.small import FOLDED
+from tb.common.small import PARTS
 from tb.common.stimulus import LONG_IDLE, random_resets
 
-CASES = FOLDED
+CASES = PARTS
 
 RECORDED = 1000
 

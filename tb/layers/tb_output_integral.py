@@ -14,11 +14,11 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.recorded_frames import check_recorded, recorded_inputs
-from tb.common.small import FOLDED
+from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
 
-CASES = FOLDED
+CASES = PARTS
 
 OUTPUTS = {"out_data": SIGNED, "out_last": UNSIGNED}
 

@@ -36,7 +36,6 @@ CASES = {
     "axis-chain": replace(CASCADES["chain"], interface="axi_stream"),
     "axis": AXIS,
     "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
-    "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
     "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
     "axis-engine": replace(AXIS, shapes=[(2, 3, 3)], design="engine", activation="precise"),
@@ -55,9 +54,8 @@ CASES = {
         activation="precise",
         window=Window(((0, 1, 3), (0,))),
     ),
-    # Frames that follow each other closely, and the winner of a frame with the last of two outputs.
+    # Frames that follow each other closely.
     "winner-axis": replace(AXIS, hardware="argmax = true", spread=4.0),
-    "least-winner-axis": replace(AXIS, shapes=[(3, 2, 2)], hardware="argmax = true", spread=4.0),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
 }
 # The largest output has memories of its own.

@@ -13,10 +13,10 @@ import numpy as np
 
 from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
-from tb.common.small import PROFILES
+from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
-CASES = PROFILES
+CASES = DRAWN
 
 INPUTS = {"in_word": UNSIGNED, "in_offset": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

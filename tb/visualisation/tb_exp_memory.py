@@ -10,9 +10,9 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
-from tb.common.small import PROFILES
+from tb.common.small import DRAWN
 
-CASES = PROFILES
+CASES = DRAWN
 
 
 @cocotb.test()

@@ -21,10 +21,10 @@ from golden.scene import load_scene
 from golden.visualisation.load_profile import POWER_FRAC
 from tb.common.bench import Bench
 from tb.common.profile import check_profile
-from tb.common.small import PROFILES
+from tb.common.small import DRAWN
 from tb.common.stimulus import random_resets, spread
 
-CASES = PROFILES
+CASES = DRAWN
 
 INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]

@@ -15,10 +15,10 @@ import numpy as np
 
 from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
-from tb.common.small import PROFILES
+from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
-CASES = PROFILES
+CASES = DRAWN
 
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
