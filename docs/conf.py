@@ -14,7 +14,8 @@ version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["projec
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
+    "datasheets",
+    "docstrings",
     "package_modules",
     "repository_files",
 ]
@@ -35,10 +36,6 @@ autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
 # Their names instead of what they stand for, which is several lines long.
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "Codes", "NDArray", "Real")}
-napoleon_google_docstring = False
-# Ports that share a line of a docstring stay together, with their types beside them.
-napoleon_use_param = False
-napoleon_use_rtype = False
 
 html_theme = "furo"
 html_title = "tactus"

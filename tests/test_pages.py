@@ -73,7 +73,7 @@ def test_a_picture_is_the_same_where_nobody_sees_a_difference(other: str, same: 
     assert same_picture('<path d="M 10.5 -3"/>', other) == same
 
 
-def test_what_is_recorded_stands_in_the_datasheets() -> None:
+def test_what_is_recorded_stands_in_the_page_of_all_blocks() -> None:
     for page, text in sign_off.pages().items():
         assert page.read_text(encoding="utf-8") == text, f"{page}: run: {sign_off.COMMAND}"
 

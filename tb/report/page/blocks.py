@@ -1,8 +1,8 @@
-"""``python -m tb.report.page.blocks``: writes what the twins publish into the documentation.
+"""``python -m tb.report.page.blocks``: writes the table of blocks into ``docs/README.md``.
 
-It rewrites the text between the markers: the ports and the clocks of each page in ``docs/blocks``,
-and the table of blocks in ``docs/README.md``. Formats and clocks are those of every scene, and of
-one network in every design, activation and precision.
+The site puts the ``sections`` behind the hand-written part of each datasheet when it is built.
+Formats and clocks are those of every scene, and of one network in every design, activation and
+precision.
 """
 
 import importlib
@@ -35,7 +35,9 @@ from golden.scene import load_scene
 from golden.scene.front_end import CONVERTERS
 from golden.scene.hardware_keys import HARDWARE
 from tb.report.measure.networks import scenes
+from tb.report.page.datasheets import block_tables
 from tb.report.page.markers import put, write
+from tb.report.page.sign_off import sheet
 
 COMMAND = "make pages"
 README = ROOT / "docs" / "README.md"
@@ -239,18 +241,34 @@ def block_table(found: dict[str, Twins]) -> str:
     return "\n".join(lines)
 
 
-def pages() -> dict[Path, str]:
-    """The text of every page that shows what twins publish."""
+def _published() -> dict[str, Twins]:
     with warnings.catch_warnings():
         # A user who runs a scene sees this warning. Here it would only disturb.
         warnings.simplefilter("ignore", UnsettledWarning)
-        found = blocks_of(shipped())
-    written = {README: put(README, README.read_text("utf-8"), block_table(found), COMMAND)}
-    for name, twins in found.items():
-        page = ROOT / "docs" / "blocks" / f"{name}.md"
-        text = put(page, page.read_text("utf-8"), port_table(twins), COMMAND, "ports")
-        written[page] = put(page, text, clocks_table(twins), COMMAND, "clocks")
-    return written
+        return blocks_of(shipped())
+
+
+def sections() -> dict[str, str]:
+    """For each block what is published, measured and proved of it, as sections of its datasheet."""
+    cells = block_tables()
+    return {
+        name: "\n\n".join(
+            f"## {title}\n\n{text}"
+            for title, text in (
+                ("Ports", port_table(twins)),
+                ("Clocks", clocks_table(twins)),
+                ("Cells", cells.get(name, "")),
+                ("Sign-off", sheet(name)),
+            )
+            if text
+        )
+        for name, twins in _published().items()
+    }
+
+
+def pages() -> dict[Path, str]:
+    """The text of the page that lists the blocks."""
+    return {README: put(README, README.read_text("utf-8"), block_table(_published()), COMMAND)}
 
 
 def main() -> None:

@@ -1,8 +1,4 @@
-"""``python -m tb.report.page.datasheets``: writes the recorded cells into the documentation.
-
-It rewrites the text between the markers of ``docs/synthesis.md`` and of each page in
-``docs/blocks``. The rest of a page stays as it is.
-"""
+"""``python -m tb.report.page.datasheets``: writes the recorded cells into ``docs/synthesis.md``."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -103,13 +99,9 @@ def scene_table() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """The text of every page that shows recorded cells."""
-    sheets = {ROOT / "docs" / "blocks" / f"{b}.md": text for b, text in block_tables().items()}
-    sheets[ROOT / "docs" / "synthesis.md"] = scene_table()
-    return {
-        page: put(page, page.read_text(encoding="utf-8"), text, COMMAND)
-        for page, text in sheets.items()
-    }
+    """The text of the page that compares the scenes."""
+    page = ROOT / "docs" / "synthesis.md"
+    return {page: put(page, page.read_text(encoding="utf-8"), scene_table(), COMMAND)}
 
 
 def main() -> None:

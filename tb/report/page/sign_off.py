@@ -1,7 +1,6 @@
-"""``python -m tb.report.page.sign_off``: writes the records of the blocks into the documentation.
+"""``python -m tb.report.page.sign_off``: writes the records into ``docs/verification.md``.
 
-Rewrites what stands between the markers of each page in ``docs/blocks`` and the table of
-``docs/verification.md``.
+The site shows the tables of each block in its datasheet.
 """
 
 import re
@@ -286,14 +285,9 @@ def overview() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """The text of every page that this command writes."""
-    docs = ROOT / "docs"
-    found = {docs / "blocks" / f"{block}.md": sheet(block) for block in BENCHES}
-    found[docs / "verification.md"] = overview()
-    return {
-        page: put(page, page.read_text(encoding="utf-8"), text, COMMAND, SECTION)
-        for page, text in found.items()
-    }
+    """The text of the page that lists the records of all blocks."""
+    page = ROOT / "docs" / "verification.md"
+    return {page: put(page, page.read_text(encoding="utf-8"), overview(), COMMAND, SECTION)}
 
 
 def main() -> None:
