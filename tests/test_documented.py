@@ -172,4 +172,4 @@ def test_every_stand_in_stands_for_something() -> None:
 def test_there_are_commands_on_the_pages() -> None:
     pages = {item.page for item in FOUND}
     assert ROOT / "README.md" in pages
-    assert set((ROOT / "docs" / "blocks").glob("*.md")) <= pages < set(PAGES)
+    assert pages < set(PAGES)

@@ -143,11 +143,6 @@ def test_words_that_are_read(engines: dict[str, Engine]) -> None:
         assert set(read.tolist()) == expected, name
         # An image contains these words too, so that they are defined.
         assert engine.loaded is not None or len(engine.program.words) == end + behind, name
-    single = engines["digit-single-engine"].program
-    stated = re.search(r"whose (\d+) words that are read and (\d+) operands share 512", TEXT)
-    assert stated
-    total = len(single.table) + len(single.words) + 1
-    assert [int(number) for number in stated.groups()] == [total, single.addresses]
 
 
 def test_a_later_networks_bias_is_rounded_once(engines: dict[str, Engine]) -> None:
