@@ -26,7 +26,10 @@ def properties(twin):
             """
             + pipe("met", late, 1)
             + pipe("kept", late, 18, also=False),
-            helps=("!known || memory[place] == kept",),
+            helps=(
+                "!known || memory[place] == kept",
+                *(("!there[0] || !met_0 || found == kept_0",) if late > 1 else ()),
+            ),
             reached=(f"there[{late - 1}] && met_{late - 1}",),
             refuted_by=(
                 (r"if \(write\)", "if (1)"),

@@ -323,9 +323,12 @@ def parallel_send(text: Template, data: Template, other: Template) -> Callable[[
 
 
 def settle_clocks(design: Network) -> int:
-    """Clocks from a frame's last element until all outputs have left slowly, and some more."""
+    """Clocks from a frame's last element until all outputs have left slowly, and some more.
+
+    Where frames overlap in a loop, one that comes late waits for the next turn of the loop.
+    """
     clocks = design.output_clocks[-1]
-    return clocks + 3 * design.outputs * (clocks // design.interval + 2)
+    return clocks + design.interval + 3 * design.outputs * (clocks // design.interval + 2)
 
 
 def connected(ports: Sequence[Port]) -> list[Port]:
