@@ -7,20 +7,24 @@ from typing import Any
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.block import Block, around
+from golden.block import Block, around, walk
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.instruments.readout import Readout
 from golden.networks.network import Network
+from golden.visualisation.load_profile import LoadProfile
 
 
 def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
     """The inputs of a block's ``process``, in the order in which the twins compute it.
 
-    part: A block to which ``compute`` of the design, or of an activation in it, passes its inputs.
+    part: A block to which ``compute`` of the design, or of an activation in it, passes its inputs;
+        or a part of the profile that the design draws of its outputs.
     frames, shape (frames, inputs): Sample codes, as ``design.process`` takes them.
 
     Returns: One for each input, all of equal length. If several networks or neurons have the same
-        block, their inputs follow each other.
+        block, their inputs follow each other. A part of a profile has inputs for each point of each
+        frame; ``ramp``, which has none, gives an empty tuple.
     """
     # An activation looks its results up in a table, so only its parts get single codes.
     activations = [b for b in around(design, part) if isinstance(b, ActivationBlock)]
@@ -28,11 +32,22 @@ def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
     for activation in activations:
         (codes,) = seen(design, activation, frames)
         calls += _calls(part, partial(activation.compute, codes))
-    if not activations:
+    if any(isinstance(block, LoadProfile) for block in around(design, part)):
+        points = _calls(part, partial(_draw, design, frames))
+        calls += [tuple(np.ravel(column) for column in call) for call in points]
+    elif not activations:
         calls += _calls(part, partial(design.process, frames))
     if not calls:
         raise InputError(f"{part.entity}: {design.entity} does not compute it on its own")
     return tuple(np.concatenate(column) for column in zip(*calls, strict=True))
+
+
+def _draw(design: Network, frames: Codes) -> None:
+    """Compute the profiles of the outputs of frames."""
+    outputs = design.process(frames)
+    for block in walk(design):
+        if isinstance(block, Readout) and block.load_profile:
+            block.profile(outputs)
 
 
 def _calls(part: Block, compute: Callable[[], object]) -> list[tuple[Codes, ...]]:

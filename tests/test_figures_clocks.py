@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from pages import section
 from shared import Shared
 
 from golden.scene import DEFAULT_SCENES, load_scene
@@ -72,10 +73,18 @@ def test_an_engine_waits_for_its_program() -> None:
 
 
 def test_a_cascade_pays_clocks_for_accuracy(table: Table) -> None:
+    """No part of the error is promised in advance. The figures of the page are those of the table.
+
+    The networks of the thesis have the hidden nodes that it prints, so a cascade wins less there.
+    """
     largest, frame = by_scene(table, "largest %"), by_scene(table, "clocks a frame")
-    pairs = {"digit-hybrid": ("digit-single", 0.5), "digit-thesis": ("digit-single-thesis", 0.6)}
-    for cascade, (single, part) in pairs.items():
-        assert largest[cascade] < part * largest[single]
-        assert 3 * frame[single] < frame[cascade] < 4 * frame[single]
+    page = " ".join(section("figures", "clocks").split())
+    pairs = {"digit-hybrid": "digit-single", "digit-thesis": "digit-single-thesis"}
+    for cascade, single in pairs.items():
+        form = rf"`{cascade}` takes (\d+) clocks .*?by ([\d.]+) times .*?`{single}`.*? (\d+)"
+        (shown,) = re.findall(form, page)
+        part = f"{largest[cascade] / largest[single]:.2f}"
+        assert shown == (f"{frame[cascade]}", part, f"{frame[single]}")
+        assert largest[cascade] < largest[single]
     assert largest["digit-a"] > largest["digit-hybrid"]
     assert largest["digit-thesis-a"] > largest["digit-thesis"]

@@ -75,7 +75,7 @@ def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
 
 def test_the_page_shows_where_they_end(table: Table) -> None:
     """The page shows ranges, because a last bit can lead a descent to another minimum."""
-    page = section("error-against-run-time", "Optimisers")
+    page = section("run-time-tables", "Optimisers")
     for method in training.STEPS:
         shown, *cell = cells(page, method)
         evaluations = max(row[2] for row in rows_of(table, method))

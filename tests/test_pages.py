@@ -114,3 +114,11 @@ def test_the_handover_page_names_every_design_that_can_be_the_top() -> None:
     sentence = page.partition("is the top entity:")[2].partition(".")[0]
     tops = {path.stem for room in ("networks", "instruments") for path in HDL.glob(f"{room}/*.py")}
     assert set(re.findall(r"`(\w+)`", sentence)) == tops - {"__init__"}
+
+
+@pytest.mark.parametrize("name", ["error-against-run-time", "stability", "left-out", "thesis"])
+def test_a_page_with_a_result_opens_with_a_picture_and_is_short(name: str) -> None:
+    page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    shown = [line for line in page.splitlines() if line and not line.startswith("<!--")]
+    assert [line[:2] for line in shown[:2]] == ["# ", "!["]
+    assert len(page.split()) <= 900

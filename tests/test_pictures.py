@@ -465,7 +465,7 @@ def test_a_front_is_what_no_other_point_beats() -> None:
     assert [one.name for one in front([Named("a", 1, 1), Named("b", 1, 1)])] == ["a", "b"]
 
 
-@pytest.mark.parametrize("name", ["area.svg", "error-against-run-time/networks.svg"])
+@pytest.mark.parametrize("name", ["area.svg", "designs.svg", "error-against-run-time/networks.svg"])
 def test_names_in_the_shipped_pictures_cover_no_other_name(name: str) -> None:
     root = parse((ROOT / "docs" / name).read_text(encoding="utf-8"))
     boxes = []

@@ -17,8 +17,8 @@ from golden.networks.operations import (
     rbf_operations_drawn,
 )
 from golden.networks.rbf import Rbf
-from golden.training.rbf import mixture_centres, squared_distances, train_rbf
 from tb.report.measure.rbf import printed_figures, recorded
+from tb.report.measure.rbf_training import mixture_centres, squared_distances, train_rbf
 
 
 def random_rbf(inputs: int, hidden: int, outputs: int, seed: int = 1) -> Rbf:

@@ -109,8 +109,9 @@ def test_every_time_is_of_one_machine() -> None:
     assert table_records.machine() in run_time.PAGE.read_text(encoding="utf-8")
 
 
-def test_the_page_shows_every_picture_and_nothing_else_lies_there() -> None:
-    shown = re.findall(rf"\]\({run_time.NAME}/(\w+)\.svg\)", run_time.PAGE.read_text("utf-8"))
+def test_the_pages_show_every_picture_and_nothing_else_lies_there() -> None:
+    text = "".join(page.read_text("utf-8") for page in (run_time.PAGE, run_time.TABLES))
+    shown = re.findall(rf"!\[[^\]]+\]\({run_time.NAME}/(\w+)\.svg\)", text)
     assert sorted(shown) == sorted(run_time.DRAWN)
     assert sorted(path.name for path in run_time.FOLDER.iterdir()) == sorted(
         f"{name}.svg" for name in run_time.DRAWN

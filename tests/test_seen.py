@@ -7,12 +7,14 @@ from golden.activation.gradient import Gradient
 from golden.block import around, walk
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
 from golden.seen import seen
+from golden.visualisation.load_profile import LoadProfile
 
 
 def part_of(design: Network, kind: type) -> list:
@@ -54,6 +56,32 @@ def test_parts_of_the_activations_of_the_thesis() -> None:
         assert (coeff == gradient.g_memory.process(addr)).all()
         assert (intercept == gradient.i_memory.process(addr)).all()
         assert len(mag) % len(frames) == 0
+
+
+def test_parts_of_the_profile_of_the_thesis() -> None:
+    """What enters each part leads from the outputs of the networks to the points of the profile."""
+    scene = load_scene("thesis")
+    design, frames = scene.twin(), frames_of(scene)
+    (readout,), (profile,) = part_of(design, Readout), part_of(design, LoadProfile)
+    outputs = design.process(frames)[:, list(readout.results)]
+    positions, heights = profile.process(outputs)
+    load, centre, width, shape = (np.repeat(column, len(positions)) for column in outputs.T)
+
+    assert seen(design, profile.ramp, frames) == ()
+    distance, clipped = seen(design, profile.divider, frames)
+    assert (distance == np.abs(np.tile(positions, len(frames)) - centre)).all()
+    assert (clipped == np.maximum(width, 0)).all()
+    t, power = seen(design, profile.power_fold, frames)
+    assert (t == profile.divider.process(distance, clipped)).all()
+    assert (power == np.where(shape > profile.shape_threshold, 2, 6)).all()
+    (addr,) = seen(design, profile.exp_memory, frames)
+    word, offset = seen(design, profile.exp_interpolator, frames)
+    bits = profile.exp_interpolator.offset_width
+    assert ((addr << bits) + offset == profile.power_fold.process(t, power)).all()
+    assert (word == profile.exp_memory.process(addr)).all()
+    value = profile.exp_interpolator.process(word, offset)
+    shift = profile.exp_interpolator.word_width
+    assert ((load * value + (1 << (shift - 1))) >> shift == heights.ravel()).all()
 
 
 def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> None:

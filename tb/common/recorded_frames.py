@@ -39,16 +39,17 @@ async def check_recorded(
     outputs: dict[str, Callable[..., Codes]],
     twin: Callable[..., Any],
     operands: tuple[Codes, ...] | None = None,
+    interval: int = 1,
 ) -> None:
-    """Play the recorded inputs back to back, and compare every result and its clock.
+    """Play the recorded inputs as close as ``interval`` allows; compare every result and its clock.
 
-    inputs, outputs, twin: See ``check_stream``.
+    inputs, outputs, twin, interval: See ``check_stream``.
     operands: The values of the ports in the order of ``inputs``, if they are not those that
         ``process`` of the twin takes.
     """
     operands = recorded_inputs(bench) if operands is None else operands
     items = dict(zip(inputs, operands, strict=True))
-    await check_stream(bench, items, inputs, outputs, twin)
+    await check_stream(bench, items, inputs, outputs, twin, interval=interval)
     count = len(operands[0])
     bench.facts["recorded"] = count
     bench.finish(at_least=(1 + len(outputs)) * count)

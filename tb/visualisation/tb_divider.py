@@ -3,8 +3,8 @@
 Sweeps: every pair of an extreme distance and an extreme width, with widths of 0, of 1 and of each
 single bit among them; for 400 widths, the distances around the one at which the quotient saturates;
 2000 random pairs.
-Drives: pairs as close as the block takes them, then in random order with gaps and resets, then
-closer than the block takes them.
+Drives: the pairs that the recorded frames bring, as close as the block takes them; then those of
+the sweep likewise, in random order with gaps and resets, and closer than the block takes them.
 Checks: the quotient bit for bit, and the clock in which it appears; that it stays; that a pair
 which is followed too soon has no quotient.
 Does not prove: that all pairs are right (tests/test_visualisation.py compares random ones with the
@@ -15,6 +15,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import spread
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
@@ -54,6 +55,12 @@ def pairs(bench):
     distances.append(rng.integers(0, most + 1, 2000))
     every = [grid[1].ravel(), widths, at[closest], rng.integers(0, widest + 1, 2000)]
     return {"in_distance": np.concatenate(distances), "in_width": np.concatenate(every)}
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process, interval=bench.twin.interval)
 
 
 @cocotb.test()

@@ -2,7 +2,8 @@
 
 Sweeps: every word of the memory with the least, the largest and two random offsets; 2000 random
 words up to the largest word of the memory, with random offsets.
-Drives: the inputs back to back, then in random order with gaps and resets.
+Drives: the inputs that the recorded frames bring, back to back; then those of the sweep likewise,
+and in random order with gaps and resets.
 Checks: the result bit for bit, and the clock in which it appears.
 Does not prove: anything about words above the largest word of the memory, whose result may wrap;
 how close the result is to exp(-x) (tests/test_visualisation.py bounds the profile).
@@ -13,6 +14,7 @@ import numpy as np
 
 from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
@@ -32,6 +34,12 @@ def pairs(bench):
         "in_word": np.concatenate([np.tile(words, 4), random]),
         "in_offset": np.concatenate(offsets),
     }
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)
 
 
 @cocotb.test()

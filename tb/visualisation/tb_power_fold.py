@@ -2,8 +2,8 @@
 
 Sweeps: every P with the extremes of t, with t around 1 and around the value whose power saturates,
 and with one random t of each of 256 equal parts of the range.
-Drives: pairs as close as the block takes them, then in random order with gaps and resets, then
-closer than the block takes them.
+Drives: the pairs that the recorded frames bring, as close as the block takes them; then those of
+the sweep likewise, in random order with gaps and resets, and closer than the block takes them.
 Checks: the power bit for bit, and the clock in which it appears, which is the same for every P;
 that a pair which is followed too soon has no result.
 Does not prove: that every t is right (tests/test_visualisation.py bounds the profile over
@@ -15,6 +15,7 @@ import numpy as np
 
 from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
@@ -38,6 +39,12 @@ def pairs(bench):
     spread = np.arange(0, most + 1, step) + bench.rng.integers(0, step, PARTS)
     t = np.concatenate([near[(near >= 0) & (near <= most)], spread])
     return {"in_data": np.tile(t, len(powers)), "in_power": np.repeat(powers, len(t))}
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process, interval=bench.twin.interval)
 
 
 @cocotb.test()

@@ -1,7 +1,8 @@
 """ramp against its twin.
 
 Sweeps: every position, several times over.
-Drives: requests for positions back to back, then with gaps, then with resets.
+Drives: requests for positions in the clocks in which the profile asks for those of the recorded
+frames; then back to back, with gaps, and with resets.
 Checks: position and ``out_last`` bit for bit, and their clock; that they stay until the next
 position; that a reset leads back to the first position.
 Does not prove: that the positions are the nearest codes (tests/test_visualisation.py does).
@@ -10,7 +11,9 @@ Does not prove: that the positions are the nearest codes (tests/test_visualisati
 import cocotb
 import numpy as np
 
+from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
+from tb.common.recorded_frames import MOST_SEEN, recorded_frames
 from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import LONG_IDLE, random_resets
 
@@ -24,6 +27,10 @@ async def check(bench, chance, resets=False):
     drive["in_valid"][-LONG_IDLE:] = 0
     if resets:
         drive["rst"] = random_resets(bench.rng, length, max(4, bench.twin.points // 2))
+    await check_requests(bench, drive)
+
+
+async def check_requests(bench, drive):
     recording = await bench.play(drive, ["out_valid", "out_data", "out_last"])
     asked = recording.rows("in_valid")
     asked = asked[recording.undisturbed(asked, asked)]
@@ -40,6 +47,18 @@ async def check(bench, chance, resets=False):
     for rows, n in ((left, np.arange(len(left))), (left[stays + 1] - 1, stays)):
         bench.compare("out_data", recording.signed("out_data", rows), expected[n], number=number[n])
         bench.compare("out_last", recording.unsigned("out_last", rows), last[n], number=number[n])
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    """Draw the ramp for each recorded frame, a position whenever the point before is there."""
+    bench = Bench(dut)
+    (profile,) = bench.around(LoadProfile)
+    count = len(recorded_frames(bench, most=MOST_SEEN // bench.twin.points)) * bench.twin.points
+    clocks = np.arange(count * profile.latency)
+    await check_requests(bench, {"in_valid": (clocks % profile.latency == 0).astype(np.int64)})
+    bench.facts["recorded"] = count
+    bench.finish(at_least=5 * count - 2)
 
 
 @cocotb.test()

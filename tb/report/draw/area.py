@@ -17,7 +17,6 @@ def designs(table: Table) -> list[Disc]:
     found = [
         Disc(
             str(row["scene"]).removeprefix("comparison/"),
-            str(row["design"]),
             number(row, "LUT"),
             number(row, "multiplier"),
             number(row, "clocks after the last sample"),

@@ -8,12 +8,11 @@ from pathlib import Path
 from golden.scene import Scene
 from golden.sizing.candidates import Sized
 from tb.report.draw.axes import Axes
-from tb.report.draw.discs import PRINTED, Disc, drawn, in_order, printed_discs
+from tb.report.draw.discs import PRINTED, Disc, in_order, printed_discs
 from tb.report.draw.drawing import picture, text
+from tb.report.draw.named import Named, drawn
 
 TITLE = "LUTs against clocks"
-WIDTH, RADIUS = 480.0, 5.0
-COLUMNS = {"LUTs": 340.0, "multipliers": 410.0, "clocks": 466.0}
 
 
 def spots(scene: Scene, rows: Sequence[Sized], family: str) -> list[Disc]:
@@ -21,7 +20,6 @@ def spots(scene: Scene, rows: Sequence[Sized], family: str) -> list[Disc]:
     found = [
         Disc(
             row.candidate.name,
-            row.candidate.design,
             cells.size.luts,
             cells.multipliers,
             row.clocks,
@@ -42,16 +40,16 @@ def is_drawn(path: Path) -> bool:
 
 
 def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
-    """A disc for each design, and a legend below."""
+    """Every design with its name; the front is drawn, and what it beats is grey."""
     found = spots(scene, rows, family)
     title = f"{scene.name}: {TITLE}"
     clocks = _decades([spot.clocks for spot in found])
-    axes = Axes(52, 48, 410, 240, clocks, _decades([spot.luts for spot in found]))
+    axes = Axes(52, 48, 640, 400, clocks, _decades([spot.luts for spot in found]))
     body = [text((6, 18), title, 13, font_weight="bold")]
     body += axes.drawn("clocks from the last sample to the last output", f"LUTs of {family}")
-    discs, bottom = drawn(found, [RADIUS] * len(found), axes, COLUMNS)
+    points = [Named(spot.name, spot.clocks, spot.luts) for spot in found]
     said = f"{title}. {sentence(scene, rows, family)}"
-    return picture(said, (WIDTH, bottom + 12), [*body, *discs], widest=640)
+    return picture(said, (720, 490), [*body, *drawn(points, axes)], widest=860)
 
 
 def sentence(scene: Scene, rows: Sequence[Sized], family: str) -> str:

@@ -14,10 +14,10 @@ from golden.scene import thesis_table
 from golden.table import read_table, rows_where
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
-from golden.training.rbf import train_rbf
 from golden.training.search import starting_weights
 from golden.training.split import Split, split_rows
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM
+from tb.report.measure.rbf_training import train_rbf
 from tb.report.measure.table import Cell, Table
 
 DATA = ROOT / "golden" / "data"

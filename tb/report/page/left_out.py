@@ -1,4 +1,4 @@
-"""The content of docs/left-out.md: what scenes leave out, and which sensors they do not need."""
+"""The content of docs/left-out.md and its tables: lean scenes, and sensors without need."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -34,12 +34,12 @@ def headline(scenes: Table, shipped: Table) -> str:
     worst = {str(r["kept"]): r for r in rows_of(shipped, output=WORST)}
     four, two = (worst[" ".join(sensors)] for sensors in (SETS[0], SETS[-1]))
     return (
-        f"**As the thesis built it, `{FORM}` takes {_of(row, 'LUT')} LUTs and {rom[0]} of the "
-        f"{rom[1]} words of ROM\nthat it has with every segment, and "
-        f"{comparators_left_out(FORM)} comparators less. "
-        f"As a program, asking for the load alone takes\n{clocks_per_frame(one)} in the place of "
-        f"{clocks_per_frame(every)} clocks. With two of four sensors the worst output errs by "
-        f"{_range(two)} %\nof its scale, with all four by {_range(four)} %.**"
+        f"**Built as in the thesis, `{FORM}` needs {_of(row, 'LUT')} LUTs and {rom[0]} of the "
+        f"{rom[1]} words of ROM that every segment\nwould take, and {comparators_left_out(FORM)} "
+        f"comparators fewer; the program of `{SCENE}` takes {clocks_per_frame(one)} in the place "
+        f"of {clocks_per_frame(every)} clocks if the load\nalone is asked for; and among known "
+        f"loads two of the four sensors err no more: the worst output by {_range(two)} %\nof its "
+        f"scale, with all four by {_range(four)} %.**"
     )
 
 

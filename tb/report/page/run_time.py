@@ -1,4 +1,4 @@
-"""The pictures, the tables and the reasons of defaults for docs/error-against-run-time.md.
+"""The reasons of defaults for docs/error-against-run-time.md, and its pictures and tables.
 
 Errors, clocks and cells are computed. Run times are the recorded ones of one machine.
 """
@@ -29,6 +29,7 @@ from tb.report.page.markers import put
 
 NAME = "error-against-run-time"
 PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
+TABLES = ROOT / "docs" / "run-time-tables.md"
 # The networks of the default scene, folded and in the arithmetic of the thesis; and those on an
 # engine in the other arrangements.
 FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
@@ -51,7 +52,7 @@ SHOWS = {
 
 
 def pages(networks: Table, command: str) -> dict[Path, str]:
-    """The page and its pictures.
+    """The pages and their pictures.
 
     networks: See ``tb.report.measure.costs.with_network_cells``.
     command: The command that writes them, which the markers name.
@@ -59,11 +60,11 @@ def pages(networks: Table, command: str) -> dict[Path, str]:
     tables = {name: table_records.read(name) for name in table_records.FOR_PAGES}
     tables["clocks"] = with_network_times(networks)
     tables["activations"] = with_activation_cells(activations(SEED))
-    text = PAGE.read_text(encoding="utf-8")
-    for section, write in SECTIONS.items():
-        text = put(PAGE, text, "\n".join(write(tables)), command, section)
+    texts = {page: page.read_text(encoding="utf-8") for page in (PAGE, TABLES)}
+    for section, (page, write) in SECTIONS.items():
+        texts[page] = put(page, texts[page], "\n".join(write(tables)), command, section)
     found = {FOLDER / f"{name}.svg": make(tables[of]) + "\n" for name, (of, make) in DRAWN.items()}
-    return {PAGE: text, **found}
+    return {**texts, **found}
 
 
 Tables = dict[str, Table]
@@ -115,7 +116,8 @@ def headline(tables: Tables) -> Iterator[str]:
         "on rows that no training had seen. The error on recorded rows is the mean at the worst "
         "position, as the thesis prints it. The clocks are those from the last sample to the last "
         "output. The thesis prints no time for a frame. The held-out rows of "
-        f"`{SCENE}` are stretches, which is harder, and those of `{REBUILT}` are drawn at random."
+        f"`{SCENE}` are stretches, which is harder, and those of `{REBUILT}` are drawn at random. "
+        f"After that error was measured, `{SCENE}` was trained further on all rows."
     )
 
 
@@ -139,67 +141,79 @@ def defaults(tables: Tables) -> Iterator[str]:
     yield "| choice | default | why |"
     yield "|---|---|---|"
     yield (
-        f"| [design](#networks) | `{default['design']}` | {_count(default)} of the "
+        f"| [design]({TABLES.name}#networks) | "
+        f"`{default['design']}` | {_count(default)} of the "
         f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks, folded as in the thesis "
         f"(`{FOLDED}`), take {_count(folded)} clocks with an error of {_error(folded)} %, but need "
         f"{number(folded, 'LUT'):,.0f} LUTs and {number(folded, 'multiplier'):.0f} multipliers "
         f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. |"
     )
     yield (
-        f"| [arrangement](#networks) | `{default['arrangement']}` | A cascade has an error of "
+        f"| [arrangement]({TABLES.name}#networks) | "
+        f"`{default['arrangement']}` | A cascade has an error of "
         f"{_error(default)} %, one network {_error(single)} % and independent networks "
         f"{_error(multiple)} %. On the same engine they take {_count(default)}, {_count(single)} "
         f"and {_count(multiple)} clocks. |"
     )
     fine, coarse = (_network(tables, name) for name in ALIKE)
     yield (
-        f"| [precision](#networks) | `{default['precision']}` | The same hidden nodes "
+        f"| [precision]({TABLES.name}#networks) | "
+        f"`{default['precision']}` | The same hidden nodes "
         f"({fine['hidden']}), folded and trained alike, err by {_error(fine)} % in `exact` "
         f"(`{ALIKE[0]}`) and by {_error(coarse)} % in the thesis' 14 bits (`{ALIKE[1]}`). They "
         f"take {_count(fine)} and {_count(coarse)} clocks. |"
     )
     yield (
-        f"| [activation](#activations) | `{EXACT.activation}` | Its largest error is "
+        f"| [activation]({TABLES.name}#activations) | "
+        f"`{EXACT.activation}` | Its largest error is "
         f"{_units(precise)} of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
         f"{number(precise, 'LUT'):.0f} LUTs. `gradient`, which the thesis chose, has an error of "
         f"{_units(gradient)} and takes {number(gradient, 'latency clocks'):.0f} clocks and "
         f"{number(gradient, 'LUT'):.0f} LUTs. |"
     )
     yield (
-        f"| [rho and iterations of Pade](#activations) | {RHO:g} and {ITERATIONS} | No rho settles "
+        f"| [rho and iterations of Pade]({TABLES.name}#activations) | "
+        f"{RHO:g} and {ITERATIONS} | No rho settles "
         f"up to the gate in fewer iterations than {RHO:g}, which needs {settled[RHO]:.0f}. With "
-        f"{ITERATIONS} iterations the mean error halves. |"
+        f"{ITERATIONS} iterations the mean error is {_gained(tables, 'exact'):.2f} times as large "
+        f"in `exact`, and {_gained(tables, 'thesis'):.2f} times in 14 bits. |"
     )
     yield (
-        f"| [optimiser](#optimisers) | `{optimiser}` | After {LATE:g} s of processor time its best "
+        f"| [optimiser]({TABLES.name}#optimisers) | "
+        f"`{optimiser}` | After {LATE:g} s of processor time its best "
         f"start has an error of {rounded(best_error(tables, optimiser, LATE))} %, that of "
         f"`{other}` has {rounded(best_error(tables, other, LATE))} %. |"
     )
     yield (
-        f"| [swing](#swing) | {LIGHT}, tolerance {rounded(TOLERANCE)} | It reaches an error of "
+        f"| [swing]({TABLES.name}#swing) | "
+        f"{LIGHT}, tolerance {rounded(TOLERANCE)} | It reaches an error of "
         f"{_small(SWING_ERROR)} rad in the least time, both from 30 degrees "
         f"({rounded(number(light, 'ms'))} ms) and from 179.9 degrees "
         f"({rounded(number(_reached(tables, '179.9 degrees', LIGHT), 'ms'))} ms). |"
     )
     yield (
-        f"| [swing, overdamped](#swing) | {STRONG} | With a damping rate of 1000 1/s "
+        f"| [swing, overdamped]({TABLES.name}#swing) | "
+        f"{STRONG} | With a damping rate of 1000 1/s "
         f"it reaches the same error in {rounded(number(strong, 'ms'))} ms. {LIGHT} takes "
         f"{rounded(number(slow, 'ms'))} ms, because stability bounds its steps. {STRONG} is used "
         f"from a damping rate of {STRONG_DAMPING:g} natural frequencies on. |"
     )
     yield (
-        f"| [plate](#plate) | {TERMS:,} terms | The error at the load, where it is "
+        f"| [plate]({TABLES.name}#plate) | "
+        f"{TERMS:,} terms | The error at the load, where it is "
         f"largest, is {rounded(number(near, 'error'))} of the deflection, in "
         f"{rounded(number(near, 'ms'))} ms. Ten times the terms take "
         f"{rounded(number(exact, 'ms') / number(near, 'ms'))} times as long. |"
     )
     yield (
-        f"| [load profile](#load-profile) | equation 3.18, or the closed form of 3.17 | The sum of "
+        f"| [load profile]({TABLES.name}#load-profile) | "
+        f"equation 3.18, or the closed form of 3.17 | The sum of "
         f"equation 3.17 still has an error of {rounded(number(series, 'error / d'))} of the load "
         f"after {number(series, 'terms'):,.0f} terms and {rounded(number(series, 'ms') / 1e3)} s. |"
     )
     yield (
-        f"| [simulator](#simulators) | the twin for figures, Icarus and GHDL for proof | The twin "
+        f"| [simulator]({TABLES.name}#simulators) | "
+        f"the twin for figures, Icarus and GHDL for proof | The twin "
         f"is {rounded(twin / icarus)} times as fast as Icarus and gives the same codes. |"
     )
 
@@ -210,9 +224,9 @@ def networks(tables: Tables) -> Iterator[str]:
     rows = network_rows(tables["clocks"])
     best = ", ".join(f"`{one.name}`" for one in front(draw.network_points(tables["clocks"])))
     yield (
-        "In the picture at the top, a line joins the networks that no other one beats in both "
-        f"error and clocks: {best}. What is beaten is grey. The thesis as printed stands at the "
-        "clocks of our networks of the same form."
+        f"In the [picture]({NAME}/networks.svg) a line joins the networks that no other one beats "
+        f"in both error and clocks: {best}. What is beaten is grey. The thesis as printed stands "
+        "at the clocks of our networks of the same form."
     )
     yield ""
     heads = (
@@ -283,6 +297,15 @@ def schemes(tables: Tables) -> Iterator[str]:
         if there:
             count, mean = f"{settled[rho]:.0f}", f"{number(there[0], 'mean %'):.3f}"
         yield f"| {rho:g} | {number(rows[0], 'stable below |q|'):.3f} | {count} | {mean} |"
+
+
+def _gained(tables: Tables, arithmetic: str) -> float:
+    """The mean error of Pade with the default iterations, as a part of that with the fewest."""
+    fewest, default = (
+        rows_of(tables["iterations"], rho=RHO, iterations=count, arithmetic=arithmetic)[0]
+        for count in (settled_after(tables)[RHO], ITERATIONS)
+    )
+    return number(default, "mean %") / number(fewest, "mean %")
 
 
 def optimisers(tables: Tables) -> Iterator[str]:
@@ -406,17 +429,17 @@ def machine(_: Tables) -> Iterator[str]:
 
 
 CLOCKS, RATE, HELD_OUT = draw.AFTER, "frames a second", "held out %"
-SECTIONS: dict[str, Callable[[Tables], Iterator[str]]] = {
-    "headline": headline,
-    "machine": machine,
-    "defaults": defaults,
-    "networks": networks,
-    "activations": schemes,
-    "optimisers": optimisers,
-    "swing": swing,
-    "plate": plate,
-    "profile": profile,
-    "simulators": simulators,
+SECTIONS: dict[str, tuple[Path, Callable[[Tables], Iterator[str]]]] = {
+    "headline": (PAGE, headline),
+    "machine": (PAGE, machine),
+    "defaults": (PAGE, defaults),
+    "networks": (TABLES, networks),
+    "activations": (TABLES, schemes),
+    "optimisers": (TABLES, optimisers),
+    "swing": (TABLES, swing),
+    "plate": (TABLES, plate),
+    "profile": (TABLES, profile),
+    "simulators": (TABLES, simulators),
 }
 # For each picture, the table from which it is drawn, and the function that draws it.
 DRAWN: dict[str, tuple[str, Callable[[Table], str]]] = {

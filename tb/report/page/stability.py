@@ -1,4 +1,4 @@
-"""The content of docs/stability.md: stiff and extreme cases, margins, what would break them."""
+"""The content of docs/stability.md and of its tables in docs/stability-cases.md."""
 
 from golden.precision import SIGNAL
 from tb.report.measure.stability.digits import DIGITS
@@ -47,7 +47,7 @@ BREAKS = {
     "be in proportion to the noise": "squares of readings, in which those of their differences are "
     "lost",
     "give an outlook": "a covariance that rounding makes negative",
-    "fit no worse than the means of the places": "a weight that is lost among equal columns",
+    "give the same in every unit": "a variance in fixed units, with which all centres coincide",
     "need more than 14 bits: there the pole would be 1": "nothing: it shows why the filter is "
     "analogue or in floating point",
     "have the slope of a side": "a slope of another segment than the value",
@@ -65,41 +65,49 @@ BREAKS = {
 
 
 def headline(table: Table) -> str:
-    """A headline on how many cases hold, and how many of them need no margin."""
+    """A headline on how many cases hold, and for how many that says little."""
     found = cases(table)
     holding = sum(case.holds for case in found)
     exact = sum(case.part is None for case in found)
-    reached = [case for case in found if case.reached]
-    which = ", ".join(dict.fromkeys(f"{case.model} ({case.figure})" for case in reached))
+    reached = sum(case.reached for case in found)
+    wide = _useless(found)
+    worst = max(wide, key=lambda case: case.value)
     return (
-        f"**{holding} of {len(found)} cases hold.**\n\n"
-        f"- {exact} of the cases count something that must never happen: a wrong code, an invalid "
-        "argument that is accepted,\n  or a wrong sign. Such a case holds if the count is 0.\n"
-        f"- {len(reached)} cases reach their bound, and must reach it: the bound is the largest "
-        "code "
-        "of a format, the number of\n  bits that a sum was given, or all the energy of a swing. "
-        f"These cases are of\n  {which}.\n"
-        f"- The other {len(found) - exact - len(reached)} cases keep a margin to their bound."
+        f"**{holding} of {len(found)} stiff, ill-conditioned and extreme cases keep their bound; "
+        f"for {len(wide)} of them the bound is above 1 % of full scale, so that this says little."
+        f"**\n\n"
+        f"- {exact} cases count something that must never happen, such as a wrong code, an invalid "
+        "argument that is accepted,\n  or a lost sign. Their bound is 0.\n"
+        f"- {reached} cases reach their bound, and must: it is the largest code of a format, the "
+        "bits that a sum was given, or\n  all the energy of a swing.\n"
+        f"- The other {len(found) - exact - reached} keep a margin.\n"
+        f"- Of those with wide bounds `{worst.label}` errs most: by {worst.value:,.0f} units of "
+        f"2^-13, {100 * worst.value / 2**SIGNAL.frac:.2g} % of full scale."
     )
+
+
+def _useless(found: list[Case]) -> list[Case]:
+    """The cases whose bound is a large part of full scale, the widest first."""
+    wide = [c for c in found if c.figure.startswith("error in 2^-13") and c.bound > USELESS]
+    return sorted(wide, key=lambda one: -one.bound)
 
 
 def nearest(table: Table) -> str:
     """The cases closest to their bound, one for each model and figure."""
     lines = [
-        "| model | case | figure | measured | bound | margin | what would break it |",
-        "|---|---|---|---|---|---|---|",
+        "| model | case | figure | measured | bound | margin |",
+        "|---|---|---|---|---|---|",
     ]
     for case in closest(cases(table), CLOSEST):
-        lines.append(_row(case.model, case.case, *_figures(case), BREAKS[case.must]))
+        lines.append(_row(case.model, case.case, *_figures(case)))
     return "\n".join(lines)
 
 
 def useless(table: Table) -> str:
-    """The cases whose bound is a large part of full scale, the widest first."""
+    """The cases whose bound is a large part of full scale, with their error."""
     lines = ["| networks of | error, LSB | of full scale | bound, LSB | of full scale |"]
     lines.append(f"|{'---|' * 5}")
-    wide = [c for c in cases(table) if c.figure.startswith("error in 2^-13") and c.bound > USELESS]
-    for case in sorted(wide, key=lambda one: -one.bound):
+    for case in _useless(cases(table)):
         cells = [f"{case.label}, {case.case}"]
         for value in (case.value, case.bound):
             cells += [f"{value:,.0f}", f"{100 * value / 2**SIGNAL.frac:.2g} %"]

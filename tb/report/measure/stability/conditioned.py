@@ -33,7 +33,7 @@ from golden.scene import Scene, load_scene
 from golden.table import read_table
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack
-from golden.training.rbf import train_rbf
+from tb.report.measure.rbf_training import train_rbf
 from tb.report.measure.stability import digits
 from tb.report.measure.stability.case import Row, largest
 from tb.report.measure.stability.digits import DIGITS
@@ -196,22 +196,30 @@ def _equations(recorded: Sensitivity, there: Placements, found: Fit) -> Real:
 
 
 def centres() -> Iterator[Row]:
-    """Six centres for rows that lie at three places."""
-    rng = np.random.default_rng(0)
-    place = np.arange(60) % 3
-    for apart in (1e-3, 1e-9, 1e-15):
-        rows = np.array([[0.1, 0.2], [0.5, 0.5], [0.8, 0.1]])[place] + apart * rng.normal(
-            size=(60, 2)
-        )
-        values = np.sin(3 * rows[:, :1]) + 0.1 * rng.normal(size=(60, 1))
-        means = np.array([values[place == k].mean() for k in range(3)])[place, np.newaxis]
-        error = np.linalg.norm(train_rbf(rows, values, 6, rng).process(rows) - values)
-        case = f"six centres, rows within {apart:g} of three places"
-        must = "fit no worse than the means of the places"
-        above = float(error / np.linalg.norm(means - values))
-        yield Row(
-            "radial basis functions", case, must, "error / that of the means", above, 1 + 1e-9
-        )
+    """Six centres for rows that lie at three places, of which some coincide; and small inputs."""
+    model, rng = "radial basis functions", np.random.default_rng(0)
+    places = np.array([[0.1, 0.2], [0.5, 0.5], [0.8, 0.1]])[np.arange(24) % 3]
+    asked = rng.uniform(0, 1, (20, 2))
+    for apart in (1e-3, 1e-9, 1e-15, 0.1):
+        rows = places + apart * rng.normal(size=(24, 2))
+        values = np.sin(3 * rows[:, :1]) + 0.1 * rng.normal(size=(24, 1))
+        net = train_rbf(rows, values, 6, np.random.default_rng(1))
+        known, other = (digits.gaussians(x, net.centres, net.widths[0]) for x in (rows, asked))
+        # Directions that rounding cannot tell from 0 take no part.
+        same = len(rows) * EPS
+        exact = (other @ digits.truncated(known, values, same)).astype(np.float64)
+        sizes = np.linalg.svd(known.astype(np.float64), compute_uv=False)
+        condition = float(sizes[0] / sizes[sizes > same * sizes[0]][-1])
+        miss = largest(net.process(asked) - exact) / largest(exact)
+        case = f"six centres, rows within {apart:g} of three places, condition {condition:.0e}"
+        yield Row(model, case, AGREE, "relative error", miss, 10 * condition * EPS)
+    # The last rows again, in another unit.
+    for unit in (2.0**-20, 2.0**20):
+        moved = train_rbf(unit * rows, values, 6, np.random.default_rng(1))
+        miss = largest(moved.process(unit * asked) - net.process(asked)) / largest(exact)
+        case = f"six centres, inputs times {unit:.0e}, condition {condition:.0e}"
+        must = "give the same in every unit"
+        yield Row(model, case, must, "relative error", miss, 10 * condition * EPS)
 
 
 def filters() -> Iterator[Row]:

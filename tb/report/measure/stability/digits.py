@@ -131,6 +131,26 @@ def ridge(inputs: Real, values: Real, reach: float, smoothing: float, asked: Rea
         return np.array([[float(mp.fdot(row, column)) for column in weights] for row in there])
 
 
+def gaussians(rows: Real, centres: Real, width: float) -> Real:
+    """The basis functions of a radial basis function network, and a column of ones, as ``mpf``."""
+    with mp.workdps(DIGITS):
+        return np.array(
+            [
+                [
+                    *(
+                        mp.exp(
+                            -mp.fsum((mp.mpf(a) - b) ** 2 for a, b in zip(x, c, strict=True)) / s
+                        )
+                        for c in centres.tolist()
+                    ),
+                    mp.mpf(1),
+                ]
+                for s in [2 * mp.mpf(width) ** 2]
+                for x in rows.tolist()
+            ]
+        )
+
+
 def truncated(matrix: Real, right: Real, same: float) -> Real:
     """Least squares without directions whose singular value is below this part of the largest."""
     with mp.workdps(DIGITS):

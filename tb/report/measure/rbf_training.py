@@ -17,8 +17,12 @@ from golden.real import Real
 KMEANS_STEPS = 5
 EM_STEPS = 100
 
-# A Gaussian that has shrunk to one sample keeps this variance, so that it is not 0.
+# A Gaussian that has shrunk to one sample keeps this part of the variance of all inputs, so that
+# its own is not 0. A variance in fixed units would spread each Gaussian over all rows of small
+# inputs, and their centres would coincide.
 LEAST_VARIANCE = 1e-6
+# A Gaussian that has lost all but this part of a row stays where it is.
+LEAST_WEIGHT = 1e-6
 
 
 def squared_distances(points: Real, centres: Real) -> Real:
@@ -39,21 +43,21 @@ def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
             f"got {distinct} distinct rows for {count} centres, expected at least as many rows"
         )
     centres: Real = kmeans2(inputs, count, iter=KMEANS_STEPS, minit="++", seed=rng)[0]
+    least = LEAST_VARIANCE * inputs.var(axis=0).mean()
     nearest = squared_distances(inputs, centres).min(axis=1)
-    variances = np.full(count, nearest.mean() / inputs.shape[1] + LEAST_VARIANCE)
+    variances = np.full(count, nearest.mean() / inputs.shape[1] + least)
     shares = np.full(count, 1 / count)
     for _ in range(EM_STEPS):
         squares = squared_distances(inputs, centres) / variances
         logarithms = np.log(shares) - (squares + inputs.shape[1] * np.log(variances)) / 2
         belongs = softmax(logarithms, axis=1)
-        # A Gaussian that has lost all its rows stays where it is.
         weights = belongs.sum(axis=0) + np.finfo(np.float64).tiny
         shares = weights / weights.sum()
-        alive = weights > LEAST_VARIANCE
+        alive = weights > LEAST_WEIGHT
         means = belongs.T @ inputs / weights[:, np.newaxis]
         centres = np.where(alive[:, np.newaxis], means, centres)
         spread = (belongs * squared_distances(inputs, centres)).sum(axis=0) / weights
-        variances = np.maximum(spread / inputs.shape[1], LEAST_VARIANCE)
+        variances = np.maximum(spread / inputs.shape[1], least)
     return centres
 
 
