@@ -117,7 +117,7 @@ def lane_accumulate(
 
 @block
 def select(clk, word, kind, factor, *, segment_width: int):
-    """The operand, one clock later; without a table every kind but 0 is the number one."""
+    """The operand, one clock later; without a table every odd kind is the number one."""
     one, sign = 1 << DROPPED, WIDTH - 1
     low, high = unsigned(DROPPED), unsigned(WIDTH - DROPPED)
     bits = unsigned(WIDTH)
