@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pages import ROUNDING, SEARCHED, TRAINED, cells, section, shows
-from shared import Shared
 
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
@@ -36,8 +35,8 @@ QUICK = ("operations", "profile", "plate")
 
 
 @pytest.fixture(scope="module")
-def tables(shared: Shared) -> dict[str, Table]:
-    return shared.tables()
+def tables(measured_tables: dict[str, Table]) -> dict[str, Table]:
+    return measured_tables
 
 
 @pytest.fixture(scope="module")

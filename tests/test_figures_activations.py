@@ -1,7 +1,6 @@
 """Tests that tables activations and iterations are complete, and what follows from them."""
 
 import pytest
-from shared import Shared
 
 from golden.activation.pade import GATE, ITERATIONS, RHO
 from golden.activation.reference import stable_below
@@ -17,13 +16,13 @@ def columns(table: Table, *names: str) -> list[tuple]:
 
 
 @pytest.fixture(scope="module")
-def schemes(shared: Shared) -> Table:
-    return shared.tables()["activations"]
+def schemes(measured_tables: dict[str, Table]) -> Table:
+    return measured_tables["activations"]
 
 
 @pytest.fixture(scope="module")
-def steps(shared: Shared) -> Table:
-    return shared.tables()["iterations"]
+def steps(measured_tables: dict[str, Table]) -> Table:
+    return measured_tables["iterations"]
 
 
 def test_every_scheme_in_every_precision(schemes: Table) -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 from pages import section
-from shared import Shared
 
 from golden.scene import DEFAULT_SCENES, load_scene
 from golden.scene_errors import scene_errors
@@ -17,8 +16,8 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def table(shared: Shared) -> Table:
-    return shared.tables()["clocks"]
+def table(measured_tables: dict[str, Table]) -> Table:
+    return measured_tables["clocks"]
 
 
 def by_scene(table: Table, name: str) -> dict[str, object]:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from pages import SEARCHED, TRAINED, cells, section, shows
-from shared import Shared
 
 from golden.mlp import tanh
 from golden.scene import load_scene
@@ -15,8 +14,8 @@ from tb.report.measure.table import Table
 
 
 @pytest.fixture(scope="module")
-def table(shared: Shared) -> Table:
-    return shared.tables()["training"]
+def table(measured_tables: dict[str, Table]) -> Table:
+    return measured_tables["training"]
 
 
 def rows_of(table: Table, method: str) -> list[tuple]:

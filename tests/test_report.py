@@ -261,8 +261,8 @@ def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert told == [False, True, False]
 
 
-def test_tables_with_run_times_run_alone(shared: Shared) -> None:
-    assert {name for name, table in shared.tables().items() if table.timed} == set(TIMED)
+def test_tables_with_run_times_run_alone(measured_tables: dict[str, Table]) -> None:
+    assert {name for name, table in measured_tables.items() if table.timed} == set(TIMED)
 
 
 def test_a_plot_of_nothing_is_refused() -> None:

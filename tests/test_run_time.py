@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 
 import pytest
 from pages import ROUNDING, SEARCHED
-from shared import Shared
 
 from golden.activation.pade import RHO
 from golden.physics.plate import TERMS
@@ -37,9 +36,9 @@ def tables() -> run_time.Tables:
 
 
 @pytest.fixture(scope="module")
-def measured(shared: Shared) -> dict[str, Table]:
+def measured(measured_tables: dict[str, Table]) -> dict[str, Table]:
     """The tables that are measured in every run."""
-    return shared.tables()
+    return measured_tables
 
 
 def agrees(heading: str, old: Cell, new: Cell) -> bool:
