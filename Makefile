@@ -12,7 +12,7 @@ FLAGS := ALL DRY FORCE FULL LINKS PAGES RECORD WAVES
 # variables of its own.
 export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name))))
 export GOALS := $(MAKECMDGOALS)
-GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL GROUP HARDWARE LABELS LINKS MACHINE NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
+GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL HARDWARE LABELS LINKS NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
 	RECORD RECORDED RIG SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -57,7 +57,7 @@ $(CALLED): $(READY)
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
 	@exec $(RUN) tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) \
-		$(if $(GROUP),--group="$$GROUP") $(if $(MACHINE),--machine="$$MACHINE") --tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
+		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs

@@ -151,15 +151,12 @@ COMMANDS = (
         "test",
         "Runs the tests: all, those that TESTS= names, those that concern the block that BLOCK= "
         "names, or with PAGES=1 those of the documentation. ALL=1 adds what takes "
-        "longer. MACHINE= imitates another machine and runs the tests of its group, whose result "
-        "may differ there; GROUP= chooses a group.",
+        "longer.",
         (
             TESTS,
             BLOCK,
             flag("PAGES"),
             ALL,
-            word("MACHINE", "name"),
-            word("GROUP", "name"),
         ),
     ),
     Command(

@@ -5,9 +5,6 @@ import os
 import sys
 from pathlib import Path
 
-from groups import group_of
-from machines import machine_of, run_on
-
 from golden.cli import run, words, would
 from tb.common.where import check_name
 
@@ -27,8 +24,6 @@ def main() -> int:
     parser.add_argument("--block", help="what concerns a block")
     parser.add_argument("--pages", action="store_true", help="the tests of the documentation")
     parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
-    parser.add_argument("--group", help="the tests whose result a kind of machine may change")
-    parser.add_argument("--machine", help="the machine to imitate; alone, the tests of its group")
     arguments = parser.parse_args()
     command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
     chosen = words("TESTS", arguments.tests)
@@ -37,17 +32,7 @@ def main() -> int:
         chosen += ["--block", arguments.block]
     if arguments.pages:
         chosen += ["-m", "pages", *([] if arguments.tests else files_of_pages())]
-    work = f"run {' '.join(['pytest', *chosen])}"
-    machine = None if arguments.machine is None else machine_of(arguments.machine)
-    name = arguments.group
-    if machine and name is None and not chosen:
-        name = machine.group
-    if name is not None:
-        chosen += [f"--deselect=tests/{test}" for test in group_of(name).leaves_out()]
-        work += f" for group {name}"
-    would(f"{work} as on {machine.machine}" if machine else work)
-    if machine:
-        return run_on(machine, name or "")
+    would(f"run {' '.join(['pytest', *chosen])}")
     return os.execv(sys.executable, [*command, *chosen])
 
 

@@ -59,7 +59,7 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
     given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]
     chosen = [
-        *(f"--{n.lower()}={given[n]}" for n in ("BLOCK", "GROUP", "MACHINE") if n in given),
+        *([f"--block={given['BLOCK']}"] if "BLOCK" in given else []),
         *(["--pages"] if "PAGES" in given else []),
     ]
     return "chosen", [*chosen, *words]

@@ -123,8 +123,6 @@ def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None
         "tests/chosen.py",
         f"--block={given['BLOCK']}",
         "--pages",
-        f"--group={given['GROUP']}",
-        f"--machine={given['MACHINE']}",
         tests,
         "--all",
     ]
