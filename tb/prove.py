@@ -17,15 +17,19 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run, would
+from golden.dense import layers_of
 from golden.folders import BUILD
 from golden.hold import held
 from golden.input_error import InputError
+from golden.networks.arrangement import seen
+from golden.precision import SIGNAL
 from golden.progress import PAUSE, Heartbeat, duration, stage
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import compile_order
 from tb.common.runner import export
 from tb.common.tools import check_simulator
 from tb.every_frame.counterexample import bench
+from tb.every_frame.distance import bounds, farthest
 from tb.every_frame.kept import keep, read_export, yosys
 from tb.every_frame.netlist import Netlist, NotReadableError, read_verilog
 from tb.every_frame.specify import description
@@ -99,6 +103,8 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
 
 def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
     """Export a scene and prove it in each language; the code of the worst that is found."""
+    for line in from_trained(scene, given):
+        print(line)
     codes = set()
     for language in ("verilog", "vhdl"):
         folder = BUILD / scene.name / language
@@ -113,6 +119,39 @@ def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
             keep(given, folder, found)
         codes.add(found.code)
     return min(codes - {PROVED}, default=PROVED)
+
+
+def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
+    """How far each output can be from the trained network, and how far a search found it."""
+    networks, tanh = scene.networks(), scene.scheme.real
+    layers = [layers_of(one) for one in networks]
+    try:
+        ends, own = (bounds(given, layers, tanh, apart) for apart in (False, True))
+    except InputError as reason:
+        return [f"{scene.name}: {reason}"]
+
+    def real(samples: Any) -> Any:
+        results: list[Any] = []
+        for one in networks:
+            found = one.process(seen(scene.arrangement, samples, results), tanh)
+            results.append(np.clip(found, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high])))
+        return np.concatenate(results, axis=-1)
+
+    lines = [f"{scene.name}: from the trained network, in units of 2^-{SIGNAL.frac}, in any frame:"]
+    for name, whole, alone, (met, _) in zip(
+        scene.outputs, ends, own, farthest(given, real), strict=True
+    ):
+        far, near = (max(-low, high) for low, high in (whole, alone))
+        text = f"at most {far:.1f}" if far < 1 << SIGNAL.width else "no bound"
+        if far > near:
+            text += f", for the earlier outputs as they are at most {near:.1f}"
+        lines.append(f"  {name}: {text}; {met:.1f} found (1 of {far / met:.1f})")
+    if scene.labels:
+        margin = max(
+            ends[j][1] - ends[i][0] for i in range(len(ends)) for j in range(len(ends)) if i != j
+        )
+        lines.append(f"  no class differs where the first output leads by {margin:.1f} or more")
+    return lines
 
 
 def main() -> int:

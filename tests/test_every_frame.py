@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 from conftest import tiered
 
+from golden.dense import layers_of
 from golden.input_error import InputError
 from golden.scene import load_scene
+from tb.common.cases import Case
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import export
 from tb.every_frame.counterexample import Evaluated, differing_frame
+from tb.every_frame.distance import bounds, farthest
 from tb.every_frame.kept import proof_line, read_export
 from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tb.every_frame.specify import description
@@ -302,6 +305,25 @@ def test_a_frame_is_found_where_one_code_differs() -> None:
     words = [w for v in samples if isinstance(v, Sum) for w in v.terms]
     now = Evaluated(words, np.array([frame]))
     assert now.value(q) != now.value(other)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_frame_is_further_from_the_trained_network_than_its_bound(
+    seed: int, tmp_path: Path
+) -> None:
+    """With a sign, for every frame of one sample, where nodes are at their worst together."""
+    shapes: list[tuple[int, ...]] = [(1, 2, 1)]
+    scene = Case(shapes, "exact", seed=seed, design="engine", activation="precise").scene(
+        tmp_path, "small"
+    )
+    given, (network,) = description(scene), scene.networks()
+    ((low, high),) = bounds(given, [layers_of(network)], scene.scheme.real)
+    every = np.arange(-8192, 8192)[:, np.newaxis]
+    apart = scene.twin().core.process(every) - 8192 * network.process(every / 8192)
+    assert low <= apart.min()
+    assert apart.max() <= high < low + 1.4 * np.ptp(apart)
+    ((met, _),) = farthest(given, network.process)
+    assert 0.95 * np.abs(apart).max() <= met <= max(-low, high)
 
 
 NOTHING = {

@@ -17,12 +17,12 @@ function is odd), of which the value, after 2^`shift` is divided out and halves 
 clipped to `clip`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from tb.every_frame.sums import Space, Value, minus, plus, times
+from tb.every_frame.sums import Space, UnsupportedError, Value, minus, plus, times
 
 
 class Network:
@@ -38,9 +38,8 @@ class Network:
             if "largest" in word:
                 words.append(_largest(space, [words[k] for k in word["largest"]]))
             elif "table" in word:
-                words.append(
-                    _looked_up(space, self.given["tables"][word["table"]], words[word["of"]])
-                )
+                table = self.given["tables"][word["table"]]
+                words.append(space.of(looked_up(table), words[word["of"]]))
             else:
                 words.append(_summed(space, word, words))
         return words
@@ -67,10 +66,18 @@ def _summed(space: Space, word: dict[str, Any], words: Sequence[Value]) -> Value
     return times(code, 1 << word.get("left", 0))
 
 
-def _looked_up(space: Space, table: dict[str, Any], v: Value) -> Value:
+def looked_up(table: dict[str, Any]) -> Callable[[Any], Any]:
+    """The table as a function of codes."""
     if "values" in table:
         values, first = np.array(table["values"], dtype=np.int64), table["first"]
-        return space.of(lambda a: values[a - first], v)
+
+        def value(a: Any) -> Any:
+            places = np.asarray(a) - first
+            if (places < 0).any() or (places >= len(values)).any():
+                raise UnsupportedError("the network looks up a code that its table does not have")
+            return values[places]
+
+        return value
     intercepts, slopes = (np.array(table[k], dtype=np.int64) for k in ("intercepts", "slopes"))
     span, both, shift = 1 << table["segment"], table["both"], table["shift"]
     segments = len(slopes) // (1 + both)
@@ -86,7 +93,7 @@ def _looked_up(space: Space, table: dict[str, Any], v: Value) -> Value:
             else total
         )
 
-    return space.of(line, v)
+    return line
 
 
 def _largest(space: Space, words: Sequence[Value]) -> Value:

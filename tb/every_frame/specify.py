@@ -116,7 +116,11 @@ def _(network: Engine, words: Words, samples: list[int]) -> list[int]:
         outputs += _integer(
             integers, words, [*inputs[: integers.samples], *outputs[: integers.earlier]]
         )
-    return [words.add(sum=[[k, 1]], shift=OUTPUT_SHIFT) for k in outputs]
+    results = []
+    for k in outputs:
+        words.place = words.words[k - words.samples]["place"]
+        results.append(words.add(sum=[[k, 1]], shift=OUTPUT_SHIFT))
+    return results
 
 
 def _integer(network: IntegerNetwork, words: Words, now: list[int]) -> list[int]:
