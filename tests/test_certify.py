@@ -125,9 +125,10 @@ def test_frames_that_give_no_output_are_not_said_to_be_compared(shared: Shared) 
         assert re.search(r"\b10 random", text)
 
 
-def test_the_page_begins_with_what_was_not_done(certificate: Path) -> None:
+def test_the_page_begins_with_what_is_proved_and_what_was_not_done(certificate: Path) -> None:
     text = (certificate / "certificate.md").read_text(encoding="utf-8")
     head = text.partition("| step |")[0]
+    assert text.splitlines()[2].startswith("Proved for every frame: 2^42, engine")
     assert "- not asked for: no frame was played on the cells" in head
     assert "green" in text
     page = (certificate / "certificate.html").read_text(encoding="utf-8")

@@ -23,8 +23,6 @@ SAMPLES, RESULTS, WINNERS = "samples.hex", "results.hex", "winners.hex"
 IMAGE, FRAMES_FILE = "image.hex", "frames.hex"
 # The last line that the test bench prints.
 PASSED, FAILED = "PASSED", "FAILED"
-# What ends it at the first frame that differs.
-BRIEF = "brief"
 
 _TEXT = Template("""\
 `timescale 1ns/10ps
@@ -32,7 +30,6 @@ _TEXT = Template("""\
 // Plays the frames in $samples into $top of scene $scene, $first and again
 // $second, and compares every output with $results.
 // The last line is $passed or $failed. Inputs change and outputs are read at the falling edge.
-// With +$brief the first frame that differs ends it.
 
 module ${top}_tb;
 
@@ -55,7 +52,7 @@ $memories
     // refused.
     integer count, due, received, matched, refused;
     integer frame, element, pause, idled, number, waiting;
-    reg complete, gaps, brief;
+    reg complete, gaps;
 $variables
     $top dut (
 $map
@@ -68,10 +65,6 @@ $map
         begin
             @(negedge clk);
 $refused$check
-            if (brief && received != matched) begin
-                $$display("$failed");
-                $$finish;
-            end
         end
     endtask
 
@@ -102,8 +95,7 @@ $load            for (frame = 0; frame < count; frame = frame + 1) send_frame;
         due = count - past;
         $$readmemh("$samples", samples, 0, count * inputs - 1);
         $$readmemh("$results", results, 0, due * outputs - 1);
-$read        brief = $$test$$plusargs("$brief") != 0;
-        clk = 0;
+$read        clk = 0;
 $start
         complete = due > 0;
         received = 0;
@@ -222,7 +214,6 @@ def verilog_bench(scene: str, design: Network, ports: list[Port], most: int) -> 
         frames_file=FRAMES_FILE,
         passed=PASSED,
         failed=FAILED,
-        brief=BRIEF,
     )
 
 
