@@ -957,7 +957,7 @@ class Space:
 
     def negative(self, v: Value) -> Value:
         """1 where v < 0, else 0: no more than the floor over a power of two that is greater than
-        |v|."""
+        the magnitude of v."""
         low, high = ends(v)
         if low >= 0 or high < 0:
             return int(high < 0)

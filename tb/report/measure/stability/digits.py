@@ -36,7 +36,7 @@ def deflection(plate: Plate, point: tuple[float, float], load: tuple[float, floa
     """w in m/N at a point for 1 N at a load.
 
     Along y the m-th sine obeys f'''' - 2 k^2 f'' + k^4 f = delta(y - eta), k = m pi / a. The
-    solution without edges is (1 + u) exp(-u) / (4 k^3), u = k |y - eta|, whose sum over all m is in
+    solution without edges is (1 + u) exp(-u) / (4 k^3), u = k ``|y - eta|``, whose sum over all m is in
     closed form (polylogarithms). Four solutions without a load, found from the four conditions at
     the edges, are added to it.
     """
@@ -82,7 +82,7 @@ def _edges(clamped: bool, beta: mp.mpf, y: mp.mpf, eta: mp.mpf) -> mp.mpf:
 
 
 def least_squares(matrix: Real, right: Real) -> tuple[Real, float]:
-    """The x with the least |matrix x - right|, and that least length, by the normal equations.
+    """The x with the least ``|matrix x - right|``, and that least length, by the normal equations.
 
     These square the condition, for which there are digits to spare.
     """
