@@ -1,4 +1,4 @@
-"""Tests table clocks: every scene, its clocks, and the figures in README.md."""
+"""Tests table clocks: every scene, its clocks, and the figures in docs/overview.md."""
 
 import re
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_the_worst_output_has_the_largest_error(table: Table) -> None:
 
 
 def test_the_clocks_of_the_front_page(table: Table) -> None:
-    page = (ROOT / "README.md").read_text()
+    page = (ROOT / "docs" / "overview.md").read_text()
     shown = {"clocks a frame": "clocks a frame", "clocks between frames": "interval clocks"}
     for beginning, column in shown.items():
         (line,) = re.findall(rf"^ +{beginning} .*", page, re.M)

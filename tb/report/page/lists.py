@@ -7,7 +7,7 @@ stays as it is.
 
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -18,10 +18,17 @@ from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
-from golden.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
-from golden.scene_errors import disturbed_errors, held_out_means
+from golden.scene import (
+    DEFAULT_SCENES,
+    Scene,
+    class_names,
+    load_scene,
+    scene_names,
+    thesis_figures,
+    thesis_table,
+)
+from golden.scene_errors import disturbed_errors, held_out_means, scene_errors
 from hdl.synth.budget import budget_path, read_budget
-from hdl.synth.timing import read_timing, timing_path
 from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
@@ -29,6 +36,7 @@ from tb.report.draw.floors import picture_of_floors
 from tb.report.draw.learned import learned_curves
 from tb.report.draw.margins import margins
 from tb.report.draw.network import network
+from tb.report.draw.overview import overview
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks, clocks_per_frame
@@ -50,6 +58,8 @@ from tb.report.side_by_side import side_by_side
 COMMAND = "python -m tb.report.page.lists"
 # The networks that the pages show.
 SHOWN = "digit"
+# The networks with the hidden nodes that the thesis prints, without the blocks around them.
+REBUILT = "digit-thesis"
 # Each wish for the project, the page that shows the result, and the picture of this page.
 WISHES = (
     (
@@ -151,13 +161,13 @@ def unseen() -> str:
         [
             "- On a load that was not among the training data, a network errs in width by "
             f"{width} %",
-            f"  and in shape by {shape} % ([honest](docs/figures.md#honest)). The column "
+            f"  and in shape by {shape} % ([honest](figures.md#honest)). The column "
             "*held out* shows",
             f"  {held_out['width']:.2f} and {held_out['shape']:.2f}, because other rows with the "
             "same loads were trained on.",
             f"- The reason: at {silent} of {len(scene.vectors().codes)} placements no sensor feels "
             "the width. So the networks have",
-            "  learnt which loads exist, and not their widths ([limits](docs/limits.md)).",
+            "  learnt which loads exist, and not their widths ([limits](limits.md)).",
             "- The thesis trained on half of its rows. The networks of `digit` were trained on all",
             "  rows after *held out* had been measured. So their columns *mean* and *largest* come",
             "  from rows that the networks have seen.",
@@ -165,25 +175,42 @@ def unseen() -> str:
     )
 
 
-def cost() -> str:
-    """The cells of the networks of scene digit, and the clock that it reaches."""
-    scene = load_scene(SHOWN)
-    design = scene.twin()
-    cells = read_budget(budget_path(scene.path))
-    timing, _ = read_timing(timing_path(scene.path))
-    lines = ["| family | LUT | flip-flop | multiplier | block RAM |", "|---|---|---|---|---|"]
-    for family, name in (
-        ("xc2v", "Virtex-II, entity by entity"),
-        ("xc7", "Series 7, entity by entity"),
-    ):
-        top = cells[family][design.entity]
-        kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
-        lines.append(f"| {name} | {' | '.join(str(top[kind]) for kind in kinds)} |")
-    lines.append(
-        f"| ECP5, placed and routed: {timing.clock_mhz} MHz | {timing.luts} | {timing.flip_flops} "
-        f"| {timing.multipliers} | {timing.block_rams} |"
-    )
-    return "\n".join(lines)
+def headline() -> str:
+    """The printed thesis, its networks rebuilt, and the default scene beside each other."""
+    rebuilt, today = load_scene(REBUILT), load_scene(SHOWN)
+    printed, device = thesis_table(rebuilt.reference), thesis_table("device")
+    figures = thesis_figures(rebuilt.reference, len(rebuilt.outputs), rebuilt.path)
+
+    def percents(found: Iterable[float]) -> str:
+        return ", ".join(f"{value:.2f}" for value in found)
+
+    def of_device(share: str, kind: str) -> str:
+        return f"about {printed[share] * device[kind] / 100:,.0f}"
+
+    scenes, nodes = (rebuilt, today), printed["hidden"]
+    held_out = [percents(held_out_means(s) or []) for s in scenes]
+    largest = [percents(e.largest_mean for e in scene_errors(s)["bit-true"]) for s in scenes]
+    cells = [read_budget(budget_path(s.path))["xc2v"][s.twin().entity] for s in scenes]
+    rows = [
+        ("hidden nodes", ", ".join(map(str, nodes)), *(_hidden(scene) for scene in scenes)),
+        (f"largest error in %, {', '.join(today.outputs)}", percents(figures), *largest),
+        ("mean error on held-out rows in %", "-", *held_out),
+        ("clocks behind the last sample", "-", *(str(s.twin().output_clocks[-1]) for s in scenes)),
+        ("LUTs", of_device("luts_percent", "luts4"), *(f"{c['LUT']:,}" for c in cells)),
+        (
+            "multipliers",
+            of_device("mult18x18_percent", "mult18x18"),
+            *(str(c["multiplier"]) for c in cells),
+        ),
+        ("proved for every frame", "-", *(f"2^{14 * len(s.sensors)}" for s in scenes)),
+    ]
+    heads = ["", "thesis, as printed", f"rebuilt: `{REBUILT}`", f"today: `{SHOWN}`"]
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _hidden(scene: Scene) -> str:
+    return ", ".join(str(network.shape[1]) for network in scene.networks())
 
 
 def disturbed() -> str:
@@ -295,9 +322,9 @@ def pages() -> dict[Path, str]:
     in_tables, for_classes = read("table_graph"), read("learned_classes")
     elsewhere, on_line_learning = read("learned_elsewhere"), read("on_line_learning")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
-        (ROOT / "README.md", "side_by_side", demo),
-        (ROOT / "README.md", "unseen", unseen),
-        (ROOT / "README.md", "cost", cost),
+        (ROOT / "README.md", "headline", headline),
+        (docs / "overview.md", "side_by_side", demo),
+        (docs / "overview.md", "unseen", unseen),
         (docs / "README.md", "commands", commands),
         (docs / "designs.md", "digit", partial(compared.rows, compared.CASCADE)),
         (docs / "designs.md", "digit-single", partial(compared.rows, compared.SINGLE)),
@@ -360,6 +387,7 @@ def pages() -> dict[Path, str]:
     found[docs / "learning.svg"] = on_line.picture(on_line_learning)
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
+    found[docs / "overview.svg"] = overview(load_scene(SHOWN))
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
     networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"

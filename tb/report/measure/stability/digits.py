@@ -36,9 +36,9 @@ def deflection(plate: Plate, point: tuple[float, float], load: tuple[float, floa
     """w in m/N at a point for 1 N at a load.
 
     Along y the m-th sine obeys f'''' - 2 k^2 f'' + k^4 f = delta(y - eta), k = m pi / a. The
-    solution without edges is (1 + u) exp(-u) / (4 k^3), u = k ``|y - eta|``, whose sum over all m is in
-    closed form (polylogarithms). Four solutions without a load, found from the four conditions at
-    the edges, are added to it.
+    solution without edges is (1 + u) exp(-u) / (4 k^3), u = k ``|y - eta|``, whose sum over all m
+    is in closed form (polylogarithms). Four solutions without a load, found from the four
+    conditions at the edges, are added to it.
     """
     with mp.workdps(DIGITS):
         (x, y), (xi, eta) = (tuple(map(mp.mpf, place)) for place in (point, load))
