@@ -68,11 +68,6 @@ def bounds(
 
     With `apart` the trained network reads what the hardware gave for earlier networks, so that the
     error is that of one network alone.
-
-    Raises
-    ------
-    InputError
-        Where a word has no counterpart in the trained network.
     """
     top, samples = 1 << given["bits"] - 1, given["samples"]
     known = [Known(-top, top - 1, 1 / top, (0.0, 0.0)) for _ in range(samples)]
