@@ -30,9 +30,9 @@ from tb.report.page.markers import put
 NAME = "error-against-run-time"
 PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
 TABLES = ROOT / "docs" / "run-time-tables.md"
-# The networks of the default scene, folded and in the arithmetic of the thesis; and those on an
-# engine in the other arrangements.
-FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
+# The networks of the default scene, folded, in the arithmetic of the thesis, and on one lane; and
+# those on an engine in the other arrangements.
+FOLDED, REBUILT, LANE = "digit-hybrid", "digit-thesis", "digit-lanes1"
 SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
 # A cascade in both precisions, with the same hidden nodes and the same training.
 ALIKE = "digit-a", "digit-thesis-a"
@@ -79,8 +79,8 @@ def headline(tables: Tables) -> Iterator[str]:
     def told(row: Row) -> str:
         return (
             f"errs by {number(row, HELD_OUT):.2f} % on held-out rows, in {_us(row, clock)} µs on "
-            f"{number(row, 'multiplier'):.0f} multiplier{'s' * (number(row, 'multiplier') != 1)} "
-            f"and {number(row, 'LUT'):,.0f} LUTs"
+            f"{number(row, 'multiplier'):.0f} multiplier{'s' * (number(row, 'multiplier') != 1)}, "
+            f"{number(row, 'block RAM'):.0f} block RAMs and {number(row, 'LUT'):,.0f} LUTs"
         )
 
     yield _picture("networks", "Error against clocks, for every network of four outputs")
@@ -93,7 +93,7 @@ def headline(tables: Tables) -> Iterator[str]:
     yield ""
     heads = (
         *("", "error held out, %", "error on recorded rows, %", "clocks", f"µs at {clock:g} MHz"),
-        *("LUTs, entity by entity", "multipliers"),
+        *("LUTs, entity by entity", "multipliers", "block RAMs"),
     )
     yield f"| {' | '.join(heads)} |"
     yield f"|{'---|' * len(heads)}"
@@ -102,14 +102,16 @@ def headline(tables: Tables) -> Iterator[str]:
         cells = (
             *(f"{number(row, HELD_OUT):.2f}", _error(row), _count(row), _us(row, clock)),
             *(f"{number(row, 'LUT'):,.0f}", f"{number(row, 'multiplier'):.0f}"),
+            f"{number(row, 'block RAM'):.0f}",
         )
         yield f"| {name} | {' | '.join(cells)} |"
     shares = (
         f"about {printed[share] * device[count] / 100:,.0f}"
         for share, count in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18"))
     )
-    yield f"| cascade, as printed | | {max(printed['simulation']):.2f} | | | {' | '.join(shares)} |"
-    yield f"| scan of the sensors | | | {SCAN_CLOCKS:,} | {SCAN_CLOCKS / clock:g} | | |"
+    error = f"{max(printed['simulation']):.2f}"
+    yield f"| cascade, as printed | | {error} | | | {' | '.join(shares)} | |"
+    yield f"| scan of the sensors | | | {SCAN_CLOCKS:,} | {SCAN_CLOCKS / clock:g} | | | |"
     yield ""
     yield (
         "All rows are about the same four outputs. Held out is the mean error of the worst output "
@@ -125,6 +127,7 @@ def defaults(tables: Tables) -> Iterator[str]:
     """Every default, with the reason that its plot gives."""
     default, folded = _network(tables, SCENE), _network(tables, FOLDED)
     single, multiple = _network(tables, SINGLE), _network(tables, MULTIPLE)
+    lane = _network(tables, LANE)
     precise = _activation(tables, EXACT.activation, "exact")
     gradient = _activation(tables, "gradient", "thesis")
     optimiser = str(TRAINING.keys["optimiser"].default)
@@ -146,7 +149,10 @@ def defaults(tables: Tables) -> Iterator[str]:
         f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks, folded as in the thesis "
         f"(`{FOLDED}`), take {_count(folded)} clocks with an error of {_error(folded)} %, but need "
         f"{number(folded, 'LUT'):,.0f} LUTs and {number(folded, 'multiplier'):.0f} multipliers "
-        f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. |"
+        f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. One "
+        f"lane (`{LANE}`) takes {number(lane, 'LUT'):.0f} LUTs and {_count(lane)} clocks, but "
+        f"{number(lane, 'block RAM'):.0f} block RAMs instead of "
+        f"{number(default, 'block RAM'):.0f}. |"
     )
     yield (
         f"| [arrangement]({TABLES.name}#networks) | "
@@ -232,7 +238,7 @@ def networks(tables: Tables) -> Iterator[str]:
     heads = (
         *("scene", "design", "arrangement", "activation", "worst output", "error %", "held out %"),
         *("clocks", "between frames", f"µs at {clock:g} MHz", "MHz on an ECP5", "µs there"),
-        *("LUTs, entity by entity", "multipliers"),
+        *("LUTs, entity by entity", "multipliers", "block RAMs"),
     )
     yield f"| {' | '.join(heads)} |"
     yield f"|{'---|' * len(heads)}"
@@ -253,6 +259,7 @@ def networks(tables: Tables) -> Iterator[str]:
             f"{number(row, 'us on an ECP5'):.2f}",
             f"{number(row, 'LUT'):,.0f}",
             f"{number(row, 'multiplier'):.0f}",
+            f"{number(row, 'block RAM'):.0f}",
         ]
         yield f"| {' | '.join(cells)} |"
 
