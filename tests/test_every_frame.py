@@ -3,6 +3,7 @@
 import copy
 import re
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -20,10 +21,13 @@ from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import export
 from tb.every_frame.counterexample import Evaluated, differing_frame
 from tb.every_frame.distance import bounds, farthest
-from tb.every_frame.kept import proof_line, read_export
+from tb.every_frame.kept import proof_line, read_export, yosys
+from tb.every_frame.netlist import read_verilog
 from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tb.every_frame.specify import description
 from tb.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus, times
+from tb.every_frame.unrolled import Unrolled
+from tb.every_frame.values import Values
 from tb.every_frame.verdict import DIFFERS, UNKNOWN, judge
 from tb.prove import hardware, main, prove_netlist
 
@@ -276,6 +280,43 @@ def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
             continue
         assert np.array_equal(now.value(chosen), np.where(n < 0, n, m))
         assert np.array_equal(now.value(both), n ^ m)
+
+
+def test_cells_are_what_icarus_computes(tmp_path: Path) -> None:
+    """Each operator, with and without signs, for all pairs of words of four bits: of numbers, and
+    of a word that is taken over all its codes."""
+    two = ["+", "-", "*", "&", "|", "^", "~^", "==", "!=", "===", "!==", "<", "<=", ">", ">="]
+    two += ["&&", "||", "<<", ">>", "<<<", ">>>"]
+    terms = [f"{x} {o} {y}" for o in two for x, y in (("a", "b"), ("s", "t"))]
+    terms += [f"{o} {x}" for o in ["~", "-", "!", "&", "|", "^", "~^"] for x in ("a", "s")]
+    outs = [f"y{k}" for k in range(len(terms))]
+    listed = ", ".join(outs)
+    assigned = [f"assign {y} = {term};" for y, term in zip(outs, terms, strict=True)]
+    (tmp_path / "top.v").write_text(
+        f"module top(input [3:0] a, input [3:0] b, output [5:0] {listed});\n"
+        "wire signed [3:0] s = a; wire signed [3:0] t = b;\n"
+        + "\n".join([*assigned, "endmodule\n"])
+    )
+    (tmp_path / "bench.v").write_text(
+        f"module bench; reg [3:0] a, b; wire [5:0] {listed}; integer k;\n"
+        f"top dut (a, b, {listed}); initial for (k = 0; k < 256; k = k + 1) begin\n"
+        f'{{b, a}} = k; #1 $display("{"%0d " * len(outs)}", {listed}); end\nendmodule\n'
+    )
+    for command in (["iverilog", "-o", "run", "bench.v", "top.v"], ["vvp", "run"]):
+        said = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
+    expected = np.array(said.stdout.split(), dtype=np.int64).reshape(16, 16, len(outs))
+    run, space = Unrolled(read_verilog([tmp_path / "top.v"], "top", yosys)), Space()
+    symbol, code = run.sample("a", 4), space.sample("a", 0, 15)
+    assert isinstance(code, Sum)
+    values, now = Values(space, {"a": code}), Evaluated([*code.terms], np.arange(16)[:, np.newaxis])
+    for b in range(16):
+        for a in range(16):
+            run.step({"a": a, "b": b})
+            assert [run.out(y) for y in outs] == expected[b, a].tolist()
+        run.step({"a": symbol, "b": b})
+        for k, (y, term) in enumerate(zip(outs, terms, strict=True)):
+            found = now.value(values.number(run.out(y), 6, False))
+            assert np.array_equal(found, expected[b, :, k]), (term, b)
 
 
 def test_a_choice_by_a_low_bit_is_exact_for_long_words() -> None:

@@ -319,7 +319,7 @@ class Unrolled:
     def _shifted(self, cell: Cell, given: list[tuple[Bits, int, bool]]) -> Bits:
         (a, n, a_signed), (b, m, b_signed) = given
         kind, width = cell.kind, cell.width
-        fill = a_signed and kind in ("$sshr", "$shl", "$sshl", "$shift")
+        fill = a_signed and kind in (*SHIFTS, "$shift")
         if unknown(b):
             return X
         if not isinstance(b, int):
