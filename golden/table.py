@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,32 @@ def read_texts(path: Path, column: str) -> tuple[str, ...]:
     return texts
 
 
+def holds_texts(path: Path, column: str) -> bool:
+    """Whether a column of a CSV file is meant to hold texts."""
+    found = _read(path)
+    _refuse_missing(found, column)
+    return not found.column(column).numeric
+
+
+def number_of(text: str) -> float:
+    """A number that stands for a text in every file; two texts have the same once in 2**48."""
+    return float(int.from_bytes(blake2b(text.encode(), digest_size=6).digest()))
+
+
+def read_groups(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
+    """Read columns whose rows with the same values are groups; texts are read by ``number_of``.
+
+    Returns: shape (rows, columns).
+    """
+    found = [
+        np.array([[number_of(text)] for text in read_texts(path, name)])
+        if holds_texts(path, name)
+        else read_table(path, [name])
+        for name in columns
+    ]
+    return np.hstack(found) if found else read_table(path, [])
+
+
 def _refuse_missing(found: CsvFile, name: str) -> None:
     if name not in found.names:
         found.refuse_numbers()
@@ -168,13 +195,27 @@ def _parsed(path: Path, data: bytes) -> CsvFile:
     )
 
 
-def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
+def rows_where(path: Path, where: Mapping[str, float | str]) -> NDArray[np.intp]:
     """Numbers, from 0, of the rows of a CSV file whose columns have the values in ``where``."""
-    columns = list(where)
-    kept = (read_table(path, columns) == list(where.values())).all(axis=1)
+    kept = np.full(len(_read(path).rows), True)
+    for name, value in where.items():
+        if isinstance(value, str):
+            kept &= np.array(read_texts(path, name)) == value
+        elif holds_texts(path, name):
+            text = read_texts(path, name)[0]
+            raise InputError(
+                f"{path}: column {name!r} holds texts such as {text!r}, got {value:g}, expected "
+                "one of them"
+            )
+        else:
+            kept &= read_table(path, [name])[:, 0] == value
     if not kept.any():
-        wanted = ", ".join(f"{name} = {value:g}" for name, value in where.items())
-        raise InputError(f"{path}: no row has {wanted}, expected one or more")
+        wanted = ", ".join(
+            f"{n} = {v!r}" if isinstance(v, str) else f"{n} = {v:g}" for n, v in where.items()
+        )
+        names = [name for name, value in where.items() if isinstance(value, str)]
+        near = "".join(suggest(str(where[n]), sorted(set(read_texts(path, n)))) for n in names)
+        raise InputError(f"{path}: no row has {wanted}, expected one or more{near}")
     return np.flatnonzero(kept)
 
 

@@ -53,7 +53,6 @@ TABLE: dict[str, dict[str, str]] = {
         "group_by = 5": f"data.group_by: got 5, {TEXT}",
         'group_by = ["y0"]': f"data.group_by: got ['y0'], {TEXT}",
         "where = 5": "data.where: got 5, expected a table",
-        'where = { x0 = "a" }': f"data.where.x0: got 'a', {NUMBER}",
         "where = { x0 = true }": f"data.where.x0: got true, {NUMBER}",
         "where = { x0 = 1e999 }": f"data.where.x0: got inf, {NUMBER}",
         f"where = {{ x0 = {LONG} }}": "data.where.x0: got a number of 1326 bits, expected 64",

@@ -22,7 +22,7 @@ from golden.network_files.held import Held
 from golden.network_files.network_file import write_network
 from golden.rig import readings
 from golden.rig.brought import Brought, brought
-from golden.rig.draft import weights
+from golden.rig.draft import draft, weights
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import Scene, load_scene
@@ -219,6 +219,16 @@ def test_columns_that_are_no_sensors_are_left_out(tmp_path: Path, column, why: s
     found = look(tmp_path, more=column)
     assert found.left_out == {"more": why}
     assert "more" not in found.sensors
+
+
+@pytest.mark.parametrize(("sessions", "grouped", "split"), [(6, 1, 1), (3, 1, 0), (60, 0, 0)])
+def test_sessions_that_have_names_are_held_out_whole(
+    tmp_path: Path, sessions: int, grouped: bool, split: bool
+) -> None:
+    found = look(tmp_path, day=[f"day {row * sessions // 60}" for row in range(60)])
+    text = draft(found, tmp_path / "mine.toml")
+    assert ('group_by = "day"' in text) == grouped
+    assert ('split = "groups"\nsplit_by = ["day"]' in text) == split
 
 
 def test_a_column_without_a_name_is_left_out_and_holds_no_classes(tmp_path: Path) -> None:

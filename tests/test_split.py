@@ -1,6 +1,9 @@
 """Tests which rows are held out: random rows, blocks of neighbours, or groups."""
 
+import re
+from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +11,11 @@ import pytest
 
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene
+from golden.scene.vectors import place_names
 from golden.training.split import Split, split_blocks, split_groups, split_of, split_rows
+from tb.common.cases import random_mlp, write_scene
+from tb.report.draw.outcome import along_plot
+from tb.report.measure.outcome import along, outcome, worst_rows
 
 SAME = ("load", "width", "shape")
 
@@ -113,3 +120,56 @@ def test_too_little_to_split(settings: dict[str, Any], message: str) -> None:
     if "expected at least" in message:
         assert "training.split of " in str(caught.value)
         assert "digit.toml" in str(caught.value)
+
+
+PERSONS = ("anna", "bert", "carl", "dora", "emil", "fay")
+
+
+@pytest.fixture
+def people(tmp_path: Path) -> Path:
+    """The folder of two recordings of persons, one of whom is in both."""
+    rows = np.random.default_rng(1).uniform(-0.9, 0.9, (120, 5)).round(3)
+    for name, first in (("early", 0), ("late", 60)):
+        lines = ["x0,x1,x2,y0,y1,person,hand"]
+        for number, row in enumerate(rows[first : first + 60], first):
+            cells = *map(str, row), PERSONS[number // 21], ("left", "right")[number % 2]
+            lines.append(",".join(cells))
+        (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    return tmp_path
+
+
+def of_people(folder: Path, where: str = '{ hand = "left" }') -> Scene:
+    write_scene(folder, "people", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
+    path = folder / "people.toml"
+    text = re.sub("file = .*", 'recordings = ["early.csv", "late.csv"]', path.read_text())
+    text = text.replace('group_by = "y0"', f'group_by = "person"\nwhere = {where}')
+    split = '[training]\nsplit = "groups"\nsplit_by = ["person"]'
+    path.write_text(text.replace("[training]", split))
+    return load_scene(str(path))
+
+
+def test_persons_are_held_out_by_name(people: Path) -> None:
+    scene = of_people(people)
+    names = [place_names(scene)[group] for group in scene.vectors().groups]
+    assert names == [PERSONS[number // 21] for number in range(0, 120, 2)]
+    held = [{names[row] for row in part} for part in parts(split_of(scene))]
+    assert set.union(*held) == set(PERSONS)
+    assert sum(map(len, held)) == len(PERSONS), "no person is in two parts"
+    found = outcome(scene)
+    table = along(found)
+    assert {row[0]: row[1] for row in table.rows} == Counter(names)
+    assert any(f"at {name}, " in along_plot(found, table).sentence for name in PERSONS)
+    assert {row[-4] for row in worst_rows(found).rows} <= set(PERSONS)
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ('{ hand = "lefd" }', r"early\.csv: no row has hand = 'lefd', .*did you mean 'left'"),
+        ("{ hand = 1 }", r"early\.csv: column 'hand' holds texts such as 'left', got 1, expected"),
+        ('{ hnad = "left" }', r"early\.csv: no column 'hnad', .*did you mean 'hand'"),
+    ],
+)
+def test_a_text_that_no_row_has_is_refused(people: Path, where: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        of_people(people, where).vectors()

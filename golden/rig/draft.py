@@ -11,7 +11,7 @@ from golden.disturbance import MOST
 from golden.real import Real
 from golden.rig import readings
 from golden.rig.brought import Brought
-from golden.rig.survey import Survey
+from golden.rig.survey import Survey, labels_in
 from golden.scene import Scene
 from golden.scene.scale import AUTO
 from golden.scene.schema import EDITOR_SCHEMA
@@ -135,6 +135,14 @@ BLOCKS = """\
 # random. Therefore stretches of neighbouring rows are held out.
 split = "blocks"
 """
+SESSIONS = """\
+# Rows of one session or person are alike. So all of some are held out, and the errors on held-out
+# rows are those of sessions that training has not seen.
+split = "groups"
+split_by = {names}
+"""
+# The fewest sessions that can be split, and the fewest rows of a session, in the mean.
+FEWEST_SESSIONS, ROWS_OF_SESSION = 4, 8
 
 
 def draft(
@@ -148,7 +156,8 @@ def draft(
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
-    group, targets = _positions(found), f"outputs = {_list(outputs)}"
+    session = _session(found)
+    group, targets = session or _positions(found), f"outputs = {_list(outputs)}"
     named = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
     units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in named.items() if u)
     return TEMPLATE.format(
@@ -202,8 +211,26 @@ def _training(found: Survey, hardware: Scene | None) -> str:
     return TRAINING.format(
         search=CLASS_SEARCH if found.classes else SEARCHED,
         noise=_noise(found, hardware),
-        split=BLOCKS if found.interpolated else "",
+        split=_split(found),
     )
+
+
+def _split(found: Survey) -> str:
+    session = _session(found)
+    if session and len(set(labels_in(found.recording, session))) >= FEWEST_SESSIONS:
+        return SESSIONS.format(names=_list([session]))
+    return BLOCKS if found.interpolated else ""
+
+
+def _session(found: Survey) -> str:
+    """The column of texts that repeat most, such as sessions or persons; empty if there is none."""
+    counts = {}
+    for name in found.recording.names:
+        if name and name != found.classes and not found.recording.column(name).numeric:
+            texts = labels_in(found.recording, name)
+            if all(texts) and 1 < len(set(texts)) <= len(texts) / ROWS_OF_SESSION:
+                counts[name] = len(set(texts))
+    return min(counts, key=lambda name: counts[name]) if counts else ""
 
 
 def _scale(found: Survey, hardware: Scene | None, network: Brought | None) -> str:

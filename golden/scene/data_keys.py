@@ -52,15 +52,16 @@ DATA = KeyTable(
         "group_by": Key(
             Text(),
             "",
-            "A column; rows with the same value in it form a position. The largest mean error is "
-            "the largest over the positions (equation 3.15). Without this key it is the mean of "
-            "all rows.",
+            "A column of numbers or texts; rows with the same value in it form a position. The "
+            "largest mean error is the largest over the positions (equation 3.15). Without this "
+            "key it is the mean of all rows.",
         ),
         "where": Key(
-            Map(Number(finite=True)),
+            Map(Alternatives((Number(finite=True), Text(some=True)))),
             {},
-            "For each named column a number, such as `{ width = 0.225 }`. Only rows with these "
-            "values are used. A CSV file without such a row is refused.",
+            "For each named column a number or a text, such as `{ width = 0.225 }` or "
+            '`{ person = "anna" }`. Only rows with these values are used. '
+            "A CSV file without such a row is refused.",
         ),
         "window": Key(
             Alternatives((List(_DELAY, _FRAMES), Map(List(_DELAY, _FRAMES, _FRAMES)))),

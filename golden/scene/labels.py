@@ -77,7 +77,9 @@ def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
         )
 
 
-def read_labels(paths: Sequence[Path], where: Mapping[str, float], column: str) -> tuple[str, ...]:
+def read_labels(
+    paths: Sequence[Path], where: Mapping[str, float | str], column: str
+) -> tuple[str, ...]:
     """The different labels in a column, whole numbers by value and texts by alphabet."""
     found: list[str] = []
     for path in paths:

@@ -109,7 +109,10 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
     data, network, hardware = values["data"], values["network"], values["hardware"]
     key = "recordings" if data["recordings"] else "file"
     data_paths = tuple(beside(path, f"data.{key}", file) for file in files)
-    where = {name: float(value) for name, value in data["where"].items()}
+    where = {
+        name: value if isinstance(value, str) else float(value)
+        for name, value in data["where"].items()
+    }
     labels: tuple[str, ...] = ()
     if data["classes"]:
         check_classes(values, path)

@@ -92,7 +92,7 @@ class Scene:
     labels: tuple[str, ...]
     window: Window
     group_by: str
-    where: dict[str, float]
+    where: dict[str, float | str]
     full_scale: dict[str, float]
     length_mm: dict[str, float]
     scale: dict[str, Scale | str]

@@ -217,7 +217,7 @@ TRAINING = KeyTable(
         "split_by": Key(
             List(Text(some=True), "columns, each once", "a list of texts", once=True),
             [],
-            "Columns of the CSV file that hold numbers. Rows with the same values in these columns "
+            "Columns of numbers or texts. Rows with the same values in these columns "
             "are a group, and "
             "no block continues where one of the values changes. `groups` needs this key.",
         ),

@@ -18,7 +18,14 @@ from golden.precision import SIGNAL
 from golden.real import Real
 from golden.scene.labels import one_hot, wrong_percent
 from golden.scene.scale import Scale, readings, signals
-from golden.table import read_table, read_texts, rows_where
+from golden.table import (
+    holds_texts,
+    number_of,
+    read_groups,
+    read_table,
+    read_texts,
+    rows_where,
+)
 from golden.window import Window
 
 if TYPE_CHECKING:
@@ -113,6 +120,15 @@ def read_recorded(scene: Scene) -> Recorded:
     return Recorded(recordings, scene.window)
 
 
+def place_names(scene: Scene) -> dict[float, str]:
+    """The text of each position, if ``group_by`` is a column of texts; else none."""
+    texts: set[str] = set()
+    for path in scene.data_paths if scene.group_by else ():
+        if holds_texts(path, scene.group_by):
+            texts.update(read_texts(path, scene.group_by))
+    return {number_of(text): text for text in sorted(texts)}
+
+
 def _recording(scene: Scene, path: Path) -> Recording:
     kept = rows_where(path, scene.where)
     sensors = read_table(path, scene.sensors)[kept]
@@ -122,7 +138,7 @@ def _recording(scene: Scene, path: Path) -> Recording:
         targets = read_table(path, scene.outputs)[kept]
     groups = np.zeros(len(kept))
     if scene.group_by:
-        groups = read_table(path, [scene.group_by])[kept, 0]
+        groups = read_groups(path, [scene.group_by])[kept, 0]
     return Recording(path, sensors, targets, groups, kept)
 
 
@@ -133,7 +149,7 @@ class Vectors:
     inputs, shape (rows, inputs): Inputs of the networks; without a past these are the frames.
     targets: shape (rows, outputs).
     scale, shape (rows, outputs): The divisor of an error, as a signal: the target or a full scale.
-    groups, shape (rows,): Positions in the unit of their column.
+    groups, shape (rows,): Positions in the unit of their column; see ``place_names`` for texts.
     codes: shape (rows, inputs).
     recordings, shape (frames, sensors): The codes of the frames of each recording, as they are sent
         to the hardware. If there is a window, these are more frames than there are rows.

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from golden.input_error import InputError
 from golden.real import Real
 from golden.scene.vectors import read_recorded
-from golden.table import read_table, rows_where
+from golden.table import read_groups as read_table
+from golden.table import rows_where
 
 if TYPE_CHECKING:
     from golden.scene import Scene

@@ -108,7 +108,9 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
 
 def along_plot(found: Outcome, table: Table) -> Plot:
     """The mean errors against the position."""
-    places = [float(str(row[0])) for row in table.rows]
+    names = [f"{row[0]:g}" if isinstance(row[0], float) else str(row[0]) for row in table.rows]
+    texts = any(isinstance(row[0], str) for row in table.rows)
+    places = [number if texts else float(str(row[0])) for number, row in enumerate(table.rows, 1)]
     groups = {
         plain(name): [
             (place, float(str(row[2 + c]))) for place, row in zip(places, table.rows, strict=True)
@@ -117,16 +119,16 @@ def along_plot(found: Outcome, table: Table) -> Plot:
     }
     error, place, name = max(
         (float(str(row[2 + c])), place, name)
-        for place, row in zip(places, table.rows, strict=True)
+        for place, row in zip(names, table.rows, strict=True)
         for c, name in enumerate(found.scene.outputs)
     )
     return Plot(
         "along",
         f"Mean error along {found.scene.group_by}",
-        plain(found.scene.group_by),
+        plain(found.scene.group_by) + (", in the order of the table" if texts else ""),
         "mean error %",
         groups,
-        f"The largest is that of {name} at {place:g}, {error:.2f} %.",
+        f"The largest is that of {name} at {place}, {error:.2f} %.",
         [table.name],
         linear="xy",
     )

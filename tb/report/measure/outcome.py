@@ -1,6 +1,7 @@
 """The results of a scene's networks on its recorded rows, and how sure the errors are."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,9 +14,9 @@ from golden.real import Real
 from golden.rig.sensors_tell import telling_of
 from golden.scene import Scene
 from golden.scene.scale import signals
-from golden.scene.vectors import read_recorded
+from golden.scene.vectors import place_names, read_recorded
 from golden.scene_errors import disturbed_rows, held_out_rows, noises_of
-from golden.table import read_table
+from golden.table import read_groups
 from tb.report.measure.table import Cell, Table
 
 Rows = NDArray[np.int64]
@@ -44,6 +45,7 @@ class Outcome:
         draws.
     groups, shape (rows,): The positions, or zeros if the scene names none.
     held_out: The rows that neither trained nor chose a network, or None if that is unknown.
+    names: The texts of positions, if they are texts.
     """
 
     scene: Scene
@@ -56,6 +58,7 @@ class Outcome:
     noisy: dict[float, Real]
     groups: Real
     held_out: Rows | None
+    names: Mapping[float, str] = field(default_factory=dict)
 
     @cached_property
     def decisions(self) -> Decisions:
@@ -88,11 +91,15 @@ class Outcome:
             return np.cumsum(np.append(False, np.diff(held) != 1))
         past = scene.window.past
         columns = [
-            read_table(one.path, scene.training.split_by)[one.numbers[past:]]
+            read_groups(one.path, scene.training.split_by)[one.numbers[past:]]
             for one in read_recorded(scene).recordings
         ]
         _, member = np.unique(np.concatenate(columns)[held], axis=0, return_inverse=True)
         return member.ravel()
+
+    def place(self, group: float) -> float | str:
+        """A position as the column of the scene has it, a number or a text."""
+        return self.names.get(float(group), float(group))
 
     def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
         """The interval that holds the mean error in ``SURE`` per cent of the resamples.
@@ -124,6 +131,7 @@ def outcome(scene: Scene) -> Outcome:
         {noise: disturbed_rows(scene, Disturbance(noise)) for noise in noises_of(scene)},
         recorded.groups,
         held_out_rows(scene),
+        place_names(scene),
     )
 
 
@@ -135,9 +143,10 @@ def worst_rows(found: Outcome) -> Table:
     for c, output in enumerate(scene.outputs):
         # Of rows with equal errors, the first one counts.
         for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
-            values = [*found.readings[row], *[found.groups[row]] * len(beside)]
+            place = [found.place(found.groups[row])] * len(beside)
             pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
-            rows.append([output, int(found.numbers[row]), *map(float, (*values, *pair))])
+            numbers = [float(value) for value in found.readings[row]], map(float, pair)
+            rows.append([output, int(found.numbers[row]), *numbers[0], *place, *numbers[1]])
     files = [path.name for path in scene.data_paths]
     return Table(
         "worst_rows",
@@ -154,7 +163,7 @@ def along(found: Outcome) -> Table:
     rows: list[list[Cell]] = []
     for place in np.unique(found.groups):
         here = found.errors[found.groups == place]
-        rows.append([float(place), len(here), *map(float, here.mean(axis=0))])
+        rows.append([found.place(place), len(here), *map(float, here.mean(axis=0))])
     return Table(
         "along",
         [scene.group_by, "rows", *(f"{name} %" for name in scene.outputs)],
@@ -187,7 +196,9 @@ def confidence(found: Outcome) -> Table:
             means = [errors[found.groups == place].mean() for place in places]
             place = places[int(np.argmax(means))]
             there = np.flatnonzero(found.groups == place)
-            add(output, f"largest mean, {scene.group_by} {place:g}", errors[there], there)
+            name = found.place(place)
+            name = name if isinstance(name, str) else f"{name:g}"
+            add(output, f"largest mean, {scene.group_by} {name}", errors[there], there)
     unit = (
         f"stretches of rows, {stretches.max() + 1} in all, as neighbours in the file are alike"
         if found.alike
