@@ -50,8 +50,12 @@ class Network:
 
 def _summed(space: Space, word: dict[str, Any], words: Sequence[Value]) -> Value:
     total: Value = word.get("start", 0)
-    for k, weight in word["sum"]:
-        total = plus(total, times(words[k], weight))
+    # Of a sum whose low bits pass beside the adder, the hardware takes floors part by part.
+    for k, weight in sorted(word["sum"], key=lambda term: term[1] & -term[1]):
+        before, added = total, times(words[k], weight)
+        total = plus(before, added)
+        if "shift" not in word:
+            space.cut(before, added)
     shift, rounding = word.get("shift", 0), word.get("round", "down")
     if shift and rounding == "even":
         odd = space.of(lambda a: a & 1, space.floor(total, shift))

@@ -18,14 +18,10 @@ import numpy as np
 # The most codes of a word whose functions are written out code by code.
 LONGEST = 1 << 24
 MOST = 1 << 62
-# The most bits that a floor drops of a sum of which it is a floor of a floor.
-MOST_DROPPED = 50
 # A straight line at the end of a function is written as one if it has so many codes.
 LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
 FEW = 4096
-# Of so many sums it is tried whether one is the floor of another.
-MOST_PAIRED = 12
 _numbers = itertools.count(1)
 
 
@@ -49,56 +45,21 @@ class Word:
     ):
         self.number, self.name, self.low, self.high = number, name, low, high
         self.base, self.offset, self.shift = base, offset, shift
-        self._flat: Curve | None = None
-        self._start = 0
-
-    @property
-    def root(self) -> "Word | None":
-        """The sample on which alone it depends, where it is a floor of a function of one sample."""
-        if self.base is None or len(self.base.total.terms) > 1:
-            return None
-        (inner,) = self.base.total.terms
-        return inner if inner.base is None else None
-
-    @property
-    def moves(self) -> bool:
-        """Whether it is a floor of a sum that is the floor of another, in numbers that fit."""
-        return bool(
-            self.base and self.base.parent and self.shift + self.base.parent[1] < MOST_DROPPED
-        )
-
-    def flat(self) -> tuple["Curve | None", int]:
-        """It as a function of its root, less its lowest code."""
-        root = self.root
-        assert root
-        assert self.base
-        if self._flat is None:
-            (term,) = self.base.total.terms.values()
-            values = (
-                term.at(root.low, root.high) + self.base.total.constant + self.offset >> self.shift
-            ) - self.low
-            self._flat, self._start = curve(root, root.low, values, 0, 0)
-        return self._flat, self._start
 
 
 class Base:
-    """A sum of several words, without a constant, of which words are floors."""
+    """A sum of several words, without a constant, of which words are floors.
+
+    `coarse` says that it is start + sign * word, for a word of another sum. `parts` are two values
+    of which it is the sum, but for a constant, with how many powers of two divide the second.
+    """
 
     def __init__(self, total: "Sum"):
-        self.total = total
+        self.total, self.number = total, next(_numbers)
+        self.coarse: tuple[int, int, Word] | None = None
+        self.parts: tuple[Value, Value, int] | None = None
         self.words: dict[tuple[int, int], Word] = {}
-        # sign * this = floor((parent + offset) / 2^shift), once that is known.
-        self.parent: tuple[Base, int, int, int] | None = None
-        self.seen = 0
-
-    def above(self) -> "list[Base]":
-        """This sum, and those of which it is a floor."""
-        return [self, *(self.parent[0].above() if self.parent else [])]
-
-    def uses(self, other: "Base") -> bool:
-        """Whether words of the other sum are in this one, or in those that it is made of."""
-        made = [w.base for w in self.total.terms if w.base]
-        return any(b is other or b.uses(other) for b in made)
+        self._hull: Hull | None = None
 
     def word(self, offset: int, shift: int) -> Word:
         """floor((sum + offset) / 2^shift), for an offset from 0 to 2^shift - 1."""
@@ -117,6 +78,11 @@ class Base:
                 shift,
             )
         return self.words[key]
+
+    def hull(self) -> "Hull | None":
+        if self._hull is None:
+            self._hull = _hull(self.total)
+        return self._hull
 
 
 class Curve:
@@ -255,58 +221,6 @@ def _divided(c: Curve, bits: int) -> Curve:
     )
 
 
-def _alike(a: Base, b: Base) -> bool:
-    """Whether the terms of one can be those of the other times a power of two, but for what a
-    floor drops."""
-    spans = [
-        (p.ends[1] - p.ends[0], q.ends[1] - q.ends[0])
-        for p, q in ((c, b.total.terms[w]) for w, c in a.total.terms.items())
-    ]
-    wide = max(spans)
-    j = round(np.log2(wide[0] / wide[1]))
-    return all(
-        abs(p - (q << j)) < 2 << j if j >= 0 else abs((p << -j) - q) < 2 << -j for p, q in spans
-    )
-
-
-def _moved(term: Curve) -> "Value":
-    """A function of a floor of a sum that is itself the floor of another, as a function of that."""
-    word = term.word
-    assert word.base
-    assert word.base.parent
-    fine, j, offset, sign = word.base.parent
-    shift = word.shift + j
-    # sign * base = floor((fine + offset) / 2^j), so word = floor((sign * fine + at) / 2^shift).
-    at = (offset if sign > 0 else (1 << j) - 1 - offset) + (word.offset << j)
-    if sign < 0:
-        at = (1 << shift) - 1 - at
-    other = fine.word(at % (1 << shift), shift)
-    # word = sign * (other + at >> shift), code by code.
-    move = at >> shift
-    if sign > 0:
-        low, high, values, left, right = (
-            term.first - move,
-            term.last - move,
-            term.values,
-            term.left,
-            term.right,
-        )
-    else:
-        low, high, values, left, right = (
-            -term.last - move,
-            -term.first - move,
-            term.values[::-1],
-            -term.right,
-            -term.left,
-        )
-    if low < other.low or high > other.high:
-        # Its own bounds were not as sharp.
-        a, b = max(low, other.low), min(high, other.high)
-        values, low = values[a - low : b - low + 1], a
-    made, start = curve(other, low, values, left, right)
-    return value(start, {} if made is None else {other: made})
-
-
 def _straight(word: Word, slope: int) -> Curve:
     return Curve(word, word.low, np.zeros(1, dtype=np.int64), slope, slope)
 
@@ -354,6 +268,21 @@ def curve(
     return Curve(word, first, values - start, left, right), start
 
 
+def _step(base: Base, place: int, height: int) -> Curve:
+    """0 below a place of a sum, and the height from there on, which has this one form."""
+    low, high = ends(base.total)
+    shift = (high - low).bit_length()
+    return _straight(base.word(-place % (1 << shift), shift), height)
+
+
+def _plain(c: Curve) -> Curve:
+    """The curve; as `_step` if it is one."""
+    word = c.word
+    if word.base is None or len(c.values) != 2 or c.left or c.right:
+        return c
+    return _step(word.base, (c.first + 1 << word.shift) - word.offset, int(c.values[1]))
+
+
 class Sum:
     """A constant and functions of words."""
 
@@ -365,50 +294,54 @@ class Sum:
         self.constant, self.terms, self._ends = constant, terms, ends
 
     @property
+    def bare(self) -> tuple[int, int]:
+        """The sums of the ends of the terms."""
+        spans = [term.ends for term in self.terms.values()]
+        return tuple(self.constant + sum(s[k] for s in spans) for k in (0, 1))  # type: ignore
+
+    @property
     def ends(self) -> tuple[int, int]:
         """Bounds that hold for every frame; exact for terms that do not hang together."""
         if self._ends is None:
-            low = high = self.constant
-            for term in self.terms.values():
-                a, b = term.ends
-                low, high = low + a, high + b
-            self._ends = low, high
-            if any(w.base for w in self.terms):
-                self._ends = self._relaxed()
+            self._ends = low, high = self.bare
+            hull = _hull(self) if any(w.base for w in self.terms) else None
+            if hull:
+                total, scale, below, above = hull
+                # An integer, so its bounds are too.
+                self._ends = (
+                    max(low, -(-(total.bare[0] + below) >> scale)),
+                    min(high, total.bare[1] + above >> scale),
+                )
         return self._ends
 
-    def _relaxed(self) -> tuple[int, int]:
-        """Bounds where the latest floor is read as its sum over 2^s, less 0 to 1 - 2^-s: its sum
-        may cancel."""
-        assert self._ends is not None
-        word = max(
-            (w for w, c in self.terms.items() if w.base and c.line),
-            key=lambda w: w.number,
-            default=None,
-        )
-        if word is None or word.base is None:
-            return self._ends
-        slope, scale = self.terms[word].right, 1 << word.shift
-        if (
-            max(
-                abs(end)
-                for pair in (self._ends, ends(word.base.total), (word.offset, slope))
-                for end in pair
-            )
-            * scale
-            * max(abs(slope), 1)
-            >= MOST >> 2
-        ):
-            return self._ends
-        rest = Sum(self.constant, {w: c for w, c in self.terms.items() if w is not word})
-        # slope * (word - low) = (slope * (base + offset - r) - slope * low * scale) / scale, r
-        # from 0 to scale - 1
-        total = plus(
-            times(rest, scale), times(plus(word.base.total, word.offset - word.low * scale), slope)
-        )
-        low, high = ends(total)
-        low, high = low - max(slope, 0) * (scale - 1), high - min(slope, 0) * (scale - 1)
-        return max(self._ends[0], -(-low // scale)), min(self._ends[1], high // scale)
+
+# 2^scale times a sum is the first, plus something from the third to the last.
+Hull = tuple[Sum, int, int, int]
+
+
+def _hull(v: Sum) -> Hull | None:
+    """v with each floor along a line written as its sum over 2^s, less 0 to 1 - 2^-s."""
+    parts = [
+        (w, c.right, inner)
+        for w, c in v.terms.items()
+        if w.base and c.line and (inner := w.base.hull())
+    ]
+    scale = max((w.shift + inner[1] for w, _, inner in parts), default=0)
+    rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w not in {p[0] for p in parts}})
+    try:
+        total = times(rest, 1 << scale)
+        below = above = 0
+        for word, slope, (sums, k, low, high) in parts:
+            # 2^(k + shift) * word = sums + offset * 2^k + low to high, less up to 2^k * (2^shift - 1)
+            up = slope << scale - k - word.shift
+            low -= (1 << k + word.shift) - (1 << k)
+            below += min(up * low, up * high)
+            above += max(up * low, up * high)
+            start = (word.offset << k) - (word.low << k + word.shift)
+            total = plus(total, times(plus(sums, start), up))
+    except UnsupportedError:
+        return None
+    return (Sum(total, {}) if isinstance(total, int) else total), scale, below, above
 
 
 Value = int | Sum
@@ -465,7 +398,7 @@ class Function:
 def value(constant: int, terms: dict[Word, Curve]) -> Value:
     """The sum; a straight line over a whole sum is written as that sum."""
     for word, term in terms.items():
-        if word.base is not None and word.shift == 0 and term.line:
+        if word.base and word.shift == 0 and term.line:
             rest = {w: c for w, c in terms.items() if w is not word}
             return plus(
                 value(constant, rest),
@@ -514,10 +447,10 @@ def plus(a: Value, b: Value) -> Value:
             old.right + term.right,
         )
         constant, new = constant + start, True
-        if summed is None:
-            del terms[word]
-        else:
-            terms[word] = summed
+        del terms[word]
+        if summed:
+            summed = _plain(summed)
+            waiting.append((summed.word, summed))
     return value(constant, terms) if new else Sum(constant, terms)
 
 
@@ -542,6 +475,14 @@ def _twos(number: int) -> int:
     return (number & -number).bit_length() - 1
 
 
+def _bits(v: Sum) -> int:
+    """As `Curve.bits`, of all terms."""
+    bits = 0
+    for term in v.terms.values():
+        bits |= term.bits()
+    return bits
+
+
 def _stairs(t: Curve) -> Curve:
     """A function of a word of few codes with constant ends, since on a finer grid its lines are
     stairs."""
@@ -555,95 +496,33 @@ class Space:
 
     def __init__(self) -> None:
         self.bases: dict[tuple[int, ...], list[Base]] = {}
-        self.related: dict[tuple[Base, Base], bool] = {}
-        self.alike: dict[frozenset[Word], list[Base]] = {}
-        # The sums that turned out to be floors of others.
-        self.found: list[Base] = []
 
     def sample(self, name: str, low: int, high: int) -> Value:
         word = Word(next(_numbers), name, low, high)
         return Sum(low, {word: Curve(word, low, np.zeros(1, dtype=np.int64), 1, 1)})
 
-    def flat(self, v: Value, roots: bool = True) -> Value:
-        """v with floors of floors as those of the finest sum and, with `roots`, those of one
-        sample written code by code."""
-        if isinstance(v, int):
-            return v
-        for word in v.terms:
-            if word.base and not word.base.parent and word.base.seen != len(self.found):
-                self._refresh(word.base)
-        if not any((roots and w.root) or w.moves for w in v.terms):
-            return v
-        result = value(
-            v.constant,
-            {w: c for w, c in v.terms.items() if not (roots and w.root) and not w.moves},
-        )
-        for word, term in v.terms.items():
-            root = word.root
-            if root and roots:
-                inner, start = word.flat()
-                if inner is None:
-                    result = plus(result, int(term.at(word.low + start, word.low + start)[0]))
-                    continue
-                codes = inner.at(root.low, root.high) + start
-                made, begin = curve(root, root.low, term.at(word.low, word.high)[codes], 0, 0)
-                result = plus(result, value(begin, {} if made is None else {root: made}))
-            elif word.moves:
-                result = plus(result, self.flat(_moved(term), roots))
-        return result
+    def cut(self, first: Value, rest: Value) -> None:
+        """Note that floors of first + rest are cut first, as far as powers of two divide rest.
 
-    def _refresh(self, base: Base) -> None:
-        """Where words of a sum have turned out to be floors of others, so is the sum."""
-        base.seen = len(self.found)
-        total = self.flat(base.total)
-        if total is not base.total and isinstance(total, Sum):
-            other, e, sign = self._base(total)
-            if e == 0 and base not in other.above() and not other.uses(base):
-                base.parent = other, 0, sign * total.constant, sign
-
-    def _relate(self, a: Base, b: Base) -> bool:
-        """Whether one sum is the floor of the other by a power of two: their difference then keeps
-        within it."""
-        if a is b:
-            return True
-        if (a, b) not in self.related:
-            self.related[a, b] = self.related[b, a] = False
-            (al, ah), (bl, bh) = ends(a.total), ends(b.total)
-            fine, coarse = (a, b) if ah - al >= bh - bl else (b, a)
-            ratio = max(ah - al, bh - bl) / max(1, min(ah - al, bh - bl))
-            near = max(0, round(np.log2(ratio)))
-            for j in sorted({max(0, near - 1), near, near + 1}):
-                for sign in (1, -1):
-                    d = self._settled(minus(fine.total, times(coarse.total, sign << j)))
-                    low, high = ends(d)
-                    if coarse.parent or coarse in fine.above() or fine.uses(coarse):
-                        continue
-                    if high - low < 1 << j:
-                        coarse.parent = fine, j, -low, sign
-                        self.found.append(coarse)
-                        self.related[a, b] = self.related[b, a] = True
-                        return True
-        return self.related[a, b]
-
-    def _settled(self, v: Value) -> Value:
-        """v after pairs of its words that cancel in part have been related."""
-        v = self.flat(v)
-        if isinstance(v, Sum):
-            made = list(dict.fromkeys(w.base for w in v.terms if w.base))
-            for k, a in enumerate(made if len(made) <= MOST_PAIRED else ()):
-                for b in made[:k]:
-                    if not a.parent and not b.parent:
-                        self._relate(a, b)
-            v = self.flat(v)
-        return v
+        floor((u + 2^k * y) / 2^k) = floor(u / 2^k) + y for every integer y.
+        """
+        whole = plus(first, rest)
+        if isinstance(whole, int) or isinstance(first, int) or len(whole.terms) < 2:
+            return
+        # Parts lead from later sums to earlier ones, so they come to an end.
+        inner, _, _ = self._base(first)
+        base, e, sign = self._base(whole)
+        most = _twos(rest if isinstance(rest, int) else _bits(rest) | rest.constant)
+        if e == 0 and inner.number < base.number and most > (base.parts[2] if base.parts else 0):
+            first = plus(first, -whole.constant)
+            base.parts = times(first, sign), times(rest, sign), most
+            for k in range(1, most + 1):
+                self._floored(base, sign, whole.constant, k)
 
     def _base(self, v: Sum) -> tuple[Base, int, int]:
         """The base of a sum of several words, with its power of two and its sign: v = constant +
         sign * 2^e * base."""
-        bits = 0
-        for term in v.terms.values():
-            bits |= term.bits()
-        e = _twos(bits)
+        e = _twos(_bits(v))
         first = v.terms[min(v.terms, key=lambda w: w.number)]
         step = (
             first.left
@@ -682,218 +561,83 @@ class Space:
                 return base, e, sign
         base = Base(Sum(0, terms))
         found.append(base)
-        alike = self.alike.setdefault(frozenset(terms), [])
-        for other in alike:
-            if not other.parent and not base.parent and _alike(base, other):
-                self._relate(base, other)
-        alike.append(base)
         return base, e, sign
 
     def floor(self, v: Value, k: int) -> Value:
         """floor(v / 2^k)."""
         if isinstance(v, int) or k == 0:
             return v >> k if isinstance(v, int) else v
-        resolved = self.flat(v, roots=False)
-        if isinstance(resolved, int):
-            return resolved >> k
-        v, out = self._through(resolved, k)
-        if isinstance(v, int):
-            return plus(out, v >> k)
         low, high = v.ends
         if low >> k == high >> k:
-            return plus(out, low >> k)
-        e = self._one_low(v, k)
-        if e:
-            below = value(
-                v.constant % (1 << e), {w: c for w, c in v.terms.items() if _twos(c.bits()) < e}
+            return low >> k
+        if all(_twos(c.bits()) >= k for c in v.terms.values()):
+            return value(v.constant >> k, {w: _divided(c, k) for w, c in v.terms.items()})
+        if len({w.base or w for w in v.terms}) > 1:
+            base, e, sign = self._base(v)
+            return self._floored(base, sign, v.constant >> e, k - e)
+        ((word, term), *others) = v.terms.items()
+        j = _twos(term.right)
+        if others or not (term.line and word.base and abs(term.right) == 1 << j):
+            return self.of(lambda a: a >> k, v)
+        constant = v.constant - term.right * word.low >> j
+        return self._below(word, 1 if term.right > 0 else -1, constant, k - j)
+
+    def _below(self, word: Word, sign: int, constant: int, k: int) -> Value:
+        """floor((constant + sign * word) / 2^k), for a word that is itself a floor."""
+        assert word.base
+        s = word.shift
+        # -floor(b / 2^s) = floor((2^s - 1 - b) / 2^s)
+        offset = word.offset if sign > 0 else (1 << s) - 1 - word.offset
+        return self._floored(word.base, sign, offset + (constant << s), k + s)
+
+    def _floored(self, base: Base, sign: int, constant: int, k: int) -> Value:
+        """floor((constant + sign * base) / 2^k)."""
+        if base.coarse:
+            start, turned, word = base.coarse
+            return self._below(word, sign * turned, constant + sign * start, k)
+        offset = constant if sign > 0 else (1 << k) - 1 - constant
+        word = base.word(offset % (1 << k), k)
+        start = sign * (offset >> k)
+        if base.parts and k <= base.parts[2]:
+            first, rest, _ = base.parts
+            form = plus(
+                self.floor(plus(times(first, sign), constant), k),
+                self.floor(times(rest, sign), k),
             )
-            rest = value(
-                v.constant >> e,
-                {w: _divided(c, e) for w, c in v.terms.items() if _twos(c.bits()) >= e},
-            )
-            return plus(out, self.floor(plus(rest, self.floor(below, e)), k - e))
-        whole = self._whole(v, k)
-        if whole is not None:
-            return plus(out, self.floor(*whole))
-        if len({w.base or w for w in v.terms}) == 1 and not (len(v.terms) == 1 and self._longer(v)):
-            return plus(out, self.of(lambda a: a >> k, v))
-        if len(v.terms) > 1:
-            flat = self.flat(v)
-            if isinstance(flat, int) or len(flat.terms) == 1:
-                return plus(out, self.floor(flat, k))
-            v = flat
-            e = self._idle_bits(v, k)
-            if e:
-                rest = Sum(
-                    0, {w: _divided(c, e) for w, c in v.terms.items() if _twos(c.bits()) >= e}
-                )
-                small = sum(
-                    ends(value(0, {w: c}))[0] for w, c in v.terms.items() if _twos(c.bits()) < e
-                )
-                return plus(out, self.floor(plus(rest, v.constant + small >> e), k - e))
-        word, constant, sign = self._line(v, k)
-        return plus(plus(out, constant), Sum(0, {word: _straight(word, sign)}))
-
-    def _longer(self, v: Sum) -> bool:
-        """Whether a line over a word is so long that its floor is better a word of its own."""
-        ((word, term),) = v.terms.items()
-        return term.line and (word.base is None or word.high - word.low >= LONGEST)
-
-    def _one_low(self, v: Sum, k: int) -> int:
-        """How many low bits a single floor reaches: it can be cut before it is added."""
-        twos = {w: _twos(c.bits()) for w, c in v.terms.items()}
-        for e in sorted({t for t in twos.values() if 0 < t <= k}, reverse=True):
-            low = [w for w in twos if twos[w] < e]
-            if len(low) == 1 and low[0].base and v.terms[low[0]].line and not low[0].root:
-                return e
-        return 0
-
-    def _idle_bits(self, v: Sum, k: int) -> int:
-        """How many low bits of v, which only some small terms reach, never carry into those
-        above."""
-        twos = {w: _twos(c.bits()) for w, c in v.terms.items()}
-        for e in sorted({t for t in twos.values() if 0 < t <= k}, reverse=True):
-            small = [c.ends for w, c in v.terms.items() if twos[w] < e]
-            low, high = (v.constant + sum(c[side] for c in small) for side in (0, 1))
-            if small and low >> e == high >> e:
-                return e
-        return 0
-
-    def _line(self, v: Sum, k: int) -> tuple[Word, int, int]:
-        """floor(v / 2^k) as constant + sign * (word - its lowest code)."""
-        flat = self.flat(v)
-        assert isinstance(flat, Sum)
-        v = flat
-        base, e, sign = self._base(v)
-        if e >= k:
-            word = base.word(0, 0)
-            constant, slope = (v.constant >> k) + sign * (word.low << e - k), sign << e - k
-        else:
-            k, offset = k - e, v.constant >> e
-            if sign < 0:
-                offset = (1 << k) - 1 - offset
-            word = base.word(offset % (1 << k), k)
-            constant, slope = sign * ((offset >> k) + word.low), sign
-        while word.moves:
-            moved = _moved(_straight(word, slope))
-            assert isinstance(moved, Sum)
-            ((word, line),) = moved.terms.items()
-            constant, slope = constant + moved.constant, line.right
-        return word, constant, slope
-
-    def _through(self, v: Sum, k: int) -> tuple[Value, Value]:
-        """v as rest + 2^k * whole, where every term that 2^k divides, and lines as far as it does,
-        are in whole."""
-        rest, whole, half = {}, {}, 1 << k - 1
-        for word, term in v.terms.items():
-            if term.line:
-                small = (
-                    term.right if abs(term.right) <= half else (term.right + half) % (1 << k) - half
-                )
-                if small:
-                    rest[word] = (
-                        Curve(word, term.first, term.values, small, small)
-                        if small != term.right
-                        else term
-                    )
-                if small != term.right:
-                    m = term.right - small >> k
-                    whole[word] = Curve(word, term.first, term.values, m, m)
-            elif _twos(term.bits()) >= k:
-                whole[word] = _divided(term, k)
-            else:
-                rest[word] = term
-        constant = v.constant % (1 << k)
-        return value(constant, rest), value(v.constant >> k, whole)
-
-    def _whole(self, v: Sum, k: int) -> tuple[Value, int] | None:
-        """floor(v / 2^k) as the floor of a sum in which the latest floor is replaced by its sum,
-        if that is allowed.
-
-        floor((floor(t / 2^s) + x) / 2^k) = floor((t + 2^s * x) / 2^(s + k)) for every integer x.
-        """
-        for word in sorted(
-            (w for w, c in v.terms.items() if w.base and c.line),
-            key=lambda w: (-w.shift, -w.number),
-        ):
-            f = v.terms[word].right
-            j = _twos(f)
-            if abs(f) != 1 << j or word.base is None or j > k:
-                continue
-            others = {w: c for w, c in v.terms.items() if w is not word}
-            constant = v.constant - f * word.low
-            if any(_twos(c.bits()) < j for c in others.values()):
-                continue
-            x = value(constant >> j, {w: _divided(c, j) for w, c in others.items()})
-            if max(map(abs, ends(x))) << word.shift >= MOST >> 1:
-                continue
-            t = plus(word.base.total, word.offset)
-            if f < 0:
-                t = minus((1 << word.shift) - 1, t)
-            return plus(t, times(x, 1 << word.shift)), word.shift + k - j
-        return None
+            if isinstance(form, Sum) and len(form.terms) > 1:
+                # form = start + sign * word = form.constant + turned * 2^e * other
+                other, e, turned = self._base(form)
+                if e == 0 and other.coarse is None and other is not base:
+                    other.coarse = turned * (start - form.constant), turned * sign, word
+            return form
+        line = _straight(word, sign)
+        if word.high - word.low == 1:
+            line = _step(base, (word.high << k) - word.offset, sign)
+        return value(start + sign * word.low, {line.word: line})
 
     def function(self, v: Value) -> Function | None:
         """v as a function of one word, or None for a constant."""
         if isinstance(v, int):
             return None
-        if any(w.moves for w in v.terms) or (
-            any(w.root for w in v.terms) and len({w.root or w for w in v.terms}) == 1
-        ):
-            v = self.flat(v)
-            if isinstance(v, int):
-                return None
         if len({w.base or w for w in v.terms}) == 1:
             return Function(_common(v.terms), v.constant, list(v.terms.values()))
         # A sum beside functions of its own floors is a function of it.
-        bases = sorted(
-            {w.base for w in v.terms if w.base},
-            key=lambda b: -min(w.number for w in b.words.values()),
-        )
-        for base in bases:
-            mine = {w: c for w, c in v.terms.items() if w.base is base}
-            rest = {w: c for w, c in v.terms.items() if w.base is not base}
-            found = self._as_line(Sum(v.constant, rest), base)
-            if found:
-                word, constant, slope = found
-                return Function(
-                    _common([word, *mine]), constant, [_straight(word, slope), *mine.values()]
-                )
-        found = self._as_line(v)
-        assert found
-        word, constant, slope = found
-        if word.moves:
-            return self.function(plus(constant, Sum(0, {word: _straight(word, slope)})))
-        return Function(word, constant, [_straight(word, slope)])
+        for base in {w.base: 0 for w in v.terms if w.base}:
+            rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w.base is not base})
+            constant, line = self._line(rest)
+            if line.word.base is base:
+                terms = [line, *[c for w, c in v.terms.items() if w.base is base]]
+                return Function(_common(c.word for c in terms), constant, terms)
+        constant, line = self._line(v)
+        return Function(line.word, constant, [line])
 
-    def _as_line(self, v: Sum, wanted: Base | None = None) -> tuple[Word, int, int] | None:
-        """v as constant + slope * (word - its lowest code), if that is a word of the wanted
-        base."""
-        bits = 0
-        for term in v.terms.values():
-            bits |= term.bits()
-        e = _twos(bits)
-        t, k = self._unfloored(Sum(0, {w: _divided(c, e) for w, c in v.terms.items()}), 0)
-        if wanted and t.terms.keys() != wanted.total.terms.keys():
-            return None
-        word, constant, slope = self._line(t, k)
-        return (
-            None
-            if wanted and word.base is not wanted
-            else (word, v.constant + (constant << e), slope << e)
-        )
-
-    def _unfloored(self, v: Sum, k: int) -> tuple[Sum, int]:
-        """floor(v / 2^k) as the floor of a sum without floors, as far as that is allowed."""
-        while True:
-            resolved = self.flat(v, roots=False)
-            assert isinstance(resolved, Sum)
-            whole = self._whole(resolved, k)
-            if whole is None:
-                return resolved, k
-            inner, k = whole
-            assert isinstance(inner, Sum)
-            v = inner
+    def _line(self, v: Sum) -> tuple[int, Curve]:
+        """v as a constant and a straight line over one word."""
+        base, e, slope = self._base(v)
+        start, turned, word = base.coarse or (0, 1, base.word(0, 0))
+        slope <<= e
+        constant = v.constant + slope * (start + turned * word.low)
+        return constant, _straight(word, slope * turned)
 
     def of(self, f: Callable[..., Any], *values: Value) -> Value:
         """f(values), code by code; all of them are functions of one word."""
@@ -924,26 +668,19 @@ class Space:
 
     def _known(self, v: Value) -> Any:
         """The number that a value is which is no function of any word."""
-        known = self.flat(v)
-        assert isinstance(known, int)
-        return np.int64(known)
+        assert isinstance(v, int)
+        return np.int64(v)
 
     def _made(self, word: Word, low: int, high: int, f: Callable[[int, int], Any]) -> Value:
         if high - low >= LONGEST:
             raise UnsupportedError(f"a function of a word that takes {high - low} values")
         values = np.broadcast_to(np.asarray(f(low, high), dtype=np.int64), high - low + 1)
         made, start = curve(word, low, values, 0, 0)
-        return value(start, {} if made is None else {word: made})
+        return value(start, {} if made is None else {(made := _plain(made)).word: made})
 
     def _together(self, *values: Value) -> list[Function | None]:
         """The values as functions of one and the same word."""
         functions = [self.function(v) for v in values]
-        for _ in values:
-            bases = list(dict.fromkeys(g.word.base for g in functions if g and g.word.base))
-            related = [self._relate(bases[0], b) for b in bases[1:]]
-            if not any(related):
-                break
-            functions = [self.function(v) for v in values]
         words = [g.word for g in functions if g]
         if len({w.base or w for w in words}) > 1:
             raise UnsupportedError(
@@ -1035,7 +772,7 @@ class Space:
                 part = branch.at(a + p, a + q)
                 np.copyto(result[p : q + 1], part, where=where[p : q + 1])
         made, start = curve(word, a, result, *slopes)
-        return value(start, {} if made is None else {word: made})
+        return value(start, {} if made is None else {(made := _plain(made)).word: made})
 
     def clip(self, v: Value, low: int, high: int) -> Value:
         a, b = ends(v)
@@ -1046,7 +783,10 @@ class Space:
 
     def reduced(self, v: Value, bits: int) -> Value:
         """v without what 2^bits divides."""
-        return v if isinstance(v, int) else self._through(v, bits)[0]
+        if isinstance(v, int):
+            return v % (1 << bits)
+        rest = {w: c for w, c in v.terms.items() if _twos(c.bits()) < bits}
+        return v if len(rest) == len(v.terms) else value(v.constant % (1 << bits), rest)
 
     def modulo(self, v: Value, bits: int, signed: bool) -> Value:
         """The number from 0, or from -2^(bits - 1) on, that is v modulo 2^bits."""
@@ -1054,10 +794,9 @@ class Space:
         if isinstance(v, int):
             return (v - low) % (1 << bits) + low
         a, b = v.ends
-        if low <= a and b < low + (1 << bits):
-            return v
-        rest, _ = self._through(v, bits)
-        result = plus(rest, times(self.floor(plus(rest, -low), bits), -(1 << bits)))
+        if a - low >> bits == b - low >> bits:
+            return plus(v, -(a - low >> bits << bits))
+        result = plus(v, times(self.floor(plus(v, -low), bits), -(1 << bits)))
         if isinstance(result, Sum):
             a, b = result.ends
             result = Sum(
@@ -1067,7 +806,7 @@ class Space:
 
     def equal(self, a: Value, b: Value) -> bool:
         """Whether a and b are the same for every frame."""
-        d = self._settled(minus(a, b))
+        d = minus(a, b)
         if isinstance(d, int):
             return d == 0
         groups: dict[Any, dict[Word, Curve]] = {}
@@ -1075,15 +814,7 @@ class Space:
             groups.setdefault(word.base or word, {})[word] = term
         rest: Value = d.constant
         for terms in groups.values():
-            part: Value = Sum(0, terms)
-            if len(terms) > 1:
-                part = self.of(lambda v: v, part)
-            rest = plus(rest, part)
-        if not isinstance(rest, int) and any(w.base for w in rest.terms) and len(groups) > 1:
-            try:
-                rest = self.of(lambda v: v, rest)
-            except UnsupportedError:
-                return False
+            rest = plus(rest, self.of(lambda v: v, Sum(0, terms)))
         return rest == 0 if isinstance(rest, int) else False
 
 
