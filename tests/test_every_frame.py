@@ -206,6 +206,8 @@ def test_a_difference_of_vhdl_is_shown_as_a_frame(tmp_path: Path) -> None:
 
 # Values of three values, a number of bits and a factor.
 Operation = Callable[[Space, Value, Value, Value, int, int], Value]
+
+
 def joined(space: Space, a: Value, b: Value, c: Value, k: int, f: int) -> Value:
     """A sum whose low bits are those of a, as graphs of adders make it."""
     space.cut(a, times(b, 1 << k))
@@ -214,9 +216,7 @@ def joined(space: Space, a: Value, b: Value, c: Value, k: int, f: int) -> Value:
 
 OPERATIONS: list[Operation] = [
     joined,
-    lambda space, a, b, c, k, f: space.of(
-        lambda x: x >> 2, plus(space.floor(a, k), times(b, f))
-    ),
+    lambda space, a, b, c, k, f: space.of(lambda x: x >> 2, plus(space.floor(a, k), times(b, f))),
     lambda space, a, b, c, k, f: plus(a, b),
     lambda space, a, b, c, k, f: minus(a, times(b, 3)),
     lambda space, a, b, c, k, f: times(a, f),

@@ -12,6 +12,7 @@ the floor of a sum over a power of two that was met on the way. Two rules make n
 import itertools
 from collections.abc import Callable, Iterable
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -23,6 +24,7 @@ LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
 FEW = 4096
 _numbers = itertools.count(1)
+_arrays: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
 
 class UnsupportedError(Exception):
@@ -92,10 +94,16 @@ class Curve:
     It is 0 at the lowest code, and as short as it can be, so that equal functions have equal parts.
     """
 
-    __slots__ = ("_ends", "first", "left", "right", "values", "word")
+    __slots__ = ("_ends", "first", "key", "left", "right", "values", "word")
 
     def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
-        self.word, self.first, self.values, self.left, self.right = word, first, values, left, right
+        self.word, self.first, self.left, self.right = word, first, left, right
+        # Equal arrays are kept once.
+        self.key = hash(values.tobytes())
+        known = _arrays.get(self.key)
+        if known is None or not np.array_equal(known, values):
+            known = _arrays[self.key] = values
+        self.values = known
         self._ends: tuple[int, int] | None = None
 
     @property
@@ -297,7 +305,7 @@ class Sum:
     def bare(self) -> tuple[int, int]:
         """The sums of the ends of the terms."""
         spans = [term.ends for term in self.terms.values()]
-        return tuple(self.constant + sum(s[k] for s in spans) for k in (0, 1))  # type: ignore
+        return self.constant + sum(s[0] for s in spans), self.constant + sum(s[1] for s in spans)
 
     @property
     def ends(self) -> tuple[int, int]:
@@ -332,7 +340,8 @@ def _hull(v: Sum) -> Hull | None:
         total = times(rest, 1 << scale)
         below = above = 0
         for word, slope, (sums, k, low, high) in parts:
-            # 2^(k + shift) * word = sums + offset * 2^k + low to high, less up to 2^k * (2^shift - 1)
+            # 2^(k + shift) * word = sums + 2^k * offset + low to high
+            # less 0 to 2^k * (2^shift - 1)
             up = slope << scale - k - word.shift
             low -= (1 << k + word.shift) - (1 << k)
             below += min(up * low, up * high)
@@ -550,7 +559,7 @@ class Space:
         key = tuple(
             x
             for w, c in terms.items()
-            for x in (w.number, c.first, c.left, c.right, len(c.values), hash(c.values.tobytes()))
+            for x in (w.number, c.first, c.left, c.right, len(c.values), c.key)
         )
         found = self.bases.setdefault(key, [])
         for base in found:
