@@ -40,6 +40,7 @@ SLOW = [
     *("digit vhdl", "digit-hybrid verilog", "digit-thesis verilog", "digit-parallel vhdl"),
     *("digit-multiple verilog", "comparison/digit-lanes4 verilog", "comparison/digit-sums verilog"),
     *("comparison/digit-tables verilog", "classes/digits verilog", "classes/digits-fast verilog"),
+    *("digit-fast verilog", "digit-fast vhdl"),
 ]
 
 
@@ -210,13 +211,18 @@ Operation = Callable[[Space, Value, Value, Value, int, int], Value]
 
 def joined(space: Space, a: Value, b: Value, c: Value, k: int, f: int) -> Value:
     """A sum whose low bits are those of a, as graphs of adders make it."""
-    space.cut(a, times(b, 1 << k))
-    return plus(times(space.floor(plus(a, times(b, 1 << k)), k), f), c)
+    rest = times(b, f << k)
+    space.cut(a, rest)
+    return space.floor(times(plus(a, rest), 1 if f > 0 else -1), k)
 
 
 OPERATIONS: list[Operation] = [
     joined,
-    lambda space, a, b, c, k, f: space.of(lambda x: x >> 2, plus(space.floor(a, k), times(b, f))),
+    # The same, cut first, is a function of that sum.
+    lambda space, a, b, c, k, f: space.of(
+        lambda x: x // 3 % 7, times(plus(space.floor(a, k), times(b, f)), 1 if k % 2 else -1)
+    ),
+    lambda space, a, b, c, k, f: space.floor(times(joined(space, a, b, c, k, f), -1), 2),
     lambda space, a, b, c, k, f: plus(a, b),
     lambda space, a, b, c, k, f: minus(a, times(b, 3)),
     lambda space, a, b, c, k, f: times(a, f),
@@ -253,7 +259,7 @@ def random_values(space: Space, samples: list[Value], rng: np.random.Generator) 
 EVERY = np.stack(np.meshgrid(*[np.arange(-8, 8)] * 3), axis=-1).reshape(-1, 3)
 
 
-@pytest.mark.parametrize("seed", [*range(40), 153, 234, 279])
+@pytest.mark.parametrize("seed", range(40))
 @pytest.mark.parametrize("top", [8, 8192])
 def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
     """Each rule about sums, beside plain arithmetic: in every frame of three small samples, and in
