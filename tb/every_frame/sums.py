@@ -284,11 +284,24 @@ def _step(base: Base, place: int, height: int) -> Curve:
 
 
 def _plain(c: Curve) -> Curve:
-    """The curve; as `_step` if it is one."""
-    word = c.word
-    if word.base is None or len(c.values) != 2 or c.left or c.right:
+    """A staircase over the floors of a sum on the coarsest grid that has its steps, which is its
+    one form."""
+    word, steps = c.word, np.flatnonzero(np.diff(c.values)) + 1
+    if word.base is None or c.left or c.right or not len(steps):
         return c
-    return _step(word.base, (c.first + 1 << word.shift) - word.offset, int(c.values[1]))
+    apart = int(np.bitwise_or.reduce(steps - steps[0]))
+    place = (c.first + int(steps[0]) << word.shift) - word.offset
+    if not apart:
+        return _step(word.base, place, int(c.values[-1]))
+    shift = word.shift + _twos(apart)
+    if shift == word.shift:
+        return c
+    coarse = word.base.word(-place % (1 << shift), shift)
+    first = place + coarse.offset >> shift
+    kept = c.values[steps[0] :: 1 << shift - word.shift]
+    made, _ = curve(coarse, first - 1, np.append(c.values[:1], kept), 0, 0)
+    assert made
+    return made
 
 
 class Sum:
