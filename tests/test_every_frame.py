@@ -55,8 +55,7 @@ REFUSED = (
     *("layers-serial", "tables-serial", "chain-serial"),
     *("rails-loop", "least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop"),
     *("chain-lanes", "layers-lanes", "flat-lanes", "exact-lanes", "floor-lanes", "chain"),
-    *("rails-graph", "short-graph", "operands-graph", "three-graph", "relu-graph", "narrow-graph"),
-    *("exact-graph", "flat-graph", "deep-graph"),
+    *("relu-graph", "exact-graph"),
 )
 CASES_PROVED = [
     f"{case} verilog"
