@@ -4,8 +4,6 @@ The pages are written when the site is built, into ``api`` beside its index: a n
 page of its own. Each holds the directive ``package-modules``, which this defines.
 """
 
-from __future__ import annotations
-
 import pkgutil
 from importlib import import_module
 from pathlib import Path

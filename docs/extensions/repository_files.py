@@ -5,8 +5,6 @@ The guides link to files as GitHub needs it, ``../golden/fixed.py``. Here such a
 ``api``, one to another folder to a list of its files.
 """
 
-from __future__ import annotations
-
 import html
 from pathlib import Path
 from typing import Any
