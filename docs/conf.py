@@ -34,8 +34,6 @@ toc_object_entries = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-# Their names instead of what they stand for, which is several lines long.
-autodoc_type_aliases = {name: name for name in ("ArrayLike", "Codes", "NDArray", "Real")}
 
 html_theme = "furo"
 html_title = "tactus"

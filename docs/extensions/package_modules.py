@@ -11,14 +11,25 @@ from typing import Any
 
 import numpy as np
 from docutils import nodes
+from numpy.typing import ArrayLike
 from sphinx.application import Sphinx
 from sphinx.config import Config
 from sphinx.util.docutils import SphinxDirective
+from sphinx.util.typing import stringify_annotation
+
+from golden.fixed import Codes
+from golden.real import Real
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("golden", "hdl", "tb")
 # They import what only an environment of their own has (make peers), so nothing can be shown.
 LEFT_OUT = ("tb.peers",)
+SHORT = {
+    f"PosixPath('{ROOT}/": "Path('",
+    stringify_annotation(ArrayLike, "smart"): "ArrayLike",
+    stringify_annotation(Codes, "smart"): "Codes",
+    stringify_annotation(Real, "smart"): "Real",
+}
 
 
 class PackageModules(SphinxDirective):
@@ -78,8 +89,15 @@ def write_pages(app: Sphinx, config: Config) -> None:
 def shorten(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, signature: str | None, returned: Any
 ) -> tuple[str, Any] | None:
-    """Defaults that are paths stand relative to the repository, wherever the site is built."""
-    return signature and (signature.replace(f"PosixPath('{ROOT}/", "Path('"), returned)
+    """Paths stand relative to the repository, and arrays have the names of the code."""
+    if not signature:
+        return None
+    for full, short in SHORT.items():
+        signature, returned = (
+            signature.replace(full, short),
+            returned and returned.replace(full, short),
+        )
+    return signature, returned
 
 
 def skip_defaults(
