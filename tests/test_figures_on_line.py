@@ -134,7 +134,7 @@ def test_luts_stand_on_what_is_built() -> None:
 
 
 def test_the_page_counts_the_steps_of_the_program(drawn: Draws) -> None:
-    program = steps.lms(drawn.setting.taught, [1, 1, 1, 1])
+    program = steps.lms(drawn.setting.taught, [(1, 0)] * 4)
     counted = steps.counted(program)
     page = section("learning", "As a program of an engine")
     for kind in steps.Kind:

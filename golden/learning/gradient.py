@@ -39,6 +39,10 @@ QUOTIENT = Fix(18, THETA.frac + DROPPED - (ROW.frac - SHORT))
 STEP = Fix(18, QUOTIENT.frac + DROPPED - ERROR.frac)
 # How far an error is shifted to the left before it is divided, with a rate of 1.
 QUOTIENT_SHIFT = LENGTH.frac + QUOTIENT.frac - ERROR.frac
+# About how many placements are kept, for the leak: with more of them it takes too much.
+PLACEMENTS = 8
+# A part of 2**-8, so that what all placements say is learned from a poor network too.
+MOST_LEAK = 64
 
 
 @dataclass(frozen=True)
@@ -47,8 +51,8 @@ class Gradient:
 
     halvings: The rate is ``2**-halvings``.
     noise, shape (drifts, outputs): r^2 of each output, in the format ``LENGTH``.
-    constant, shape (outputs,): Constant steps in the format ``STEP``, which contain the rate; None
-        to divide.
+    constant, shape (outputs, 2): Constant steps in the format ``STEP``, which contain the rate, and
+        leaks; see ``constants``. None to divide.
     wide: Whether theta has 32 bits.
     equation: What makes the equations: ``equation`` or ``by_differences``.
     """
@@ -86,11 +90,13 @@ class Gradient:
             shifted = found.error << (QUOTIENT_SHIFT - self.halvings)
             moved = unit.quotient("quotient", shifted, length)
         else:
-            moved = unit.word("quotient", found.error * self.constant[output], 1)
+            moved = unit.word("quotient", found.error * self.constant[output, 0], 1)
         # With 28 fraction bits.
         by = moved[:, np.newaxis] * coefficient(found.row)
         unit.takes((2 + self.wide) * by.shape[1], WAIT)
         wanted = (kept if self.wide else kept << DROPPED) + by
+        if self.constant is not None:
+            wanted = wanted - theta * self.constant[output, 1]
         unit.reaches(wanted)
         words = (wanted + (1 << (DROPPED - 1))) >> DROPPED
         new = bounded(theta, words, unit)
@@ -100,7 +106,12 @@ class Gradient:
 
 
 def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
-    """The constant step of each output: half of the largest with which no equation overshoots.
+    """The constant step and the leak of each output, shape (outputs, 2).
+
+    The step is half of the largest with which no equation overshoots. The leak is what theta times
+    ``2**-DROPPED`` loses in each step, so that what no placement tells goes back to no drift. Steps
+    and leaks end at the most likely theta if ``leak = step r^2 / n``, where n is the number of
+    placements, and r^2 the mean square of the network's own errors. Here n is ``PLACEMENTS``.
 
     codes, shape (rows, sensors): Samples of a recording.
     targets, shape (rows, outputs): Its known outputs.
@@ -111,4 +122,9 @@ def constants(taught: Corrected, codes: Codes, targets: Codes) -> Codes:
     longest = np.array([(ROW.to_real(one.row) ** 2).sum(axis=1).max() for one in found])
     # An output that no sensor moves has the largest step there is.
     least = 0.5 / STEP.to_real(np.array(STEP.high))
-    return STEP.quantise(0.5 / np.maximum(longest, least))[0]
+    steps = STEP.quantise(0.5 / np.maximum(longest, least))[0]
+    squares = np.array([(ERROR.to_real(one.error) ** 2).mean() for one in found])
+    exact = STEP.to_real(steps) * squares / PLACEMENTS
+    # Rounded so that their sum is the least above the exact one.
+    leaks = np.diff(np.ceil(np.cumsum(exact) * (1 << DROPPED)), prepend=0).astype(np.int64)
+    return np.stack([steps, np.minimum(leaks, MOST_LEAK)], axis=1)

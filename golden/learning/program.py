@@ -263,11 +263,11 @@ class LessonProgram:
 
 
 def lesson_program(
-    taught: Corrected, constants: Sequence[int], graph: Graph, least_addr_width: int
+    taught: Corrected, constants: Sequence[Sequence[int]], graph: Graph, least_addr_width: int
 ) -> LessonProgram:
     """The program of LMS with constant steps.
 
-    constants: The step of each output.
+    constants: The step and the leak of each output.
     graph: The neurons of a frame, behind samples that are not corrected yet.
     least_addr_width: The least bits of an address of the operand memory.
     """

@@ -21,7 +21,7 @@ class Pupil:
     """An engine that learns with LMS, from a reset on.
 
     taught: Its networks behind sensors that are corrected.
-    constants: The step of each output; see ``golden.learning.gradient``.
+    constants: The step and the leak of each output; see ``golden.learning.gradient``.
     placements: How many placements it keeps; the next one takes the place of the oldest.
 
     theta, shape (2 sensors,): What is learned so far; see ``golden.learning.corrected``.
@@ -30,7 +30,9 @@ class Pupil:
     changes: How often theta was changed.
     """
 
-    def __init__(self, taught: Corrected, constants: Sequence[int], placements: int) -> None:
+    def __init__(
+        self, taught: Corrected, constants: Sequence[Sequence[int]], placements: int
+    ) -> None:
         self.taught = taught
         self.steps = self.refused = self.changes = 0
         # Only a rule that divides reads the noise.

@@ -104,14 +104,14 @@ def whole(source: str, sign: int = 1) -> Term:
     return by(source, sign << DROPPED)
 
 
-def lms(taught: Corrected, constants: Sequence[int]) -> list[list[Sum]]:
+def lms(taught: Corrected, constants: Sequence[Sequence[int]]) -> list[list[Sum]]:
     """The sums of the equation of each output, for LMS with constant steps.
 
-    constants: The step of each output, in the format ``STEP``.
+    constants: The step and the leak of each output; see ``golden.learning.gradient``.
     """
     return [
-        [*_equation(taught, k), Sum("step", (by("error", constant),)), *_new_theta(taught)]
-        for k, constant in enumerate(constants)
+        [*_equation(taught, k), Sum("step", (by("error", step),)), *_new_theta(taught, leak)]
+        for k, (step, leak) in enumerate(constants)
     ]
 
 
@@ -176,9 +176,10 @@ def _row(taught: Corrected, output: int) -> Iterator[Sum]:
         yield Sum(f"row {taught.sensors + k}", (by(f"slope {k}", int(offsets[k])),))
 
 
-def _new_theta(taught: Corrected) -> Iterator[Sum]:
+def _new_theta(taught: Corrected, leak: int = 0) -> Iterator[Sum]:
     for k in range(2 * taught.sensors):
-        yield Sum(f"new theta {k}", (whole(f"theta {k}"), times("step", f"row {k}")))
+        kept = by(f"theta {k}", (1 << DROPPED) - leak)
+        yield Sum(f"new theta {k}", (kept, times("step", f"row {k}")))
 
 
 def counted(program: Sequence[Sequence[Sum]]) -> Counter[Kind]:

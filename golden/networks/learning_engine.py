@@ -40,11 +40,11 @@ class LearningEngine(Network):
     engine: Engine
 
     @classmethod
-    def of(cls, engine: Engine, taught: Corrected, constants: Sequence[int]) -> Self:
+    def of(cls, engine: Engine, taught: Corrected, constants: Sequence[Sequence[int]]) -> Self:
         """The engine that learns in the place of one that does not.
 
         taught: Its networks behind sensors that are corrected.
-        constants: The step of each output; see ``golden.learning.gradient``.
+        constants: The step and the leak of each output; see ``golden.learning.gradient``.
         """
         if engine.serial or engine.loaded or engine.program.pipeline.memory_registers:
             raise InputError(

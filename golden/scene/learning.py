@@ -62,8 +62,8 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
 
 
-def taught_of(scene: Scene) -> tuple[Corrected, list[int]]:
-    """The networks of a scene behind sensors that are corrected, and the step of each output."""
+def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
+    """The networks of a scene behind corrected sensors, and the constants of each output."""
     taught = Corrected.of(scene.mlps(), *expected_drift(scene))
     vectors = scene.vectors()
     steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
