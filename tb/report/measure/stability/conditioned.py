@@ -283,7 +283,10 @@ def learning() -> Iterator[Row]:
         return Equation(ERROR.quantise(ROW.to_real(row) @ (aim - THETA.to_real(theta[0])))[0], row)
 
     nobody: Any = None
-    rule = Gradient(nobody, 0, np.zeros((1, 1), dtype=np.int64), constant, equation=given)
+    alone = np.array(
+        [[constant[0], 0]]
+    )  # without a leak, which would lead away from what is sought
+    rule = Gradient(nobody, 0, np.zeros((1, 1), dtype=np.int64), alone, equation=given)
     unit, theta = Unit(1), np.zeros((1, 8), dtype=np.int64)
     away, grown = [float(np.linalg.norm(aim))], 0.0
     for _ in range(LEARNED * len(rows)):
