@@ -8,7 +8,6 @@ has no such field.
 import csv
 import json
 import re
-import sys
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -88,7 +87,6 @@ def records(kind: str) -> dict[str, dict[str, Any]]:
     path = _path(kind)
     if not path.exists():
         return {}
-    csv.field_size_limit(sys.maxsize)
     with reading(path, "a table of records"), path.open(newline="", encoding="utf-8") as file:
         return {
             row.pop(NAME): {field: _value(cell) for field, cell in row.items() if cell}

@@ -49,7 +49,7 @@ def picture_of(scene: Scene, rows: Sequence[Sized], family: str) -> str:
     body += axes.drawn("clocks from the last sample to the last output", f"LUTs of {family}")
     points = [Named(spot.name, spot.clocks, spot.luts) for spot in found]
     said = f"{title}. {sentence(scene, rows, family)}"
-    return picture(said, (720, 490), [*body, *drawn(points, axes)], widest=860)
+    return picture(said, (720, 490), [*body, *drawn(points, axes)], 560, 860)
 
 
 def sentence(scene: Scene, rows: Sequence[Sized], family: str) -> str:

@@ -241,7 +241,7 @@ def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
         "Other designs",
         text=[f"make designs {scene_variable(scene)} prints this table."],
         points=found["refused"],
-        pictures=[Picture("designs", title, found["svg"], found["sentence"])],
+        pictures=[Picture("designs", title, found["svg"], found["sentence"], wide=True)],
         tables=[unpacked(found["table"])],
     )
 
