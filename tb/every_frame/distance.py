@@ -156,6 +156,8 @@ def bounds(
 
 def _table(table: dict[str, Any], of: Known, layer: Dense, tanh: Any) -> Known:
     """The values of a table at every code, beside the function at all that its argument can be."""
+    if layer.functions:
+        raise InputError("no bound is known: each node has a function of its own")
     codes = np.arange(of.low, of.high + 1)
     values = looked_up(table)(codes)
 
