@@ -102,9 +102,10 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
 
 
 def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
-    """Export a scene and prove it in each language; the code of the worst that is found."""
-    for line in from_trained(scene, given):
-        print(line)
+    """Export a scene and prove it in each language; the code of the worst that is found.
+
+    What is proved to compute the network is compared with the trained one.
+    """
     codes = set()
     for language in ("verilog", "vhdl"):
         folder = BUILD / scene.name / language
@@ -118,6 +119,8 @@ def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
         if language == "verilog":
             keep(given, folder, found)
         codes.add(found.code)
+    if codes == {PROVED}:
+        print("\n".join(from_trained(scene, given)))
     return min(codes - {PROVED}, default=PROVED)
 
 
@@ -142,10 +145,12 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
         scene.outputs, ends, own, farthest(given, real), strict=True
     ):
         far, near = (max(-low, high) for low, high in (whole, alone))
-        text = f"at most {far:.1f}" if far < 1 << SIGNAL.width else "no bound"
+        bounded = far < 1 << SIGNAL.width
+        text = f"at most {far:.1f}" if bounded else "no bound"
         if far > near:
             text += f", for the earlier outputs as they are at most {near:.1f}"
-        lines.append(f"  {name}: {text}; {met:.1f} found (1 of {far / met:.1f})")
+        ratio = f" (1 of {far / met:.1f})" if bounded and met else ""
+        lines.append(f"  {name}: {text}; {met:.1f} found{ratio}")
     if scene.labels:
         margin = max(
             ends[j][1] - ends[i][0] for i in range(len(ends)) for j in range(len(ends)) if i != j

@@ -13,8 +13,6 @@ from refused import Desk
 from golden.block import walk
 from golden.input_error import InputError
 from golden.networks.lanes import Lanes
-from golden.networks.network import Network
-from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
 from golden.rig.check import everything
 from golden.scene import Scene, load_scene
@@ -37,13 +35,6 @@ from tb.report.page.summary import built
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0
 DESIGNS = {"engine", "engine serial", "lanes", "hybrid", "parallel", "adder_graph", "table_graph"}
-
-
-def core_of(scene: Scene) -> Network:
-    core = scene.twin().core
-    while isinstance(core, Windowed):
-        core = core.network
-    return core
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from golden.input_error import InputError
 from golden.real import Real
 from golden.scene.vectors import read_recorded
-from golden.table import read_groups as read_table
-from golden.table import rows_where
+from golden.table import read_groups, rows_where
 
 if TYPE_CHECKING:
     from golden.scene import Scene
@@ -113,7 +112,7 @@ def _columns(scene: Scene) -> tuple[Numbers, Real]:
     found = []
     for path in scene.data_paths:
         kept = rows_where(path, scene.where)[scene.window.past :]
-        found.append(read_table(path, scene.training.split_by)[kept])
+        found.append(read_groups(path, scene.training.split_by)[kept])
     return np.repeat(np.arange(len(found)), [len(one) for one in found]), np.concatenate(found)
 
 

@@ -44,7 +44,7 @@ def main() -> None:
             with stage(f"exporting {scene.name} as {tongue}", quick=True):
                 export_scene(scene, tongue, folder)
         for name in names:
-            print(f"make prove SCENE={shlex.quote(name)} proves it for every frame")
+            print(f"make prove SCENE={shlex.quote(name)} says whether it is right for every frame")
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:

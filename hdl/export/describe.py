@@ -29,8 +29,8 @@ def heading(instance: _Block, origin: str | None) -> list[str]:
 def describe(docstring: str, spec: Block) -> str:
     """A block's docstring, written for readers of the export, who see one instance and no Python.
 
-    docstring: What stands between double backticks as ``spec.name`` is an
-        attribute of the twin, and its value takes its place.
+    docstring: What stands between double backticks as ``spec.name`` is an attribute of the twin,
+        and its value takes its place.
     """
     text = _ATTRIBUTE.sub(lambda found: str(attrgetter(found[1])(spec)), cleandoc(docstring))
     text = re.sub(r"``([^`]+)``", r"\1", text)

@@ -20,7 +20,6 @@ STYLE = (
     "@media(prefers-color-scheme:dark)"
     "{svg{--ink:#e6edf3;--faint:#8b949e;--accent:#58a6ff;--soft:#21262d}}</style>"
 )
-GAUGES = 4
 # The beam, the chip and the curve stand side by side.
 ROOT, TIP, LEVEL = 40.0, 300.0, 150.0
 CHIP: Point = (390.0, 40.0)
@@ -58,7 +57,7 @@ def _beam(scene: Scene, frame: int) -> list[str]:
         f'stroke="{INK}" stroke-width="1.5"/>'
     )
     gauges = []
-    for n in range(GAUGES):
+    for n in range(len(scene.sensors)):
         x, y = points[4 + 7 * n]
         gauges.append(box((x - 8, y + 5), (16, 7), fill=ACCENT, stroke="none"))
         gauges.append(
@@ -71,7 +70,12 @@ def _beam(scene: Scene, frame: int) -> list[str]:
         *gauges,
         arrow_head((CHIP[0], 238), (1, 0), FAINT),
         text((ROOT - 16, 24), "something touches a beam", 14, font_weight="bold"),
-        text((ROOT - 16, 278), f"{GAUGES} gauges feel it, all of them a little", 13, fill=FAINT),
+        text(
+            (ROOT - 16, 278),
+            f"{len(scene.sensors)} gauges feel it, all of them a little",
+            13,
+            fill=FAINT,
+        ),
     ]
 
 

@@ -145,8 +145,8 @@ def worst_rows(found: Outcome) -> Table:
         for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
             place = [found.place(found.groups[row])] * len(beside)
             pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
-            numbers = [float(value) for value in found.readings[row]], map(float, pair)
-            rows.append([output, int(found.numbers[row]), *numbers[0], *place, *numbers[1]])
+            readings = map(float, found.readings[row])
+            rows.append([output, int(found.numbers[row]), *readings, *place, *map(float, pair)])
     files = [path.name for path in scene.data_paths]
     return Table(
         "worst_rows",
