@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from golden.networks.learning_engine import LearningEngine
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from golden.scene.learning import taught_of, that_learns
+from tb.common.lessons import Player, refusals
 from tb.common.small import LESSONS
 
 SCENE = replace(load_scene("digit"), learning="lms")
@@ -491,3 +493,12 @@ def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None
     assert f"{program.acc_width} bits" in page
     assert f"{twin.placements}\n  placements" in page
     assert f"the first {program.begun_alike} steps" in page
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_bench_reaches_a_refused_step_whatever_the_frames_are(small: Scene, seed: int) -> None:
+    engine, rng = small.twin(), np.random.default_rng(seed)
+    given = SimpleNamespace(codes=rng.integers(SIGNAL.low, SIGNAL.high + 1, (1, engine.inputs)))
+    player = Player(SimpleNamespace(twin=engine, rng=rng, given=given))
+    refusals(player)
+    assert player.timeline.met["steps refused"]

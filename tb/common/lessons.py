@@ -14,6 +14,9 @@ from tb.common.framing import random_lengths
 from tb.common.network import random_elements
 from tb.common.stimulus import random_resets
 
+# How often theta is put at its ends, until a step would leave them.
+TRIES = 50
+
 
 @dataclass
 class Words:
@@ -152,6 +155,16 @@ def refusals(player: Player) -> None:
     for _ in range(12):
         frame = random_elements(bench, twin.inputs)
         player.play(player.frame(frame, before=12 * twin.longest_equation), [])
+    # Where nodes saturate, nothing moves theta that far. Then it is put at its ends.
+    for _ in range(TRIES):
+        if player.timeline.met["steps refused"]:
+            break
+        for count, theta in ((twin.program.places.unknowns, True), (twin.outputs, False)):
+            frame = random_elements(bench, twin.inputs)
+            player.play(player.frame(frame), [], learn=0, clocks=twin.interval)
+            words = player.frame(bench.rng.choice([SIGNAL.low, SIGNAL.high], count))
+            player.play([], words, learn=0, theta=theta, clocks=60)
+        player.play([], [], clocks=4 * twin.longest_equation)
     player.play([], [], clocks=twin.interval)
 
 
