@@ -21,13 +21,16 @@ def properties(twin):
         for n, (k, weight) in enumerate(weights)
         for ends in [sorted((weight * twin.in_fmt.low, weight * twin.in_fmt.high))]
     }
-    terms = " + ".join(f"term_{n}" for n in range(len(weights)))
+    start = twin.bias << twin.bias_shift
+    # In pairs, as the adders add: the same sum in another order takes a solver hours.
+    level = [*(f"term_{n}" for n in range(len(weights))), f"64'sd0 + ({start})"]
+    while len(level) > 1:
+        level = [f"({' + '.join(level[n : n + 2])})" for n in range(0, len(level), 2)]
     wires = "\n".join(
         f"wire signed [63:0] whole_{n} = $signed(weigh{n}_product), "
         f"term_{n} = whole_{n} >>> {twin.product_shift};"
         for n in range(len(weights))
     )
-    start = twin.bias << twin.bias_shift
     rounded = (r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")
     return [
         Property(
@@ -56,7 +59,7 @@ def properties(twin):
             states=(f"!there[{depth}] || $signed(total) == sum_{depth - 1}",),
             watch=wires
             + f"""
-                wire signed [63:0] sum = 64'sd0 + ({start}) + {terms};
+                wire signed [63:0] sum = {level[0]};
             """
             + pipe("sum", depth, 64),
             assumes=products,
