@@ -33,7 +33,7 @@ NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 # profiles, graphs of adders that are not proved, and activations of the thesis.
 ALL_ONLY = (
     *("deep-reload", "tables-reload", "tables-lanes-reload", "reload-uart", "plain-uart"),
-    *("layers-serial", "tables-serial", "chain-serial", "serial-past", "loop-past", "chain-past"),
+    *("layers-serial", "chain-serial", "serial-past", "loop-past", "chain-past"),
     *("winner-uart", "winner-reload", "drawn-winner", "winner-instrument", "other-profile"),
     *("wide-converter", "signed-converter", "least-instrument", "engine-instrument"),
     *("axis-cascade", "axis-past", "axis-loop", "least-axis", "wide-winner", "hybrid-winner"),
@@ -44,7 +44,7 @@ ALL_ONLY = (
 )
 # Of these cases it adds the whole network. Every run simulates the other blocks.
 WHOLE = (
-    *("chain-lanes", "layers-lanes", "flat-lanes", "exact-lanes", "floor-lanes"),
+    *("exact-lanes", "floor-lanes"),
     *("rails-loop", "least-loop", "relu-loop", "deep-loop", "rails-lanes-reload"),
 )
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.

@@ -52,9 +52,9 @@ NETWORKS += ("table_graph",)
 REFUSED = (
     *("rails-reload", "deep-reload", "layers-reload", "exact-reload", "tables-reload"),
     *("rails-lanes-reload", "tables-lanes-reload"),
-    *("layers-serial", "tables-serial", "chain-serial"),
+    *("layers-serial", "chain-serial"),
     *("rails-loop", "least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop"),
-    *("chain-lanes", "layers-lanes", "flat-lanes", "exact-lanes", "floor-lanes", "chain"),
+    *("exact-lanes", "floor-lanes"),
     *("relu-graph", "exact-graph"),
 )
 CASES_PROVED = [
