@@ -45,7 +45,7 @@ ALL_ONLY = (
 # Of these cases it adds the whole network. Every run simulates the other blocks.
 WHOLE = (
     *("exact-lanes", "floor-lanes"),
-    *("rails-loop", "least-loop", "relu-loop", "deep-loop", "rails-lanes-reload"),
+    *("rails-loop", "least-loop", "relu-loop", "deep-loop"),
 )
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from conftest import tiered
 from golden.dense import layers_of
 from golden.input_error import InputError
 from golden.scene import load_scene
+from golden.scene.write_image import hardware_of
 from tb.common.cases import Case
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import export
@@ -45,13 +47,11 @@ SLOW = [
 
 
 # Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them, but
-# for those that the proof refuses: with an image, without a multiplier, with frames that overlap,
-# and with words of too many samples.
+# for those that the proof refuses: without a multiplier, with frames that overlap, and with words
+# of too many samples.
 NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "lanes", "multiple", "parallel")
 NETWORKS += ("table_graph",)
 REFUSED = (
-    *("rails-reload", "deep-reload", "layers-reload", "exact-reload", "tables-reload"),
-    *("rails-lanes-reload", "tables-lanes-reload"),
     *("layers-serial", "chain-serial"),
     *("rails-loop", "least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop"),
     *("exact-lanes", "floor-lanes"),
@@ -146,6 +146,25 @@ def test_faults_of_hardware_are_never_proved(
     if fault == "a clock too late":
         replaced("engine.v", r"reg out_valid;", "reg out_valid;\nreg late;")(broken)
     assert outcome(given, broken) != "proved"
+
+
+def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
+    """A bit of a weight in the image is shown as a frame. A write enable that stays on is refused,
+    because nothing is known of the port behind the image."""
+    scene = CASES["rails-reload"].scene(tmp_path, "mine")
+    export(scene, "verilog", tmp_path)
+    folder, given = tmp_path / "mine" / "verilog", description(scene)
+    image = hardware_of(scene).loaded
+    assert image is not None
+    place = image.sizes.table_words + 3
+    words = (*image.words[:place], image.words[place] ^ 1, *image.words[place + 1 :])
+    other = {"name": "load", "data": list(replace(image, words=words).to_bytes()), "clocks": 0}
+    changed = {**given, "before": [other]}
+    found = prove_netlist(changed, hardware(folder, given["entity"], "verilog"), folder)
+    assert re.search(r" gives (-?\d+), the network (?!\1;).*Icarus gives \1$", str(found))
+    assert outcome(given, folder) == "proved"
+    replaced("image_loader.v", r"assign write = .*?;", "assign write = 1;")(folder)
+    assert outcome(given, folder) == "RefusedError"
 
 
 def _weight(given: dict[str, Any]) -> None:
@@ -393,6 +412,8 @@ NOTHING = {
     "outputs": [],
     "entity": "top",
     "around": "",
+    "before": [],
+    "still": [],
 }
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tb.every_frame.sequences import Sequences
+from tb.every_frame.sequences import Sequences, before
 from tb.every_frame.sums import Sum, Value, Word
 
 BATCH = 4096
@@ -111,6 +111,12 @@ def bench(description: dict[str, Any], frames: int) -> str:
     outs = [f"out_data_{k}" for k in range(len(description["outputs"]))] if words else ["out_data"]
     named = ["clk", "rst", "in_valid", "out_valid", *ports, *outs]
     named += [] if words else ["in_last", "out_last"]
+    others = description["ports"]
+    silent = dict.fromkeys(["in_valid", "in_last", *others], 0)
+    begins = [
+        " ".join(f"{port} = {value};" for port, value in {**silent, **one}.items())
+        for one in [*before(description), {}]
+    ]
     shown = f'$display("{"%0d " * len(outs)}", {", ".join(outs)})'
     drive = [f"{p} = samples[f * {count} + {k if words else 'k'}];" for k, p in enumerate(ports)]
     wait = max(max(description["output_clocks"]) + 3, description["interval"])
@@ -124,11 +130,15 @@ def bench(description: dict[str, Any], frames: int) -> str:
                 f"reg signed [{bits - 1}:0] samples [0:{frames * count - 1}];",
                 *[f"reg signed [{bits - 1}:0] {p} = 0;" for p in ports],
                 *[f"wire signed [{bits - 1}:0] {p};" for p in outs],
-                f"{description['entity']} dut (" + ", ".join(f".{n}({n})" for n in named) + ");",
+                *[f"reg [{max(width, 1) - 1}:0] {port} = 0;" for port, width in others.items()],
+                f"{description['entity']} dut ("
+                + ", ".join(f".{n}({n})" for n in [*named, *others])
+                + ");",
                 "always #1 clk = !clk;",
                 f"always @(negedge clk) if (out_valid) {shown};",
                 'initial begin $readmemh("frames.txt", samples);',
                 "repeat (4) @(negedge clk); rst = 0;",
+                *[f"{clock} @(negedge clk);" for clock in begins],
                 f"for (f = 0; f < {frames}; f = f + 1) begin",
                 f"for (k = 0; k < {description['elements']}; k = k + 1) begin",
                 f"in_valid = 1; in_last = k == {description['elements'] - 1};",

@@ -50,6 +50,19 @@ class Claim:
     shown: bool
 
 
+def before(given: dict[str, Any]) -> list[dict[str, int]]:
+    """The inputs of the clocks between reset and frames: each stream, and clocks for its work."""
+    found: list[dict[str, int]] = []
+    for stream in given["before"]:
+        name, last = stream["name"], len(stream["data"]) - 1
+        found += [
+            {f"{name}_valid": 1, f"{name}_data": v, f"{name}_last": int(k == last)}
+            for k, v in enumerate(stream["data"])
+        ]
+        found += [{}] * stream["clocks"]
+    return found
+
+
 class Sequences:
     def __init__(
         self,
@@ -65,6 +78,7 @@ class Sequences:
         self.count: int = description["samples"]
         self.words = description["stream"] == "words"
         self.clocks: list[int] = description["output_clocks"]
+        self.still = dict.fromkeys(description["still"], 0)
         self.space = Space()
         top = 1 << self.bits - 1
         self.symbols = [self.run.sample(f"x{k}", self.bits) for k in range(self.count)]
@@ -87,11 +101,12 @@ class Sequences:
         ]
 
     def _idle(self) -> dict[str, Bits]:
-        """No sample, so nothing is known of the other inputs."""
-        return {**dict.fromkeys(self.run.hardware.inputs, X), "clk": 0, "rst": 0, "in_valid": 0}
+        return {"in_valid": 0}
 
     def _clock(self, inputs: dict[str, Bits]) -> None:
-        self.run.step({**dict.fromkeys(self.run.hardware.inputs, X), "clk": 0, "rst": 0, **inputs})
+        """A clock with these inputs. Of the others nothing is known, but for those that stay 0."""
+        others = dict.fromkeys(self.run.hardware.inputs, X)
+        self.run.step({**others, "clk": 0, "rst": 0, **self.still, **inputs})
 
     def _outputs(self) -> dict[str, Bits]:
         return {name: self.run.out(name) for name in self.run.hardware.outputs}
@@ -180,8 +195,9 @@ class Sequences:
     def prove(self) -> Iterator[Claim]:
         """The claims in their order; an error where one fails."""
         run = self.run
-        self._clock({"rst": 1})
+        self._clock({"rst": 1, **dict.fromkeys(self.still, X)})
         run.clock()
+        self._play([{**self._idle(), **one} for one in before(self.given)])
         start = run.abstracted(run.state())
         tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
         wait = max(tail, self.given["interval"] - self.given["elements"] + 1)

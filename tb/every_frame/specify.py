@@ -79,17 +79,24 @@ def description(scene: Scene) -> dict[str, Any]:
     """What `network.py` reads, with ports and clocks that the hardware publishes."""
     top = scene.twin()
     built, whole = top.core, scene.twin(lean=False).core
-    if built.stream not in ("serial", "words") or built.lesson_ports or built.load_ports:
+    if built.stream not in ("serial", "words") or built.lesson_ports:
         raise InputError(
-            f"{scene.name}: every frame is not proved yet for {built.entity} with what is "
-            "loaded or learned"
+            f"{scene.name}: every frame is not proved yet for {built.entity} with what is learned"
         )
+    loaded = [{"name": "load", "data": list(built.image), "clocks": 0}] if built.image else []
+    around = ", its image loaded and load_valid low from then on" if loaded else ""
+    if top is not built:
+        around += f" inside {top.entity}, which is not proved"
     words = Words(built.inputs)
     outputs = of(whole, words, list(range(built.inputs)))
     return {
         "scene": scene.name,
         "entity": built.entity,
-        "around": f" inside {top.entity}, which is not proved" if top is not built else "",
+        "around": around,
+        "before": loaded,
+        # Inputs besides those of frames, with their bits, and those of them that stay 0.
+        "ports": {p.name: p.width for p in built.load_ports if p.direction == "in"},
+        "still": ["load_valid"] if loaded else [],
         "stream": built.stream,
         "samples": built.inputs,
         "elements": built.input_controller.inputs if built.stream == "serial" else 1,
