@@ -344,6 +344,12 @@ COMMANDS = (
         "tb.report.measure",
     ),
     Command(
+        "study",
+        "Measures a finished study again and says what differs from what it found; RECORD=1 "
+        "records the result.",
+        (word("NAME", "beans", needed=True), RECORD),
+    ),
+    Command(
         "sensors",
         "Finds the best places of gauges on the beam that RIG= describes, and writes a picture and "
         "a table.",

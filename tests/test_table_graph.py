@@ -312,12 +312,9 @@ def test_the_scene_that_is_compared_with_digit_fast() -> None:
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
 
 
-@pytest.mark.parametrize(
-    ("name", "errors"), [("comparison/wine-tables", 1), ("comparison/beans-tables", 285)]
-)
-def test_the_scenes_that_decide(name: str, errors: int) -> None:
-    """They err on held-out rows as often as their provenance says."""
-    scene = load_scene(name)
+def test_a_scene_that_decides() -> None:
+    """It errs on held-out rows as often as its provenance says."""
+    scene = load_scene("comparison/wine-tables")
     design = scene.twin()
     assert isinstance(design, TableGraph)
     assert design.decides
@@ -327,7 +324,7 @@ def test_the_scenes_that_decide(name: str, errors: int) -> None:
     (story,) = provenances(scene)
     wrong = 100 * (len(held_out.actual) - held_out.right) / len(held_out.actual)
     assert wrong == pytest.approx(story["test_wrong_percent"], abs=1e-4)
-    assert len(held_out.actual) - held_out.right == errors
+    assert len(held_out.actual) - held_out.right == 1
 
 
 def test_wines_in_tables_are_smaller_than_wine_fast() -> None:

@@ -31,6 +31,12 @@ DATA = KeyTable(
             [],
             "Several CSV files, each of them a recording of its own: no file continues another.",
         ),
+        "source": Key(
+            Text(),
+            "",
+            "Where the data come from if they are not kept with the scene: a command or an "
+            "address, and a digest. The message that there is no such file says it.",
+        ),
         "sensors": Key(
             _COLUMNS,
             meaning="The columns of the samples, in the order in which they enter the hardware. "

@@ -109,6 +109,8 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
     data, network, hardware = values["data"], values["network"], values["hardware"]
     key = "recordings" if data["recordings"] else "file"
     data_paths = tuple(beside(path, f"data.{key}", file) for file in files)
+    for file in data_paths if data["source"] else ():
+        check_file(file, f"no such file; {data['source']}")
     where = {
         name: value if isinstance(value, str) else float(value)
         for name, value in data["where"].items()

@@ -34,7 +34,7 @@ from golden.sizing.candidates import (
     tables,
 )
 from golden.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
-from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances
+from golden.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances, recorded
 from golden.sizing.routed import COLUMNS as PLACED_COLUMNS
 from golden.sizing.routed import ROUTED, Placed, path_of
 from golden.table import write_csv_file
@@ -189,6 +189,8 @@ def record() -> tuple[list[Recorded], list[Placed]]:
         scene, core, cells = synthesised(extra)
         kind = kind_of(extra.candidate.design, extra.candidate.options)
         rows += rows_of(extra.name, scene, core, cells, kind)
+    # A scene of a study may have no data here.
+    rows += [row for row in recorded() if row.network.startswith("studies/")]
     return rows, placed
 
 

@@ -22,7 +22,7 @@ COMPARED = [
     *("digit-fast-clock", "digit-fast-full", "digit-fast-ternary"),
     *("digit-lanes1", "digit-lanes2", "digit-lanes4", "digits-lanes8"),
     *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
-    *("digit-sums", "digit-tables", "wine-tables", "beans-tables"),
+    *("digit-sums", "digit-tables", "wine-tables"),
     *("swing-single-thesis", "swing-multiple-thesis", "swing-cascade-thesis", "thesis-larger"),
 ]
 COLUMNS = [*KINDS, DEPTH]

@@ -1,0 +1,59 @@
+"""Each study begins as its result says, and what it needs and is not there is named."""
+
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+from golden.input_error import InputError, MissingFileError
+from golden.scene import load_scene
+from studies.__main__ import FOLDER, differences, measured, names, recorded, same
+from studies.beans import study as beans
+from tb.report.measure.table import Table
+
+# Studies whose first row takes long, or needs what a computer without a network does not have.
+NOT_BEGUN: set[str] = set()
+# Of floating point on another processor.
+ROUNDING = 0.1
+
+
+@pytest.mark.parametrize("name", sorted(set(names()) - NOT_BEGUN))
+def test_a_study_begins_as_its_result(name: str) -> None:
+    if name == "beans" and not beans.DATA.is_file():
+        pytest.skip("make study NAME=beans brings its data")
+    table = recorded(name)
+    (first,) = islice(measured(name), 1)
+    assert list(first) == list(table.columns)
+    for cell, expected in zip(first.values(), table.rows[0], strict=True):
+        assert same(cell, expected, ROUNDING), (cell, expected)
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_page_of_a_study_fits_two_screens(name: str) -> None:
+    text = (FOLDER / name / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 100
+    for word in ("Question", "Method", "Result", "What follows"):
+        assert f"**{word}.**" in text or f"## {word}" in text
+
+
+def test_what_differs_is_told() -> None:
+    one = Table("some", ["a", "b"], [["x", 1.0], ["y", None]], "")
+    assert list(differences(one, one)) == []
+    other = Table("some", ["a", "b"], [["x", 1.1], ["y", None]], "")
+    assert list(differences(one, other)) == ["row 1: b: recorded 1.0, measured 1.1"]
+    assert len(list(differences(one, Table("some", ["a", "b"], [["x", 1.0]], "")))) == 2
+
+
+def test_a_scene_without_its_data_says_where_they_are(tmp_path: Path) -> None:
+    path = tmp_path / "beans-tables.toml"
+    path.write_bytes(beans.SCENE.read_bytes())
+    with pytest.raises(MissingFileError, match=r"beans\.csv: no such file; make study .* 382e279c"):
+        load_scene(str(path))
+
+
+def test_other_data_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(beans, "DATA", tmp_path / "beans.csv")
+    (tmp_path / "other.csv").write_text("Class\nSEKER\n")
+    with pytest.raises(InputError, match=r"got sha256 .*, expected 26266219"):
+        beans.bring((tmp_path / "other.csv").as_uri())
+    assert not beans.DATA.exists()
