@@ -43,15 +43,12 @@ ALL_ONLY = (
     *("deep-least-engine", "huge-engine"),
 )
 # Of these cases it adds the whole network. Every run simulates the other blocks.
-WHOLE = (
-    *("exact-lanes", "floor-lanes"),
-    *("rails-loop", "least-loop", "relu-loop", "deep-loop"),
-)
+WHOLE = ("exact-lanes", "floor-lanes")
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
     *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),
     *("winner-past", "winner-loop", "wide-uart", "winner-converter"),
-    *("least-graph", "layers-reload", "exact-reload", "layers-loop"),
+    *("least-graph", "layers-reload", "exact-reload"),
 )
 # Nor these of cases whose other blocks are simulated, but for records.
 LEFT_OF = {

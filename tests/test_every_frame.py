@@ -47,13 +47,11 @@ SLOW = [
 
 
 # Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them, but
-# for those that the proof refuses: without a multiplier, with frames that overlap, and with words
-# of too many samples.
+# for those that the proof refuses: words of too many samples.
 NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "lanes", "multiple", "parallel")
 NETWORKS += ("table_graph",)
 REFUSED = (
     *("layers-serial", "chain-serial"),
-    *("rails-loop", "least-loop", "chain-loop", "relu-loop", "layers-loop", "deep-loop"),
     *("exact-lanes", "floor-lanes"),
     *("relu-graph", "exact-graph"),
 )
@@ -123,6 +121,17 @@ FAULTS = {
         r"assign out_data = \$signed\(data\[18-1:4\]\);",
         "assign out_data = $signed(data[18-1:4]) ^ (data == 18'sd54321);",
     ),
+    "what the frame before left": replaced(
+        "engine.v",
+        r"assign out_data = \$signed\(data\[18-1:4\]\);",
+        "reg kept; always @(posedge clk) if (rst) kept <= 0; else if (finish) kept <= data[4];\n"
+        "assign out_data = $signed(data[18-1:4]) ^ kept;",
+    ),
+    "busy at the published interval": replaced(
+        "frame_check.v",
+        r"assign busy = running;",
+        "reg late; always @(posedge clk) late <= running && !rst; assign busy = running || late;",
+    ),
 }
 
 
@@ -165,6 +174,16 @@ def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
     assert outcome(given, folder) == "proved"
     replaced("image_loader.v", r"assign write = .*?;", "assign write = 1;")(folder)
     assert outcome(given, folder) == "RefusedError"
+
+
+def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
+    scene = CASES["least-loop"].scene(tmp_path, "least-loop")
+    export(scene, "verilog", tmp_path)
+    folder = tmp_path / scene.name / "verilog"
+    assert outcome(description(scene), folder) == "proved"
+    second = r"\1 ^ lane_loop0_samples0_half_out;"
+    replaced("lanes.v", r"(assign out_data = [^;]*);", second)(folder)
+    assert outcome(description(scene), folder) == "DiffersError"
 
 
 def _weight(given: dict[str, Any]) -> None:

@@ -332,16 +332,12 @@ LANES = {
 }
 # Frames overlap in a loop: with odd numbers of nodes, lanes and outputs; in a loop that is as short
 # as can be, with five frames at a time; a cascade, whose outputs leave later than they are
-# computed; ReLU in eight lanes; layers whose operands are kept for several loops; and registers
-# behind the memories.
+# computed; ReLU in eight lanes; and registers behind the memories.
 OVERLAPPED = {
     "rails-loop": replace(LANE, hardware="lanes = 3\ninterval = 38"),
     "least-loop": replace(LANES["least-lanes"], hardware="lanes = 1\ninterval = 6"),
     "chain-loop": replace(LANES["chain-lanes"], hardware="lanes = 4\ninterval = 40"),
     "relu-loop": replace(LANES["relu-lanes"], hardware="lanes = 8\ninterval = 30"),
-    "layers-loop": replace(
-        LANES["layers-lanes"], hardware="lanes = 2\nsegment_width = 8\ninterval = 61"
-    ),
     "deep-loop": replace(
         LANES["deep-lanes"], hardware='lanes = 4\npipeline = "deep"\ninterval = 59'
     ),

@@ -125,6 +125,14 @@ def agreed(a: Bits, b: Bits, width: int) -> Bits:
     )
 
 
+def apart(a: Bits, b: Bits, width: int) -> bool:
+    """Whether a bit that is known in both differs."""
+    if a is X or b is X or a == b:
+        return False
+    bits = (zip(_bit(a, k), _bit(b, k), strict=True) for k in range(width))
+    return any(p != q and p[0] is not X and q[0] is not X for ((p, q),) in bits)
+
+
 def _bit(v: Bits, k: int) -> tuple[Piece, ...]:
     found = cut(v, k, 1)
     source, low, _ = found[0]
