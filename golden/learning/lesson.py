@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE, SAMPLE_SHIFT
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE, SAMPLE_SHIFT
 from golden.fixed import Codes, Fix
 from golden.learning.corrected import GAIN_WEIGHT, HALF, OFFSET_WEIGHT, SLOPE, THETA, Corrected
 from golden.learning.unit import SHORT, Unit, coefficient
@@ -35,10 +35,6 @@ class Lesson:
     @property
     def drifts(self) -> int:
         return len(self.samples)
-
-    def first(self, count: int) -> Lesson:
-        """The first placements alone."""
-        return Lesson(self.samples[:, :count], self.targets[:, :count])
 
     def words(self, placement: int) -> Codes:
         """The words of the samples of a placement, shape (drifts, sensors)."""
@@ -87,50 +83,6 @@ def equation(
     return Equation(
         error, _row(taught, taught.slopes(output, hidden, unit), lesson.words(placement), unit)
     )
-
-
-def by_differences(
-    taught: Corrected,
-    lesson: Lesson,
-    theta: Codes,
-    placement: int,
-    output: int,
-    unit: Unit,
-    alone: bool = True,
-) -> Equation:
-    """The same equation without derivatives: the network computes once more for each sensor.
-
-    Equation: ``dy/dz = (y(z + d) - y(z)) / d`` with d = 2**-8. A larger d bends, and a smaller one
-    leaves too few bits.
-
-    taught, lesson, theta, placement, output, unit: As for ``equation``.
-    alone: Whether the network reads known outputs in the place of those of earlier networks. If
-        not, all earlier networks are computed too.
-    """
-    corrected = taught.samples(theta, lesson.words(placement), unit)
-    known = lesson.known(placement)
-
-    def found(samples: Codes) -> Codes:
-        seen = np.hstack([samples, known[:, : output if alone else 0]])
-        for number in range(output if alone else 0, output):
-            earlier = taught.output(number, taught.hidden(number, seen, unit), unit)
-            seen = np.hstack([seen, earlier])
-        return taught.output(output, taught.hidden(output, seen, unit), unit)[:, 0]
-
-    here = found(corrected)
-    slopes = []
-    for sensor in range(taught.sensors):
-        moved = corrected.copy()
-        moved[:, sensor] = unit.word("moved sample", (corrected[:, sensor] + _MOVE) << DROPPED, 2)
-        by = (found(moved) - here) << (DROPPED + _SHORTER)
-        slopes.append(unit.word("slope", by, 2))
-    error = lesson.error(here, placement, output, unit)
-    return Equation(error, _row(taught, np.stack(slopes, axis=1), lesson.words(placement), unit))
-
-
-_DISTANCE = 8
-_MOVE = 1 << (SAMPLE.frac - _DISTANCE)
-_SHORTER = _DISTANCE - (RESULT.frac - SLOPE.frac)
 
 
 def row_weights(taught: Corrected) -> tuple[Codes, Codes]:

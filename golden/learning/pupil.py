@@ -35,9 +35,7 @@ class Pupil:
     ) -> None:
         self.taught = taught
         self.steps = self.refused = self.changes = 0
-        # Only a rule that divides reads the noise.
-        noise = np.zeros((1, taught.outputs), dtype=np.int64)
-        self._rule = Gradient(taught, 0, noise, np.array(constants))
+        self._rule = Gradient(taught, np.array(constants))
         self._kept: deque[Lesson] = deque(maxlen=placements)
         self.theta: Codes = np.zeros(2 * taught.sensors, dtype=np.int64)
         # The placement and the output of the next equation.

@@ -1,17 +1,12 @@
-"""Two rules as steps of an engine: what a program that learns would hold.
-
-LMS with a constant step needs no quotient; Kaczmarz, or normalised LMS, does. Both are those of
-``golden.learning.gradient``, bit for bit.
+"""LMS as steps of an engine, bit for bit that of ``golden.learning.gradient``.
 
 A *sum* is what it is in an engine: products, one in each step, then half a unit, rounding and
-saturation, and a word that is stored. Today's engine lacks:
+saturation, and a word that is stored. An engine that does not learn lacks:
 
 =========  =======================================================================================
 what       how
 =========  =======================================================================================
 PRODUCT    the coefficient is a second word without its three lowest bits, with the sign kept
-QUOTIENT   a word, shifted to the left, over another one, by subtraction beside the multiplier;
-           Kaczmarz alone needs it
 places     a word is stored where the step says, not at the next address
 exchange   theta stands twice; an equation reads the one copy and writes the other, and they are
            exchanged unless a new word saturated: the step is not taken then, and flagged
@@ -31,7 +26,6 @@ from golden.engine.integer_network import line_at
 from golden.fixed import Fix
 from golden.function import TANH
 from golden.learning.corrected import Corrected
-from golden.learning.gradient import QUOTIENT_SHIFT
 from golden.learning.lesson import Lesson, row_weights
 from golden.learning.unit import SHORT
 
@@ -40,16 +34,12 @@ _HALF = 1 << (DROPPED - 1)
 
 
 class Kind(Enum):
-    """What a step does; those in ``NEW`` are not in today's engine."""
+    """What a step does; PRODUCT is not in an engine that does not learn."""
 
     WEIGHT = "a word times a weight"
     ONE = "the number one times a weight"
     LOOK_UP = "intercept or slope of the table"
     PRODUCT = "a word times a second word"
-    QUOTIENT = "a word over a second word"
-
-
-NEW = (Kind.PRODUCT, Kind.QUOTIENT)
 
 
 @dataclass(frozen=True)
@@ -72,7 +62,6 @@ class Sum:
     """A sum of products.
 
     name: The name of its word.
-    terms: One for a quotient.
     rounded: Whether it begins with half a unit of a word, and not with what its terms hold.
     """
 
@@ -105,32 +94,13 @@ def whole(source: str, sign: int = 1) -> Term:
 
 
 def lms(taught: Corrected, constants: Sequence[Sequence[int]]) -> list[list[Sum]]:
-    """The sums of the equation of each output, for LMS with constant steps.
+    """The sums of the equation of each output.
 
     constants: The step and the leak of each output; see ``golden.learning.gradient``.
     """
     return [
         [*_equation(taught, k), Sum("step", (by("error", step),)), *_new_theta(taught, leak)]
         for k, (step, leak) in enumerate(constants)
-    ]
-
-
-def kaczmarz(taught: Corrected, noise: Sequence[int], halvings: int) -> list[list[Sum]]:
-    """The sums of the equation of each output, for Kaczmarz.
-
-    noise: r^2 of each output, in the format ``LENGTH``.
-    halvings: The rate is ``2**-halvings``.
-    """
-    row = [f"row {k}" for k in range(2 * taught.sensors)]
-    quotient = Term(Kind.QUOTIENT, "error", QUOTIENT_SHIFT - halvings, "length")
-    return [
-        [
-            *_equation(taught, k),
-            Sum("length", (*one(square), *(times(word, word) for word in row))),
-            Sum("step", (quotient,)),
-            *_new_theta(taught),
-        ]
-        for k, square in enumerate(noise)
     ]
 
 
@@ -217,9 +187,6 @@ class Run:
     def _kept(self, one: Sum, memory: dict[str, int]) -> int:
         """The word of a sum before it is saturated."""
         first = one.terms[0]
-        if first.kind is Kind.QUOTIENT:
-            above, below = memory[first.source] << first.weight, max(1, memory[first.second])
-            return abs(above) // below * (1 if above >= 0 else -1)
         if first.kind is Kind.LOOK_UP:
             width = self.taught.networks[0].segment_width
             return (line_at(TANH, width, memory[first.source]) + _HALF) >> DROPPED

@@ -4,14 +4,11 @@ It is that of ``golden.engine.round_saturate``: a sum is exact, half a unit of i
 the lowest bits are dropped, and what does not fit is saturated. Here every saturation is counted
 under the name of its word, and so are the clocks.
 
-Two steps are not in today's engine:
-
-- *A product of two words.* The program's weight, which is the coefficient of the multiplier, is
-  replaced by a second word of the memory without its ``SHORT`` lowest bits, with the sign kept.
-  Of words with a and b fraction bits, the product has a + b - ``SHORT``, and its word has a + b -
-  17 after ``DROPPED`` bits: two fractions give a fraction. A sample loses nothing, because its
-  lowest bits are zeros.
-- *A quotient*, bit by bit, by subtraction: one clock for each bit and four for signs and start.
+A *product of two words* is not in an engine that does not learn. The program's weight, which is the
+coefficient of the multiplier, is replaced by a second word of the memory without its ``SHORT``
+lowest bits, with the sign kept. Of words with a and b fraction bits, the product has a + b -
+``SHORT``, and its word has a + b - 17 after ``DROPPED`` bits: two fractions give a fraction. A
+sample loses nothing, because its lowest bits are zeros.
 """
 
 from collections import Counter
@@ -29,8 +26,6 @@ SHORT = SAMPLE_SHIFT
 # Clocks from the last product of a sum to the first step that can read its word, less the one that
 # the step takes itself. Sums that read nothing of each other share them.
 WAIT = Pipeline().result_ready - 1
-# Clocks of a quotient besides one for each of its bits.
-AROUND_QUOTIENT = 4
 
 
 def coefficient(words: Codes) -> Codes:
@@ -72,20 +67,6 @@ class Unit:
         self.reaches(sums)
         kept = (sums + (1 << (drop - 1))) >> drop if drop else sums
         self.takes(terms * (sums.shape[1] if sums.ndim > 1 else 1), WAIT)
-        return self._fitted(name, kept, width)
-
-    def quotient(
-        self, name: str, numerators: Codes, denominators: Codes, width: int = WIDTH
-    ) -> Codes:
-        """Quotients of ``width`` bits, rounded towards 0; a denominator below 1 counts as 1.
-
-        A denominator below 1 is counted as a saturation, because no rule should divide by it.
-        """
-        sound = np.maximum(denominators, 1)
-        self.judge(f"{name}, denominator", denominators >= 1)
-        kept = np.sign(numerators) * (np.abs(numerators) // sound)
-        count = kept.shape[1] if kept.ndim > 1 else 1
-        self.takes(count, (width + AROUND_QUOTIENT - 1) * count)
         return self._fitted(name, kept, width)
 
     def takes(self, steps: int, waits: int = 0) -> None:

@@ -25,8 +25,6 @@ ON_REQUEST = (
     "table_graph",
     "learned_classes",
     "learned_elsewhere",
-    "on_line_learning",
-    "beyond_drift",
     "sensors_shipped",
 )
 

@@ -23,7 +23,6 @@ from golden import (
     function_network,
     layer_objective,
     layer_training,
-    recalibration,
     spline_basis,
     spline_layers,
     spline_training,
@@ -35,26 +34,13 @@ from golden.engine import function_table, sums_of_functions
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.input_error import InputError
-from golden.learning import (
-    conjugate,
-    corrected,
-    costs,
-    gradient,
-    lesson,
-    noise,
-    output_layers,
-    perturbation,
-    recursive,
-    unit,
-)
 from golden.machine import facts
 from golden.networks import adder_graph, function_sums, small_tables, table_graph, table_sums
-from golden.physics import strain_sensor, swing_data
+from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene import load_scene
 from golden.scene.reference import NUMBERS
 from tb.report.measure import (
-    beyond_drift,
     convergence,
     function_tables,
     honest,
@@ -62,7 +48,6 @@ from tb.report.measure import (
     learned_edges,
     learned_elsewhere,
     learned_functions,
-    on_line_learning,
     outside,
     past,
     sensors_dropped,
@@ -73,10 +58,6 @@ from tb.report.measure import (
 )
 from tb.report.measure.table import Table
 
-LEARNING = (
-    *(conjugate, corrected, costs, gradient, lesson, noise),
-    *(output_layers, perturbation, recursive, unit),
-)
 LEARNED = (
     function_tables,
     learned_functions,
@@ -106,8 +87,6 @@ RECORDED = {
     "table_graph": (table_graphs, *TABLE_GRAPH),
     "learned_classes": (learned_classes, *TABLE_GRAPH, *CLASSES),
     "learned_elsewhere": (learned_elsewhere, learned_functions, splines, spline_basis, window),
-    "on_line_learning": (on_line_learning, *LEARNING, recalibration),
-    "beyond_drift": (beyond_drift, on_line_learning, *LEARNING, recalibration, strain_sensor),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }

@@ -50,7 +50,7 @@ from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.measure.word_widths import word_widths
 from tb.report.page import designs as compared
-from tb.report.page import learned, on_line, outside, run_time, stability
+from tb.report.page import learned, outside, run_time, stability
 from tb.report.page import left_out as leaving
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
@@ -321,7 +321,7 @@ def pages() -> dict[Path, str]:
     scenes_left_out, shipped = left_out(SEED), read("sensors_shipped")
     functions, in_integers = read("learned_functions"), read("function_tables")
     in_tables, for_classes = read("table_graph"), read("learned_classes")
-    elsewhere, on_line_learning = read("learned_elsewhere"), read("on_line_learning")
+    elsewhere = read("learned_elsewhere")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "headline", headline),
         (docs / "overview.md", "side_by_side", demo),
@@ -357,10 +357,6 @@ def pages() -> dict[Path, str]:
         (docs / "left-out-tables.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
         (docs / "left-out-tables.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
         (docs / "left-out-tables.md", "nodes", partial(leaving.nodes_rows, nodes)),
-        (docs / "learning.md", "errors", partial(on_line.errors, on_line_learning)),
-        (docs / "learning.md", "placements", partial(on_line.by_placements, on_line_learning)),
-        (docs / "learning.md", "costs", partial(on_line.costs, on_line_learning)),
-        (docs / "learning.md", "beyond", partial(on_line.beyond, read("beyond_drift"))),
         (docs / "limits.md", "outside", partial(outside.rows, read("outside"))),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
@@ -385,7 +381,6 @@ def pages() -> dict[Path, str]:
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"), "the cascade")
-    found[docs / "learning.svg"] = on_line.picture(on_line_learning)
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "overview.svg"] = overview(load_scene(SHOWN))

@@ -286,7 +286,7 @@ def learning() -> Iterator[Row]:
     alone = np.array(
         [[constant[0], 0]]
     )  # without a leak, which would lead away from what is sought
-    rule = Gradient(nobody, 0, np.zeros((1, 1), dtype=np.int64), alone, equation=given)
+    rule = Gradient(nobody, alone, given)
     unit, theta = Unit(1), np.zeros((1, 8), dtype=np.int64)
     away, grown = [float(np.linalg.norm(aim))], 0.0
     for _ in range(LEARNED * len(rows)):
