@@ -397,8 +397,9 @@ COMMANDS = (
         "frame "
         "that can come in. Otherwise proves properties of one block or of every block, shows that "
         "broken copies of a block violate them, and proves that VHDL and Verilog compute the same "
-        "function. RECORD=1 records the results.",
-        (BLOCK, option("SCENE"), RECORD),
+        "function. RECORD=1 records the results, and THETA= puts these codes into an engine that "
+        "learns.",
+        (BLOCK, option("SCENE"), option("THETA"), RECORD),
         "tb.prove",
     ),
     Command(

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.cli import run, would
+from golden.cli import run, whole, would
 from golden.dense import layers_of
 from golden.folders import BUILD
 from golden.hold import held
@@ -141,10 +141,10 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
         return np.concatenate(results, axis=-1)
 
     lines = [f"{scene.name}: from the trained network, in units of 2^-{SIGNAL.frac}, in any frame:"]
-    for name, whole, alone, (met, _) in zip(
+    for name, every, alone, (met, _) in zip(
         scene.outputs, ends, own, farthest(given, real), strict=True
     ):
-        far, near = (max(-low, high) for low, high in (whole, alone))
+        far, near = (max(-low, high) for low, high in (every, alone))
         bounded = far < 1 << SIGNAL.width
         text = f"at most {far:.1f}" if bounded else "no bound"
         if far > near:
@@ -165,7 +165,10 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--scene")
     parser.add_argument("--record", action="store_true")
+    parser.add_argument("--theta", default="")
     arguments = parser.parse_args()
+    if arguments.theta and not arguments.scene:
+        raise InputError(f"THETA={arguments.theta}: got no SCENE, expected an engine that learns")
     if not arguments.scene:
         return blocks.run_blocks(arguments.block, arguments.record)
     if arguments.block or arguments.record:
@@ -173,7 +176,8 @@ def main() -> int:
     for simulator in ("ghdl", "icarus"):
         check_simulator(simulator)
     scene = load_scene(arguments.scene)
-    given = description(scene)
+    one = whole("THETA", SIGNAL.low, SIGNAL.high)
+    given = description(scene, [one(text) for text in arguments.theta.split(",") if text])
     would(f"export {scene.name} and prove it for every frame")
     with held([BUILD / scene.name]):
         return prove_scene(scene, given)

@@ -36,13 +36,13 @@ from tb.prove import hardware, main, prove_netlist
 # A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
 QUICK = [
     *("digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"),
-    "least-serial verilog",
+    *("least-serial verilog", "lesson vhdl"),
 ]
 SLOW = [
     *("digit vhdl", "digit-hybrid verilog", "digit-thesis verilog", "digit-parallel vhdl"),
     *("digit-multiple verilog", "comparison/digit-lanes4 verilog", "comparison/digit-sums verilog"),
     *("comparison/digit-tables verilog", "classes/digits verilog", "classes/digits-fast verilog"),
-    *("digit-fast verilog", "digit-fast vhdl"),
+    *("digit-fast verilog", "digit-fast vhdl", "digit-learning verilog"),
 ]
 
 
@@ -184,6 +184,19 @@ def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
     second = r"\1 ^ lane_loop0_samples0_half_out;"
     replaced("lanes.v", r"(assign out_data = [^;]*);", second)(folder)
     assert outcome(description(scene), folder) == "DiffersError"
+
+
+def test_an_engine_that_learns_is_proved_with_theta(tmp_path: Path) -> None:
+    """With another theta in the hardware a frame is shown, which Icarus plays behind it."""
+    scene = CASES["lesson"].scene(tmp_path, "mine")
+    export(scene, "verilog", tmp_path)
+    folder, given = tmp_path / "mine" / "verilog", description(scene, [1300, -700, 5000, -90])
+    netlist = hardware(folder, given["entity"], "verilog")
+    found = prove_netlist(given, netlist, folder)
+    assert str(found).startswith("proved for every frame: 2^28, learning_engine, learn and")
+    given["before"][1]["data"][2] ^= 1 << 6
+    said = str(prove_netlist(given, netlist, folder))
+    assert re.search(r" gives (-?\d+), the network (?!\1;).*Icarus gives \1$", said), said
 
 
 def _weight(given: dict[str, Any]) -> None:

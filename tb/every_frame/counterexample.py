@@ -124,7 +124,7 @@ def bench(description: dict[str, Any], frames: int) -> str:
         "\n".join(
             [
                 "module bench;",
-                "reg clk = 0, rst = 1, in_valid = 0, in_last = 0;",
+                "reg clk = 0, rst = 1, in_valid = 0, in_last = 0, begun = 0;",
                 "wire out_valid, out_last;",
                 "integer f, k;",
                 f"reg signed [{bits - 1}:0] samples [0:{frames * count - 1}];",
@@ -135,10 +135,11 @@ def bench(description: dict[str, Any], frames: int) -> str:
                 + ", ".join(f".{n}({n})" for n in [*named, *others])
                 + ");",
                 "always #1 clk = !clk;",
-                f"always @(negedge clk) if (out_valid) {shown};",
+                f"always @(negedge clk) if (out_valid && begun) {shown};",
                 'initial begin $readmemh("frames.txt", samples);',
                 "repeat (4) @(negedge clk); rst = 0;",
                 *[f"{clock} @(negedge clk);" for clock in begins],
+                "begun = 1;",
                 f"for (f = 0; f < {frames}; f = f + 1) begin",
                 f"for (k = 0; k < {description['elements']}; k = k + 1) begin",
                 f"in_valid = 1; in_last = k == {description['elements'] - 1};",

@@ -104,6 +104,8 @@ def bounds(
             off = one.off[0] - lost, one.off[1]
             known.append(Known(one.low >> shift << left, one.high >> shift << left, unit, off))
             place = places[terms[0][0]]
+        elif place[0] < 0:
+            raise InputError("no bound is known behind sensors that are corrected")
         else:
             layer = networks[place[0]][place[1]]
             row, bias = layer.weights[place[2]], float(layer.biases[place[2]])

@@ -149,12 +149,7 @@ def netlist(module: dict[str, Any]) -> Netlist:
                 if last and last.word is None and last.bits is None and known is None:
                     found[-1] = Run(None, 0, last.count + 1)
                 elif last and last.bits is not None and known is not None:
-                    found[-1] = Run(
-                        None,
-                        0,
-                        last.count + 1,
-                        last.bits | known << last.count,
-                    )
+                    found[-1] = Run(None, 0, last.count + 1, last.bits | known << last.count)
                 else:
                     found.append(Run(None, 0, 1, known))
                 continue
@@ -167,11 +162,7 @@ def netlist(module: dict[str, Any]) -> Netlist:
 
     cells, registers, memories = [], [], []
     for name, cell in module["cells"].items():
-        kind, wires, given = (
-            cell["type"],
-            cell["connections"],
-            cell["parameters"],
-        )
+        kind, wires, given = (cell["type"], cell["connections"], cell["parameters"])
         if kind in SILENT:
             continue
         if kind == "$mem_v2":

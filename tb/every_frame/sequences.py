@@ -6,7 +6,10 @@ value, so what is shown with it holds whatever a register held before.
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import reduce
+from itertools import count
 from typing import Any
 
 from tb.every_frame.bits import Bits, X, agreed, apart
@@ -20,8 +23,9 @@ from tb.every_frame.values import Values
 ROUNDS = 12
 # Idle clocks that are tried where no number of them can be shown to change nothing.
 TRIED = 8
-# The most states between two samples of a frame, after gaps of all lengths.
-MOST_STATES = 150
+# The most states between two samples of a frame, after gaps of all lengths, and idle clocks behind
+# which these may be joined, because what a sample wrote is written.
+MOST_STATES, SETTLED = 150, 2
 
 
 class RefusedError(Exception):
@@ -57,6 +61,7 @@ def before(given: dict[str, Any]) -> list[dict[str, int]]:
         name, last = stream["name"], len(stream["data"]) - 1
         found += [
             {f"{name}_valid": 1, f"{name}_data": v, f"{name}_last": int(k == last)}
+            | stream.get("beside", {})
             for k, v in enumerate(stream["data"])
         ]
         found += [{}] * stream["clocks"]
@@ -173,7 +178,7 @@ class Sequences:
     # States.
 
     def _joined(self, a: State, b: State) -> State:
-        a, b = self.run.abstracted(a), self.run.abstracted(b)
+        """What two states have in common; the rest is unknown."""
         hardware = self.run.hardware
         registers = [
             agreed(x, y, r.width) for x, y, r in zip(a[0], b[0], hardware.registers, strict=True)
@@ -216,12 +221,15 @@ class Sequences:
         waiting, rounds = [first], 0
         while waiting:
             state = waiting.pop()
-            alike = next((r for r in reached if not self._apart(r[0], state)), None)
-            if alike:
-                state = self._joined(alike[0], state)
-                if self._same(alike[0], state):
-                    continue
-                reached.remove(alike)
+            # A counter that nothing resets has too many states, so they are joined at last.
+            late = rounds > ROUNDS // 2
+            alike = [r for r in reached if late or not self._apart(r[0], state)]
+            alike = alike if late else alike[:1]
+            state = reduce(self._joined, [one for one, _ in alike], state)
+            if any(self._same(one, state) for one, _ in alike):
+                continue
+            for one in alike:
+                reached.remove(one)
             if (rounds := rounds + 1) > ROUNDS:
                 raise RefusedError(
                     f"the state between frames has not settled after {ROUNDS} rounds: something "
@@ -261,7 +269,7 @@ class Sequences:
             True,
         )
         if not self.words and self.count > 1:
-            shown = min(self._any_gaps(state, wait, ends) for state in states)
+            shown = min(self._gaps(state, wait) for state in states)
             text = (
                 "any number of idle clocks between samples changes nothing"
                 if shown
@@ -287,43 +295,52 @@ class Sequences:
             else f"{self.clocks[0]} to {self.clocks[-1]}"
         )
 
-    def _any_gaps(self, start: State, wait: int, ends: int) -> bool:
-        """Whether all states that gaps of any length lead to are known and give the outputs; else
-        some gaps are tried."""
-        run, frame = self.run, self._frame(self.symbols)
-        states = [start]
-        for k, inputs in enumerate(frame):
-            following: list[State] = []
-            for state in states:
-                run.restore(state)
-                self._check(self._play([inputs]), [], None)
-                while (
-                    not any(self._same(run.state(), s) for s in following)
-                    and len(following) <= MOST_STATES
-                ):
-                    following.append(run.state())
-                    if k < len(frame) - 1:
-                        self._check(self._play([self._idle()]), [], None)
-            states = following
-            if len(states) > MOST_STATES:
-                break
-        else:
-            for state in states:
-                run.restore(state)
-                self._check([{"out_valid": 0}, *self._play([self._idle()] * wait)], [0], 0)
-            return True
+    def _gaps(self, start: State, wait: int) -> bool:
+        """Whether any gaps give the outputs; else some are tried."""
+        for exact in (SETTLED, MOST_STATES):
+            with suppress(RefusedError):
+                if self._any_gaps(start, wait, exact):
+                    return True
+        frame = self._frame(self.symbols)
         plans = [
             [g if j == k else 0 for j in range(len(frame) - 1)]
             for k in range(len(frame) - 1)
             for g in (1, TRIED)
         ]
         for gaps in [*plans, *([g] * (len(frame) - 1) for g in range(1, TRIED + 1))]:
-            run.restore(start)
+            self.run.restore(start)
             spaced = [
                 i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[self._idle()] * g)
             ]
             self._check(self._play([*spaced, *[self._idle()] * wait]), [len(spaced) - 1], 0)
         return False
+
+    def _any_gaps(self, start: State, wait: int, exact: int) -> bool:
+        """Whether few states come of gaps of all lengths, and all give the outputs. Those behind
+        more than so many idle clocks are joined."""
+        run, frame, idle = self.run, self._frame(self.symbols), [self._idle()]
+        states = [start]
+        for inputs in frame[:-1]:
+            following: list[State] = []
+            for state in states:
+                run.restore(state)
+                self._check(self._play([inputs]), [], None)
+                for gap in count():
+                    state = run.state()
+                    if any(self._same(state, s) for s in following):
+                        break
+                    # A joined state has the one before it within.
+                    following[len(following) - (gap > exact) :] = [state]
+                    if len(following) > MOST_STATES:
+                        return False
+                    self._check(self._play(idle), [], None)
+                    if gap >= exact:
+                        run.restore(self._joined(state, run.state()))
+            states = following
+        for state in states:
+            run.restore(state)
+            self._check(self._play([frame[-1], *idle * wait]), [0], 0)
+        return True
 
     def _close(self, start: State, tail: int, ends: int) -> None:
         """Frames as close as they may be: what the others hold is unknown, so it does not

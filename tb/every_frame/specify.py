@@ -11,22 +11,26 @@ from typing import Any
 
 import numpy as np
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import table_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
+from golden.fixed import Fix
 from golden.function import Function
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.shift_add import Constant, Input
+from golden.learning.corrected import Corrected
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.cascade import Cascade
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
+from golden.networks.learning_engine import LearningEngine
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.table_graph import TableGraph
 from golden.precision import SIGNAL
+from golden.scene.expected_drift import expected_drift
 from golden.scene.scene import Scene
 
 
@@ -75,28 +79,45 @@ class Words:
         return self._named(f"{function.name} {kind}", made)
 
 
-def description(scene: Scene) -> dict[str, Any]:
-    """What `network.py` reads, with ports and clocks that the hardware publishes."""
+def description(scene: Scene, theta: Sequence[int] = ()) -> dict[str, Any]:
+    """What `network.py` reads, with ports and clocks that the hardware publishes.
+
+    theta: What is put into an engine that learns before the frames, in the codes of its ports.
+    """
     top = scene.twin()
     built, whole = top.core, scene.twin(lean=False).core
-    if built.stream not in ("serial", "words") or built.lesson_ports:
-        raise InputError(
-            f"{scene.name}: every frame is not proved yet for {built.entity} with what is learned"
-        )
-    loaded = [{"name": "load", "data": list(built.image), "clocks": 0}] if built.image else []
-    around = ", its image loaded and load_valid low from then on" if loaded else ""
+    if built.stream not in ("serial", "words"):
+        raise InputError(f"{scene.name}: every frame is not proved yet for {built.entity}")
+    words, outputs = Words(built.inputs), list[int]()
+    before, said = list[dict[str, Any]](), ""
+    if isinstance(whole, LearningEngine):
+        said, whole = ", learn and target_valid low", whole.engine
+        if theta:
+            said += f" behind theta {', '.join(map(str, theta))}"
+            one = {"data": [0] * built.inputs, "clocks": built.interval}
+            codes = {"data": [code & (1 << SIGNAL.width) - 1 for code in theta]}
+            before = [{"name": "in", **one}, {**one, "name": "target", **codes}]
+            before[1]["beside"] = {"target_theta": 1}
+            taught = Corrected.of(scene.mlps(), *expected_drift(scene))
+            outputs = _engine(whole, words, _corrected(taught, theta, words))
+    elif theta:
+        raise InputError(f"{scene.name}: got theta, expected hardware.learning = 'lms'")
+    outputs = outputs or of(whole, words, list(range(built.inputs)))
+    if built.image:
+        said = ", its image loaded and load_valid low from then on"
+        before = [{"name": "load", "data": list(built.image), "clocks": 0}]
     if top is not built:
-        around += f" inside {top.entity}, which is not proved"
-    words = Words(built.inputs)
-    outputs = of(whole, words, list(range(built.inputs)))
+        said += f" inside {top.entity}, which is not proved"
+    others = [p for p in (*built.load_ports, *built.lesson_ports) if p.direction == "in"]
     return {
         "scene": scene.name,
         "entity": built.entity,
-        "around": around,
-        "before": loaded,
-        # Inputs besides those of frames, with their bits, and those of them that stay 0.
-        "ports": {p.name: p.width for p in built.load_ports if p.direction == "in"},
-        "still": ["load_valid"] if loaded else [],
+        "around": said,
+        "before": before,
+        # Inputs besides those of frames, with their bits, and those of them that stay 0 but for
+        # what is before frames.
+        "ports": {p.name: p.width for p in others},
+        "still": [p.name for p in others if p.name in ("load_valid", "target_valid", "learn")],
         "stream": built.stream,
         "samples": built.inputs,
         "elements": built.input_controller.inputs if built.stream == "serial" else 1,
@@ -117,7 +138,30 @@ def of(network: Network, words: Words, samples: list[int]) -> list[int]:
 
 @of.register
 def _(network: Engine, words: Words, samples: list[int]) -> list[int]:
-    inputs = [words.add(sum=[[k, 1]], left=SAMPLE_SHIFT) for k in samples]
+    return _engine(network, words, [words.add(sum=[[k, 1]], left=SAMPLE_SHIFT) for k in samples])
+
+
+def _corrected(taught: Corrected, theta: Sequence[int], words: Words) -> list[int]:
+    """z = x + x g + o of each sensor, as a word of an engine."""
+    word, one = Fix(WIDTH, 0), 1 << DROPPED
+    units = [int(u) for u in (*taught.gains, *taught.offsets)]
+    if len(theta) != len(units):
+        raise InputError(f"theta: got {len(theta)} elements, expected {len(units)}")
+    products = [(t << OUTPUT_SHIFT) * u for t, u in zip(theta, units, strict=True)]
+    learned = [min(max(p + one // 2 >> DROPPED, word.low), word.high) for p in products]
+    return [
+        words.add(
+            sum=[[k, (one << SAMPLE_SHIFT) + learned[k]]],
+            start=learned[taught.sensors + k] * one,
+            shift=DROPPED,
+            round="up",
+            clip=[word.low, word.high],
+        )
+        for k in range(taught.sensors)
+    ]
+
+
+def _engine(network: Engine, words: Words, inputs: list[int]) -> list[int]:
     outputs: list[int] = []
     for integers in network.integers:
         outputs += _integer(

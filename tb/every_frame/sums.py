@@ -623,8 +623,7 @@ class Space:
         if base.parts and k <= base.parts[2]:
             first, rest, _ = base.parts
             form = plus(
-                self.floor(plus(times(first, sign), constant), k),
-                self.floor(times(rest, sign), k),
+                self.floor(plus(times(first, sign), constant), k), self.floor(times(rest, sign), k)
             )
             if isinstance(form, Sum) and len(form.terms) > 1:
                 # form = start + sign * word = form.constant + turned * 2^e * other

@@ -266,7 +266,9 @@ class Unrolled:
             s = self.get(cell.inputs["S"])
             if isinstance(s, int):
                 return self.get(cell.inputs["B" if s else "A"])
-            return self._mux(s, self.get(cell.inputs["B"]), self.get(cell.inputs["A"]), cell)
+            # What is chosen by itself is known where it is chosen.
+            no = 0 if cell.inputs["A"] == cell.inputs["S"] else self.get(cell.inputs["A"])
+            return self._mux(s, self.get(cell.inputs["B"]), no, cell)
         if kind == "$pmux":
             return self._pmux(cell)
         given = [
