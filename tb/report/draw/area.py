@@ -42,7 +42,7 @@ def area(table: Table) -> str:
         "clocks from the last sample to the last output", "Virtex-II LUTs, entity by entity"
     )
     said = f"{title}. {sentence(table)}"
-    return picture(said, (720, 480), [*body, *drawn(points(table), axes)], widest=860)
+    return picture(said, (720, 480), [*body, *drawn(points(table), axes)], 560, 860)
 
 
 def sentence(table: Table) -> str:

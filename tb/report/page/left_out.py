@@ -34,12 +34,11 @@ def headline(scenes: Table, shipped: Table) -> str:
     worst = {str(r["kept"]): r for r in rows_of(shipped, output=WORST)}
     four, two = (worst[" ".join(sensors)] for sensors in (SETS[0], SETS[-1]))
     return (
-        f"**Built as in the thesis, `{FORM}` needs {_of(row, 'LUT')} LUTs and {rom[0]} of the "
-        f"{rom[1]} words of ROM that every segment\nwould take, and {comparators_left_out(FORM)} "
-        f"comparators fewer; the program of `{SCENE}` takes {clocks_per_frame(one)} in the place "
-        f"of {clocks_per_frame(every)} clocks if the load\nalone is asked for; and among known "
-        f"loads two of the four sensors err no more: the worst output by {_range(two)} %\nof its "
-        f"scale, with all four by {_range(four)} %.**"
+        f"**Built as in the thesis, `{FORM}` takes {_of(row, 'LUT')} LUTs and {rom[0]} of {rom[1]} "
+        f"words of ROM, and leaves out\n{comparators_left_out(FORM)} comparators. Asked for the "
+        f"load alone, `{SCENE}` takes {clocks_per_frame(one)} of {clocks_per_frame(every)} clocks. "
+        f"Of known loads, two of the four\nsensors tell as much: the worst output errs by "
+        f"{_range(two)} % of its scale, with all four by {_range(four)} %.**"
     )
 
 

@@ -62,6 +62,7 @@ def sections(scene: Scene, asked: store.Key, draw: Draw, tell: Progress) -> list
             "Networks: area, clocks and error",
             area.area(networks),
             area.sentence(networks),
+            wide=True,
         ),
         Picture(
             "tanh_words",
