@@ -216,12 +216,6 @@ def test_what_it_cannot_compute_is_refused_by_name() -> None:
     many = of_parabolas((3, 2, 1), 0).layers()
     with pytest.raises(InputError, match="for hidden layers of 6 functions, table:g1_1,g1_2, exp"):
         Hybrid.of([many], Settings(EXACT, "gradient"))
-    for width, said in ((2, "expected 3 to 18"), (19, "expected 3 to 18")):
-        with pytest.raises(InputError, match=rf"hardware.word_width: got {width}, {said}"):
-            AdderGraph.of(deep[:1], narrow(width))
-    for runs in (-1, 10_001):
-        with pytest.raises(InputError, match=rf"search_runs: got {runs}, expected 1 to 10000"):
-            AdderGraph.of(deep[:1], Settings(EXACT, "bipartite", options={"search_runs": runs}))
     for kinds, quantiser in ((("tanh",), None), (("tanh", "sigmoid"), None), (("relu",), CODES)):
         shape = (2, *(3 for _ in kinds), 1)
         network = random_network(shape, kinds, 1.0, 1, quantiser)

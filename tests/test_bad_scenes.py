@@ -119,12 +119,6 @@ TABLE: dict[str, dict[str, str]] = {
         'weights = "no.npz"': "no.npz: no such network; make train SCENE=... writes it",
         'weights = ["a.npz", 1]': "network.weights: got ['a.npz', 1], expected text, or a list",
     },
-    'design = "hybrid"\nactivation = "gradient"': {
-        'design = "adder_graph"\nadders_per_clock = 1000000000': "hardware.adders_per_clock: got "
-        "1000000000, expected 1 to 100",
-        'design = "adder_graph"\nsearch_runs = 1000000': "hardware.search_runs: got 1000000, "
-        "expected 1 to 10000",
-    },
     'design = "hybrid"': {
         'design = "hybird"': "hardware.design: got 'hybird', .* did you mean 'hybrid'?",
         'design = ["hybrid"]': f"hardware.design: got ['hybrid'], {TEXT}",

@@ -90,6 +90,7 @@ def test_the_data_give_bits_where_bounds_waste_them(kind: str) -> None:
     for one, other in zip(bounded.graph.ranges, ranged.graph.ranges, strict=True):
         assert not one.from_data
         assert (one.met, other.bound >= other.met) == (0.0, True)
+        assert 0.99 * 2 ** (WIDTH - 2) < one.bound * 2**one.fmt.frac < 2 ** (WIDTH - 1)
         assert other.met * 2**other.fmt.frac >= 2**ENOUGH or other.fmt.frac == WIDTH - 1
         gained += other.fmt.frac - one.fmt.frac
     assert gained >= 2

@@ -10,6 +10,7 @@ import pytest
 from refused import Desk
 
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, faults
+from golden.layers import constant_matrix
 from golden.rig.check import before_training, everything
 from golden.scene import load_scene, scene_names
 from golden.table import read_table, write_table
@@ -210,6 +211,16 @@ def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path)
         change(path, r"hidden = \[\d+, \d+\]", f"hidden = {span}")
         found = [f for f in findings_of(path) if "hidden nodes" in f.text or "operand" in f.text]
         assert [f.verdict for f in found] == [verdict], (span, found)
+
+
+def test_graphs_of_random_weights_are_searched_once(path: Path, monkeypatch) -> None:
+    untrained(path)
+    change(path, '"cascade"', '"multiple"')
+    change(path, 'activation = "precise"', "search_runs = 10000")
+    change(path, '"engine"', '"adder_graph"')
+    runs, old = set(), constant_matrix.graph_of
+    monkeypatch.setattr(constant_matrix, "graph_of", lambda *a: runs.add(a[-1]) or old(*a[:-1], 1))
+    assert (faults(findings_of(path)), runs) == ([], {1})
 
 
 def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:

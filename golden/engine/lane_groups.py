@@ -199,11 +199,11 @@ def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> 
                 rows.append([0] * found.lanes)
             for column in range(found.lanes) if group.alike else (at,):
                 rows[row][column] = term.weight
-    first = members[0][1]
+    first, function = members[0][1], members[0][1].function
     for (kind, source), rows in columns.items():
         for weight in map(tuple, rows):
             place = weights.setdefault(weight, len(weights))
-            terms.append(Term(kind, source, place, first.function))
+            terms.append(Term(kind, source, place, function))
     name = names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
     return replace(first, name=name, terms=tuple(terms))
 

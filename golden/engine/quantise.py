@@ -162,15 +162,19 @@ def _layer(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
 
 def _ranged(exact: Exact, values: Sequence[Value], met: float) -> IntegerLayer:
     """The codes of a layer in which saturation would be an error; see ``golden.engine.ranges``."""
-    for frac in range(WIDTH - 1, -1, -1):
+    frac = WIDTH - 1
+    while True:
         layer = _coded(exact, Fix(WIDTH, frac), values)
         low, high = _ends(layer, values)
         most = max(*high, -min(low))
-        if min(low) >= _LOW and max(high) <= _HIGH:
+        fits = min(low) >= _LOW and max(high) <= _HIGH
+        if fits or not frac:
             break
-    else:
-        frac = -1
-    bound = most / 2.0 ** max(frac, 0)
+        # A bit less halves the sums, but for the rounding of weights, which is far below a range.
+        # So formats in which they would be twice the range or more need not be tried.
+        frac = max(0, frac - max(1, most.bit_length() - WIDTH))
+    bound = most / 2.0**frac
+    frac = frac if fits else -1
     known = frac_of(met, WIDTH) if met else -1
     if known > frac and met * 2.0**frac < 1 << ENOUGH:
         fmt = Fix(WIDTH, known)
@@ -249,7 +253,7 @@ def _check_whole(what: str, codes: list[Fraction]) -> None:
 
 def _near(value: Fraction) -> int:
     """The nearest whole number, with halves rounded up."""
-    return int((2 * value + 1) // 2)
+    return (2 * value.numerator + value.denominator) // (2 * value.denominator)
 
 
 def _ends(layer: IntegerLayer, values: Sequence[Value]) -> tuple[list[int], list[int]]:

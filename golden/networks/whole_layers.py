@@ -24,12 +24,8 @@ from golden.layers.shift_add import Ends, sum_ends
 from golden.precision import EXACT, SIGNAL
 
 # Bits of a word from layer to layer, where neither a quantiser nor the scene says how many there
-# are: as many as tanh has. An engine keeps more, which cost it nothing. The least leave one bit
-# beside those that round it.
+# are: as many as tanh has. An engine keeps more, which cost it nothing.
 WORD_WIDTH = TANH_RESULT.width
-LEAST_WORD = 3
-# The most runs of a search that a scene may ask for.
-MOST_RUNS = 10_000
 # Bits below the last place of a hidden word and of an output that take part in the additions.
 GUARD = (1, 1)
 # By how many bits a word of tanh is longer than the code of a table, which stands for the middle of
@@ -56,17 +52,6 @@ class Chosen:
     prefix: str = ""
     word_width: int = 0
     search_runs: int = 0
-
-    def __post_init__(self) -> None:
-        if self.word_width and not LEAST_WORD <= self.word_width <= RESULT.width:
-            raise InputError(
-                f"hardware.word_width: got {self.word_width}, expected {LEAST_WORD} to "
-                f"{RESULT.width}"
-            )
-        if not 0 <= self.search_runs <= MOST_RUNS:
-            raise InputError(
-                f"hardware.search_runs: got {self.search_runs}, expected 1 to {MOST_RUNS}"
-            )
 
 
 @dataclass(frozen=True)

@@ -323,4 +323,8 @@ def _stand_in(scene: Scene, hidden: tuple[int, ...]) -> Iterator[Scene]:
                 for taken, nodes, kind in zip(widths, widths[1:], kinds, strict=False)
             ]
             write_network(path, on_readings(network_of(layers), *scales))
-        yield replace(scene, members=tuple(members))
+        options = scene.design_options
+        if "search_runs" in options:
+            # Thousands of runs for random weights take minutes and tell nothing more.
+            options = {**options, "search_runs": 1}
+        yield replace(scene, members=tuple(members), design_options=options)

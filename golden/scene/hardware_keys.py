@@ -208,20 +208,19 @@ HARDWARE = KeyTable(
             "2",
         ),
         "word_width": Key(
-            Whole(absent=True),
+            Whole(Span(3, 18), absent=True),
             0,
             "Only for `adder_graph`, behind layers of ReLU or other layers without a table. How "
-            "many bits a word from layer to layer has, 3 to 18. Each bit less makes every adder "
+            "many bits a word from layer to layer has. Each bit less makes every adder "
             "behind it shorter. A network for classes often decides the same with 8.",
             "15",
         ),
         "search_runs": Key(
-            Whole(absent=True),
+            Whole(Span(1, 10_000), absent=True),
             0,
             "Only for `adder_graph`. How often the [search for sums that results share]"
-            "(blocks/constant_matrix.md#more-runs) is run for each matrix, 1 to 10000. "
-            "More runs take longer, and their graph never has more bits of adders in as many "
-            "clocks.",
+            "(blocks/constant_matrix.md#more-runs) is run for each matrix. More runs "
+            "take longer, and their graph never has more bits of adders in as many clocks.",
             "up to 40, fewer for a large matrix",
         ),
         "sample_bits": Key(
