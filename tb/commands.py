@@ -394,11 +394,10 @@ COMMANDS = (
     Command(
         "prove",
         "With SCENE= proves, in both languages, that the export computes its network for every "
-        "frame "
-        "that can come in. Otherwise proves properties of one block or of every block, shows that "
-        "broken copies of a block violate them, and proves that VHDL and Verilog compute the same "
-        "function. RECORD=1 records the results, and THETA= puts these codes into an engine that "
-        "learns.",
+        "frame that can come in. Otherwise proves properties of one block or of every block, shows "
+        "that broken copies of a block violate them, and proves that VHDL and Verilog compute the "
+        "same function. RECORD=1 records the results, and THETA= puts these codes into an engine "
+        "that learns.",
         (BLOCK, option("SCENE"), option("THETA"), RECORD),
         "tb.prove",
     ),

@@ -133,10 +133,6 @@ def test_the_program_is_the_rule(twin: LearningEngine, small: Scene, impossible:
     assert (run.flags > 0) is impossible
 
 
-def test_without_a_lesson_the_outputs_are_those_of_the_engine(twin: LearningEngine) -> None:
-    np.testing.assert_array_equal(twin.process(VECTORS.codes), twin.engine.process(VECTORS.codes))
-
-
 def test_outputs_are_those_of_the_corrected_networks(twin: LearningEngine) -> None:
     taught, _ = taught_of(SCENE)
     lesson, desk = drifted(2), Desk(twin)

@@ -19,8 +19,9 @@ from tb.every_frame.sums import Space, UnsupportedError, Value
 from tb.every_frame.unrolled import State, Unrolled
 from tb.every_frame.values import Values
 
-# Rounds in which the state between frames must have settled.
-ROUNDS = 12
+# Rounds in which the state between frames must have settled, and behind which any two are joined.
+ROUNDS, LATE = 30, 6
+IDLE: dict[str, Bits] = {"in_valid": 0}
 # Idle clocks that are tried where no number of them can be shown to change nothing.
 TRIED = 8
 # The most states between two samples of a frame, after gaps of all lengths, and idle clocks behind
@@ -104,9 +105,6 @@ class Sequences:
             {"in_valid": 1, "in_data": v, "in_last": int(k == len(elements) - 1)}
             for k, v in enumerate(elements)
         ]
-
-    def _idle(self) -> dict[str, Bits]:
-        return {"in_valid": 0}
 
     def _clock(self, inputs: dict[str, Bits]) -> None:
         """A clock with these inputs. Of the others nothing is known, but for those that stay 0."""
@@ -210,7 +208,8 @@ class Sequences:
         run = self.run
         self._clock({"rst": 1, **dict.fromkeys(self.still, X)})
         run.clock()
-        self._play([{**self._idle(), **one} for one in before(self.given)])
+        reset, begins = run.state(), [{**IDLE, **one} for one in before(self.given)]
+        self._play(begins)
         first = run.abstracted(run.state())
         tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
         overlap = self.given["interval"] < ends + tail
@@ -222,7 +221,7 @@ class Sequences:
         while waiting:
             state = waiting.pop()
             # A counter that nothing resets has too many states, so they are joined at last.
-            late = rounds > ROUNDS // 2
+            late = rounds > LATE
             alike = [r for r in reached if late or not self._apart(r[0], state)]
             alike = alike if late else alike[:1]
             state = reduce(self._joined, [one for one, _ in alike], state)
@@ -236,18 +235,23 @@ class Sequences:
                     "counts frames or idle clocks"
                 )
             run.restore(state)
-            self._check(self._play([self._idle()]), [], None)
+            self._check(self._play([IDLE]), [], None)
             waiting.append(run.abstracted(run.state()))
             run.restore(state)
-            found = self._play([*self._frame(self.symbols), *[self._idle()] * wait])
+            found = self._play([*self._frame(self.symbols), *[IDLE] * wait])
             # A loop of a program is run to its end.
             for _ in range(2 * self.given["interval"] if overlap else 0):
                 last = run.abstracted(run.state())
-                found += self._play([self._idle()])
+                found += self._play([IDLE])
                 if self._same(last, run.abstracted(run.state())):
                     break
             waiting.append(run.abstracted(run.state()))
             reached.append((state, found))
+            if "load_valid" in self.still:
+                # What the memory holds of another image is not known.
+                run.restore(self._joined(reset, state))
+                self._play(begins)
+                waiting.append(run.abstracted(run.state()))
         states = [state for state, _ in reached]
         quiet = max(len(found) for _, found in reached) - ends
         for _, found in reached:
@@ -309,16 +313,14 @@ class Sequences:
         ]
         for gaps in [*plans, *([g] * (len(frame) - 1) for g in range(1, TRIED + 1))]:
             self.run.restore(start)
-            spaced = [
-                i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[self._idle()] * g)
-            ]
-            self._check(self._play([*spaced, *[self._idle()] * wait]), [len(spaced) - 1], 0)
+            spaced = [i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[IDLE] * g)]
+            self._check(self._play([*spaced, *[IDLE] * wait]), [len(spaced) - 1], 0)
         return False
 
     def _any_gaps(self, start: State, wait: int, exact: int) -> bool:
         """Whether few states come of gaps of all lengths, and all give the outputs. Those behind
         more than so many idle clocks are joined."""
-        run, frame, idle = self.run, self._frame(self.symbols), [self._idle()]
+        run, frame = self.run, self._frame(self.symbols)
         states = [start]
         for inputs in frame[:-1]:
             following: list[State] = []
@@ -333,13 +335,13 @@ class Sequences:
                     following[len(following) - (gap > exact) :] = [state]
                     if len(following) > MOST_STATES:
                         return False
-                    self._check(self._play(idle), [], None)
+                    self._check(self._play([IDLE]), [], None)
                     if gap >= exact:
                         run.restore(self._joined(state, run.state()))
             states = following
         for state in states:
             run.restore(state)
-            self._check(self._play([frame[-1], *idle * wait]), [0], 0)
+            self._check(self._play([frame[-1], *[IDLE] * wait]), [0], 0)
         return True
 
     def _close(self, start: State, tail: int, ends: int) -> None:
@@ -347,7 +349,7 @@ class Sequences:
         matter."""
         run, interval = self.run, self.given["interval"]
         nothing, symbols = self._frame([X] * self.count), self._frame(self.symbols)
-        pause = [self._idle()] * (interval - len(nothing))
+        pause = [IDLE] * (interval - len(nothing))
         around = -(-(ends + tail) // interval)
         states: list[State] = []
         run.restore(start)
@@ -366,5 +368,5 @@ class Sequences:
                 for n in range(before + 1 + around)
                 for i in (*(symbols if n == before else nothing), *pause)
             ]
-            found = self._play([*inputs, *[self._idle()] * tail])
+            found = self._play([*inputs, *[IDLE] * tail])
             self._check(found, [n * interval + ends for n in range(before + 1 + around)], before)

@@ -104,7 +104,7 @@ def description(scene: Scene, theta: Sequence[int] = ()) -> dict[str, Any]:
         raise InputError(f"{scene.name}: got theta, expected hardware.learning = 'lms'")
     outputs = outputs or of(whole, words, list(range(built.inputs)))
     if built.image:
-        said = ", its image loaded and load_valid low from then on"
+        said = ", its image loaded between frames in one piece, once or again"
         before = [{"name": "load", "data": list(built.image), "clocks": 0}]
     if top is not built:
         said += f" inside {top.entity}, which is not proved"
@@ -114,8 +114,7 @@ def description(scene: Scene, theta: Sequence[int] = ()) -> dict[str, Any]:
         "entity": built.entity,
         "around": said,
         "before": before,
-        # Inputs besides those of frames, with their bits, and those of them that stay 0 but for
-        # what is before frames.
+        # Inputs besides those of frames, with their bits, and those that stay 0 during frames.
         "ports": {p.name: p.width for p in others},
         "still": [p.name for p in others if p.name in ("load_valid", "target_valid", "learn")],
         "stream": built.stream,
