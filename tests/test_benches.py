@@ -33,7 +33,7 @@ NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 # profiles, graphs of adders that are not proved, and activations of the thesis.
 ALL_ONLY = (
     *("deep-reload", "tables-reload", "tables-lanes-reload", "reload-uart", "plain-uart"),
-    *("layers-serial", "chain-serial", "serial-past", "loop-past", "chain-past"),
+    *("serial-past", "loop-past", "chain-past"),
     *("winner-uart", "winner-reload", "drawn-winner", "winner-instrument", "other-profile"),
     *("wide-converter", "signed-converter", "least-instrument", "engine-instrument"),
     *("axis-cascade", "axis-past", "axis-loop", "least-axis", "wide-winner", "hybrid-winner"),
@@ -43,7 +43,7 @@ ALL_ONLY = (
     *("deep-least-engine", "huge-engine"),
 )
 # Of these cases it adds the whole network. Every run simulates the other blocks.
-WHOLE = ("exact-lanes", "floor-lanes", "rails-lanes-reload")
+WHOLE = ("exact-lanes", "rails-lanes-reload")
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
     *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),

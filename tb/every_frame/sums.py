@@ -10,7 +10,8 @@ the floor of a sum over a power of two that was met on the way. Two rules make n
 """
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -22,7 +23,7 @@ MOST = 1 << 62
 # A straight line at the end of a function is written as one if it has so many codes.
 LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
-FEW = 4096
+FEW = 1 << 17
 _numbers = itertools.count(1)
 _arrays: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
@@ -595,6 +596,10 @@ class Space:
         if all(_twos(c.bits()) >= k for c in v.terms.values()):
             return value(v.constant >> k, {w: _divided(c, k) for w, c in v.terms.items()})
         if len({w.base or w for w in v.terms}) > 1:
+            # Short ones code by code, so that hardware may wrap a sum and then cut it.
+            if own := self._own(v, quick=True):
+                with suppress(UnsupportedError):
+                    return self._coded(lambda a: a >> k, [own], [v])
             base, e, sign = self._base(v)
             return self._floored(base, sign, v.constant >> e, k - e)
         ((word, term), *others) = v.terms.items()
@@ -642,15 +647,22 @@ class Space:
             return None
         if len({w.base or w for w in v.terms}) == 1:
             return Function(_common(v.terms), v.constant, list(v.terms.values()))
-        # A sum beside functions of its own floors is a function of it.
+        if own := self._own(v, quick=False):
+            return own
+        constant, line = self._line(v)
+        return Function(line.word, constant, [line])
+
+    def _own(self, v: Sum, quick: bool) -> Function | None:
+        """v as a function of one word, if it is a sum beside functions of floors of this sum."""
         for base in {w.base: 0 for w in v.terms if w.base}:
             rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w.base is not base})
+            if quick and rest.terms.keys() != base.total.terms.keys():
+                continue
             constant, line = self._line(rest)
             if line.word.base is base:
                 terms = [line, *[c for w, c in v.terms.items() if w.base is base]]
                 return Function(_common(c.word for c in terms), constant, terms)
-        constant, line = self._line(v)
-        return Function(line.word, constant, [line])
+        return None
 
     def _line(self, v: Sum) -> tuple[int, Curve]:
         """v as a constant and a straight line over one word."""
@@ -663,9 +675,15 @@ class Space:
     def of(self, f: Callable[..., Any], *values: Value) -> Value:
         """f(values), code by code; all of them are functions of one word."""
         functions = self._together(*values)
-        word = next((g.word for g in functions if g), None)
-        if word is None:
+        if not any(functions):
             return int(f(*[self._known(v) for v in values]))
+        return self._coded(f, functions, values)
+
+    def _coded(
+        self, f: Callable[..., Any], functions: list[Function | None], values: Sequence[Value]
+    ) -> Value:
+        """f code by code, for values of which all that are no numbers are functions of a word."""
+        word = next(g.word for g in functions if g)
         low, high = word.high, word.low
         for g in functions:
             if g:
