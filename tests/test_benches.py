@@ -43,7 +43,7 @@ ALL_ONLY = (
     *("deep-least-engine", "huge-engine"),
 )
 # Of these cases it adds the whole network. Every run simulates the other blocks.
-WHOLE = ("exact-lanes", "rails-lanes-reload")
+WHOLE = ("rails-lanes-reload",)
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
     *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),

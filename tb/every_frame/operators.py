@@ -52,30 +52,14 @@ SHIFTS: dict[str, Callable[[Any, Any], Any]] = {
 }
 # Operands of these count modulo 2^n, n the width of the result; the others need the number itself.
 MODULAR = (
-    "$add",
-    "$sub",
-    "$mul",
-    "$neg",
-    "$pos",
-    "$not",
-    "$and",
-    "$or",
-    "$xor",
-    "$xnor",
-    "$shl",
-    "$sshl",
+    *("$add", "$sub", "$mul", "$neg", "$pos", "$not", "$and", "$or", "$xor", "$xnor"),
+    *("$shl", "$sshl"),
 )
 COMPARISONS = "$eq", "$ne", "$eqx", "$nex", "$lt", "$le", "$gt", "$ge"
 # An operand that is read without its sign, whatever the other is.
 UNSIGNED = (
-    "$logic_not",
-    "$reduce_or",
-    "$reduce_bool",
-    "$reduce_and",
-    "$reduce_xor",
-    "$reduce_xnor",
-    "$logic_and",
-    "$logic_or",
+    *("$logic_not", "$reduce_or", "$reduce_bool", "$reduce_and", "$reduce_xor"),
+    *("$reduce_xnor", "$logic_and", "$logic_or"),
 )
 
 

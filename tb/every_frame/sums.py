@@ -69,17 +69,9 @@ class Base:
         _fits(offset)
         key = offset, shift
         if key not in self.words:
-            low, high = ends(self.total)
+            low, high = (end + offset >> shift for end in ends(self.total))
             number = next(_numbers)
-            self.words[key] = Word(
-                number,
-                f"word {number}",
-                low + offset >> shift,
-                high + offset >> shift,
-                self,
-                offset,
-                shift,
-            )
+            self.words[key] = Word(number, f"word {number}", low, high, self, offset, shift)
         return self.words[key]
 
     def hull(self) -> "Hull | None":
@@ -535,12 +527,13 @@ class Space:
         # Parts lead from later sums to earlier ones, so they come to an end.
         inner, _, _ = self._base(first)
         base, e, sign = self._base(whole)
-        most = _twos(rest if isinstance(rest, int) else _bits(rest) | rest.constant)
-        if e == 0 and inner.number < base.number and most > (base.parts[2] if base.parts else 0):
-            first = plus(first, -whole.constant)
+        # What divides the whole divides both, as far as it divides rest.
+        most = _twos(rest if isinstance(rest, int) else _bits(rest) | rest.constant) - e
+        if inner.number < base.number and most > (base.parts[2] if base.parts else 0):
+            first, rest = self.floor(plus(first, -whole.constant), e), self.floor(rest, e)
             base.parts = times(first, sign), times(rest, sign), most
             for k in range(1, most + 1):
-                self._floored(base, sign, whole.constant, k)
+                self._floored(base, sign, whole.constant >> e, k)
 
     def _base(self, v: Sum) -> tuple[Base, int, int]:
         """The base of a sum of several words, with its power of two and its sign: v = constant +

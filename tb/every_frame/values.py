@@ -1,5 +1,6 @@
 """Expressions as sums of functions of words."""
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -68,9 +69,11 @@ class Values:
             c = self.number(s, 1, False)
             if isinstance(c, int):
                 return self.residue(yes if c else no, e.width)
-            return space.choose(
-                c, *(space.reduced(self.residue(v, e.width), e.width) for v in (yes, no))
-            )
+            branches = [self.residue(v, e.width) for v in (yes, no)]
+            # Only bits of the result count: what lies above them may be left out, or help.
+            with suppress(UnsupportedError):
+                return space.choose(c, *(space.reduced(v, e.width) for v in branches))
+            return space.choose(c, *branches)
         if kind == "read":
             return self._read(e)
         if kind in ("$add", "$sub", "$mul", "$neg", "$not"):
@@ -94,12 +97,7 @@ class Values:
         if kind in ("$logic_not", "$reduce_or", "$reduce_bool") and isinstance(
             e.arguments[0][0], tuple
         ):
-            # Piece by piece, since together they may be wider than a number.
-            zero: Value = 1
-            for piece in e.arguments[0][0]:
-                bits = join((piece,))
-                alone = self.space.zero(self.number(bits, piece[2], False))
-                zero = alone if zero == 1 else self.space.of(lambda a, b: a & b, zero, alone)
+            zero = self._zero(*e.arguments[0][:2])
             return zero if kind == "$logic_not" else minus(1, zero)
         numbers = [self.number(v, n, s) for v, n, s in e.arguments]
         if kind in ONE:
@@ -123,6 +121,18 @@ class Values:
                 return (other if known else 0) if kind == "$logic_and" else (1 if known else other)
             return space.of(lambda x, y: array(TWO[kind](x, y)), a, b)
         return space.of(lambda x, y: array(TWO[kind](x, y)), *numbers)
+
+    def _zero(self, v: Bits, width: int) -> Value:
+        """1 where bits are 0: piece by piece, since together they may be wider than a number, or
+        at once, since pieces of one sum may be those of others."""
+        zero: Value = 1
+        try:
+            for piece in v:
+                alone = self.space.zero(self.number(join((piece,)), piece[2], False))
+                zero = alone if zero == 1 else self.space.of(lambda a, b: a & b, zero, alone)
+        except UnsupportedError:
+            return self.space.zero(self.number(v, width, False))
+        return zero
 
     def _compared(self, kind: str, a: Value, b: Value) -> Value:
         space, d = self.space, minus(a, b)

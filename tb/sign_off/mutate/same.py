@@ -67,17 +67,6 @@ def proved(
     return [answers[n] for n in sorted(answers)]
 
 
-def proved_in_every_state(commands: list[str], entity: str, folder: Path) -> list[str]:
-    """Of each mutant whether outputs and next state are the same from every state, or are not.
-
-    A mutant that is another function in a state that is never reached is another one here.
-    """
-    if not commands:
-        return []
-    verdicts = _within_a_clock(flatten(commands, entity, folder), folder)
-    return [verdicts.get(n, SAME) for n in range(1, len(commands) + 1)]
-
-
 def _within_a_clock(flat: Flat, folder: Path) -> dict[int, str]:
     """What is shown of each mutant that something reads, by number from 1."""
     numbers = sorted(flat.chosen)
