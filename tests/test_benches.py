@@ -12,7 +12,6 @@ import pytest
 from conftest import tiered
 from shared import Shared
 from test_every_frame import NETWORKS as WHOLE_NETWORKS
-from test_every_frame import REFUSED
 
 from golden.activation.left_out import left_out
 from golden.scene import load_scene
@@ -76,7 +75,7 @@ def only_all(block: str, case: str) -> bool:
 
 def proved(block: str, case: str) -> bool:
     """Whether a case of a whole network is proved for every frame, which shows no other images."""
-    return block in WHOLE_NETWORKS and case not in (*REFUSED, "rails-lanes-reload")
+    return block in WHOLE_NETWORKS and case != "rails-lanes-reload"
 
 
 def simulators_of(block: str, case: str) -> tuple[str, ...]:
@@ -144,7 +143,7 @@ def test_a_bench_has_cases(block: str) -> None:
 
 
 def test_every_bench_has_a_case_in_every_run() -> None:
-    assert {*LEFT, *ALL_ONLY, *WHOLE, *REFUSED} <= set(CASES)
+    assert {*LEFT, *ALL_ONLY, *WHOLE} <= set(CASES)
     assert all(blocks < blocks_of(case) for case, blocks in LEFT_OF.items())
     assert {b for case in CASES for b in blocks_of(case) if every_run(b, case)} == set(BENCHES)
 

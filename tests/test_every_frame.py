@@ -46,15 +46,13 @@ SLOW = [
 ]
 
 
-# Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them, but
-# for those that the proof refuses: halves to even behind sums in two parts.
+# Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them.
 NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "lanes", "multiple", "parallel")
 NETWORKS += ("table_graph",)
-REFUSED = ("exact-graph",)
 CASES_PROVED = [
     f"{case} verilog"
     for case in dict.fromkeys(case for block in NETWORKS for case in CASES_OF[block])
-    if case not in (*REFUSED, "least-serial")
+    if case != "least-serial"
 ]
 
 

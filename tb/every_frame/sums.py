@@ -10,6 +10,7 @@ the floor of a sum over a power of two that was met on the way. Two rules make n
 """
 
 import itertools
+import math
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import Any
@@ -498,6 +499,14 @@ def _bits(v: Sum) -> int:
     return bits
 
 
+def _odd(v: Sum) -> int:
+    """The odd factor that all terms of a weighted sum of words have in common."""
+    if not all(c.line for c in v.terms.values()):
+        return 1
+    common = math.gcd(*(c.right for c in v.terms.values()))
+    return common >> _twos(common)
+
+
 def _stairs(t: Curve) -> Curve:
     """A function of a word of few codes with constant ends, since on a finer grid its lines are
     stairs."""
@@ -540,29 +549,10 @@ class Space:
         sign * 2^e * base."""
         e = _twos(_bits(v))
         first = v.terms[min(v.terms, key=lambda w: w.number)]
-        step = (
-            first.left
-            or int(
-                (first.values - first.values[0])[
-                    np.flatnonzero(first.values - first.values[0])[:1]
-                ].sum()
-            )
-            or first.right
-        )
-        sign = 1 if step > 0 else -1
-        terms = {}
-        for word, term in sorted(v.terms.items(), key=lambda t: t[0].number):
-            terms[word] = (
-                term
-                if e == 0 and sign == 1
-                else Curve(
-                    word,
-                    term.first,
-                    sign * (term.values >> e),
-                    sign * (term.left >> e),
-                    sign * (term.right >> e),
-                )
-            )
+        moved = first.values[first.values != first.values[0]][:1] - first.values[0]
+        sign = 1 if (first.left or int(moved.sum()) or first.right) > 0 else -1
+        ordered = sorted(v.terms.items(), key=lambda t: t[0].number)
+        terms = {word: _divided(term, e).times(sign) for word, term in ordered}
         key = tuple(
             x
             for w, c in terms.items()
@@ -589,6 +579,9 @@ class Space:
         if all(_twos(c.bits()) >= k for c in v.terms.values()):
             return value(v.constant >> k, {w: _divided(c, k) for w, c in v.terms.items()})
         if len({w.base or w for w in v.terms}) > 1:
+            if _odd(v) > 1:
+                with suppress(UnsupportedError):
+                    return self.of(lambda a: a >> k, v)
             # Short ones code by code, so that hardware may wrap a sum and then cut it.
             if own := self._own(v, quick=True):
                 with suppress(UnsupportedError):
@@ -658,8 +651,12 @@ class Space:
         return None
 
     def _line(self, v: Sum) -> tuple[int, Curve]:
-        """v as a constant and a straight line over one word."""
-        base, e, slope = self._base(v)
+        """v as a constant and a straight line over one word: the sum without a common factor."""
+        odd = _odd(v)
+        base, e, slope = self._base(
+            Sum(0, {w: _straight(w, c.right // odd) for w, c in v.terms.items()}) if odd > 1 else v
+        )
+        slope *= odd
         start, turned, word = base.coarse or (0, 1, base.word(0, 0))
         slope <<= e
         constant = v.constant + slope * (start + turned * word.low)
