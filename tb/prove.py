@@ -101,16 +101,16 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
     return values.reshape(-1, outputs) if whole else None
 
 
-def prove_scene(scene: Scene, given: dict[str, Any]) -> int:
-    """Export a scene and prove it in each language; the code of the worst that is found.
+def prove_scene(scene: Scene, given: dict[str, Any], rig: Scene) -> int:
+    """Prove a scene on the hardware of ``rig`` in each language; the code of the worst.
 
     What is proved to compute the network is compared with the trained one.
     """
     codes = set()
     for language in ("verilog", "vhdl"):
-        folder = BUILD / scene.name / language
-        with stage(f"{scene.name}: exporting and reading {language}", quick=True):
-            export(scene, language)
+        folder = BUILD / rig.name / language
+        with stage(f"{rig.name}: exporting and reading {language}", quick=True):
+            export(rig, language)
             netlist = hardware(folder, given["entity"], language)
         begun = time.process_time()
         print(f"{scene.name}, {language}:", flush=True)
@@ -166,9 +166,10 @@ def main() -> int:
     parser.add_argument("--scene")
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--theta", default="")
+    parser.add_argument("--hardware")
     arguments = parser.parse_args()
-    if arguments.theta and not arguments.scene:
-        raise InputError(f"THETA={arguments.theta}: got no SCENE, expected an engine that learns")
+    if (arguments.theta or arguments.hardware) and not arguments.scene:
+        raise InputError("SCENE: got none beside THETA or HARDWARE, expected a scene")
     if not arguments.scene:
         return blocks.run_blocks(arguments.block, arguments.record)
     if arguments.block or arguments.record:
@@ -177,10 +178,12 @@ def main() -> int:
         check_simulator(simulator)
     scene = load_scene(arguments.scene)
     one = whole("THETA", SIGNAL.low, SIGNAL.high)
-    given = description(scene, [one(text) for text in arguments.theta.split(",") if text])
-    would(f"export {scene.name} and prove it for every frame")
-    with held([BUILD / scene.name]):
-        return prove_scene(scene, given)
+    theta = [one(text) for text in arguments.theta.split(",") if text]
+    rig = load_scene(arguments.hardware) if arguments.hardware else None
+    given, built = description(scene, theta, rig), rig or scene
+    would(f"export {built.name} and prove it for every frame")
+    with held([BUILD / built.name]):
+        return prove_scene(scene, given, built)
 
 
 if __name__ == "__main__":

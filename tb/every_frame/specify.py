@@ -14,6 +14,7 @@ import numpy as np
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import table_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
+from golden.engine.quantise import integer_networks
 from golden.fixed import Fix
 from golden.function import Function
 from golden.input_error import InputError
@@ -31,7 +32,9 @@ from golden.networks.parallel import Parallel
 from golden.networks.table_graph import TableGraph
 from golden.precision import SIGNAL
 from golden.scene.expected_drift import expected_drift
+from golden.scene.image import scene_image
 from golden.scene.scene import Scene
+from golden.scene.write_image import hardware_of
 
 
 class Words:
@@ -79,18 +82,29 @@ class Words:
         return self._named(f"{function.name} {kind}", made)
 
 
-def description(scene: Scene, theta: Sequence[int] = ()) -> dict[str, Any]:
+def description(
+    scene: Scene, theta: Sequence[int] = (), rig: Scene | None = None
+) -> dict[str, Any]:
     """What `network.py` reads, with ports and clocks that the hardware publishes.
 
     theta: What is put into an engine that learns before the frames, in the codes of its ports.
+    rig: The scene whose hardware runs the image of this one, if that is another one.
     """
-    top = scene.twin()
+    top = (rig or scene).twin()
     built, whole = top.core, scene.twin(lean=False).core
+    if rig:
+        built = hardware_of(rig).running(scene_image(scene, hardware_of(rig)))
     if built.stream not in ("serial", "words"):
         raise InputError(f"{scene.name}: every frame is not proved yet for {built.entity}")
     words, outputs = Words(built.inputs), list[int]()
     before, said = list[dict[str, Any]](), ""
-    if isinstance(whole, LearningEngine):
+    if theta and (rig or not isinstance(whole, LearningEngine)):
+        raise InputError(f"{scene.name}: got theta, expected an engine that learns")
+    if rig:
+        met, width = scene.settings().met, hardware_of(rig).program.segment_width
+        integers = integer_networks(scene.arrangement, scene.networks(), met, width)
+        outputs = _engine(integers, words, _inputs(words))
+    elif isinstance(whole, LearningEngine):
         said, whole = ", learn and target_valid low", whole.engine
         if theta:
             said += f" behind theta {', '.join(map(str, theta))}"
@@ -99,14 +113,12 @@ def description(scene: Scene, theta: Sequence[int] = ()) -> dict[str, Any]:
             before = [{"name": "in", **one}, {**one, "name": "target", **codes}]
             before[1]["beside"] = {"target_theta": 1}
             taught = Corrected.of(scene.mlps(), *expected_drift(scene))
-            outputs = _engine(whole, words, _corrected(taught, theta, words))
-    elif theta:
-        raise InputError(f"{scene.name}: got theta, expected hardware.learning = 'lms'")
+            outputs = _engine(whole.integers, words, _corrected(taught, theta, words))
     outputs = outputs or of(whole, words, list(range(built.inputs)))
     if built.image:
         said = ", its image loaded between frames in one piece, once or again"
         before = [{"name": "load", "data": list(built.image), "clocks": 0}]
-    if top is not built:
+    if top.entity != built.entity:
         said += f" inside {top.entity}, which is not proved"
     others = [p for p in (*built.load_ports, *built.lesson_ports) if p.direction == "in"]
     return {
@@ -137,7 +149,11 @@ def of(network: Network, words: Words, samples: list[int]) -> list[int]:
 
 @of.register
 def _(network: Engine, words: Words, samples: list[int]) -> list[int]:
-    return _engine(network, words, [words.add(sum=[[k, 1]], left=SAMPLE_SHIFT) for k in samples])
+    return _engine(network.integers, words, _inputs(words))
+
+
+def _inputs(words: Words) -> list[int]:
+    return [words.add(sum=[[k, 1]], left=SAMPLE_SHIFT) for k in range(words.samples)]
 
 
 def _corrected(taught: Corrected, theta: Sequence[int], words: Words) -> list[int]:
@@ -160,9 +176,9 @@ def _corrected(taught: Corrected, theta: Sequence[int], words: Words) -> list[in
     ]
 
 
-def _engine(network: Engine, words: Words, inputs: list[int]) -> list[int]:
+def _engine(networks: Sequence[IntegerNetwork], words: Words, inputs: list[int]) -> list[int]:
     outputs: list[int] = []
-    for integers in network.integers:
+    for integers in networks:
         outputs += _integer(
             integers, words, [*inputs[: integers.samples], *outputs[: integers.earlier]]
         )
@@ -350,25 +366,12 @@ def _matrix(matrix: ConstantMatrix, words: Words, samples: list[int], layer: int
         words.at(layer, j)
         drop, clip = matrix.drop(row), [int(low), int(matrix.out_fmt.high)]
         sign, start = (-1, -1) if row.minus else (1, 0)
+        node, up, word = found[row.node], max(0, -drop), dict[str, Any]()
         if finish.even:
             # Half a unit is part of the sum, and halves go to the even result.
-            half = 1 << drop - 1
-            results.append(
-                words.add(
-                    sum=[[found[row.node], sign]],
-                    start=start - half,
-                    shift=drop,
-                    round="even",
-                    clip=clip,
-                )
-            )
+            start -= 1 << drop - 1
+            word = {"sum": [[node, sign]], "start": start, "shift": drop, "round": "even"}
         else:
-            results.append(
-                words.add(
-                    sum=[[found[row.node], sign << max(0, -drop)]],
-                    start=start << max(0, -drop),
-                    shift=max(0, drop),
-                    clip=clip,
-                )
-            )
+            word = {"sum": [[node, sign << up]], "start": start << up, "shift": max(0, drop)}
+        results.append(words.add(**word, clip=clip))
     return results
