@@ -19,12 +19,6 @@ ASKING = ("__main__", "registry", "steps")
 # asked for by name.
 ON_REQUEST = (
     "simulators",
-    "learned_functions",
-    "function_tables",
-    "learned_curves",
-    "table_graph",
-    "learned_classes",
-    "learned_elsewhere",
     "sensors_shipped",
 )
 

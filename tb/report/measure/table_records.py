@@ -17,60 +17,27 @@ columns with what it measures.
 from pathlib import Path
 from typing import Any
 
-from golden import (
-    class_descent,
-    cross_entropy,
-    function_network,
-    layer_objective,
-    layer_training,
-    spline_basis,
-    spline_layers,
-    spline_training,
-    splines,
-    window,
-)
+from golden import window
 from golden.closure import code_of
-from golden.engine import function_table, sums_of_functions
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.input_error import InputError
 from golden.machine import facts
-from golden.networks import adder_graph, function_sums, small_tables, table_graph, table_sums
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
-from golden.scene import load_scene
 from golden.scene.reference import NUMBERS
 from tb.report.measure import (
     convergence,
-    function_tables,
     honest,
-    learned_classes,
-    learned_edges,
-    learned_elsewhere,
-    learned_functions,
     outside,
     past,
     sensors_dropped,
     sensors_shipped,
     stability,
     store,
-    table_graphs,
 )
 from tb.report.measure.table import Table
 
-LEARNED = (
-    function_tables,
-    learned_functions,
-    splines,
-    spline_basis,
-    spline_layers,
-    function_network,
-)
-TABLE_GRAPH = (
-    *(splines, spline_basis, spline_layers, spline_training, function_network),
-    *(adder_graph, function_sums, small_tables, table_graph, table_sums),
-)
-CLASSES = (class_descent, cross_entropy, layer_objective, layer_training)
 # By name of the table: the modules that its figures depend on, besides those of training. The first
 # one measures the table, and has its note.
 RECORDED = {
@@ -81,22 +48,11 @@ RECORDED = {
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "sensors_shipped": (sensors_shipped,),
     "hidden_nodes": (sensors_dropped, sensors_needed),
-    "learned_functions": (learned_functions, splines, spline_basis),
-    "function_tables": (*LEARNED, function_table, sums_of_functions),
-    "learned_curves": (*LEARNED, learned_edges),
-    "table_graph": (table_graphs, *TABLE_GRAPH),
-    "learned_classes": (learned_classes, *TABLE_GRAPH, *CLASSES),
-    "learned_elsewhere": (learned_elsewhere, learned_functions, splines, spline_basis, window),
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }
 # These are measured for every report, since they hold run times.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
-# By name of the table: the scenes whose files it reads. All other data are in golden/data.
-OF_SCENES = {
-    "learned_classes": learned_classes.SCENES,
-    "learned_elsewhere": learned_elsewhere.SCENES,
-}
 FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
@@ -112,8 +68,6 @@ def state(name: str) -> str:
     """
     own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
-    for scene in map(load_scene, OF_SCENES.get(name, ())):
-        data += [scene.path, *scene.data_paths]
     code = (code_of(file, NOT_MEASURED) for file in [*sources("golden/training"), *own])
     return fingerprint(data, *code)
 

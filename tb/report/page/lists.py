@@ -33,7 +33,6 @@ from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.floors import picture_of_floors
-from tb.report.draw.learned import learned_curves
 from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.overview import overview
@@ -50,8 +49,8 @@ from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.measure.word_widths import word_widths
 from tb.report.page import designs as compared
-from tb.report.page import learned, outside, run_time, stability
 from tb.report.page import left_out as leaving
+from tb.report.page import outside, run_time, stability
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
@@ -319,9 +318,6 @@ def pages() -> dict[Path, str]:
     docs = ROOT / "docs"
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
     scenes_left_out, shipped = left_out(SEED), read("sensors_shipped")
-    functions, in_integers = read("learned_functions"), read("function_tables")
-    in_tables, for_classes = read("table_graph"), read("learned_classes")
-    elsewhere = read("learned_elsewhere")
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "headline", headline),
         (docs / "overview.md", "side_by_side", demo),
@@ -334,20 +330,6 @@ def pages() -> dict[Path, str]:
         (docs / "designs.md", "held-out", compared.spreads),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
-        (docs / "figures.md", "learned", partial(learned.first_split, functions)),
-        (docs / "figures.md", "learned-splits", partial(learned.all_splits, functions)),
-        (docs / "figures.md", "learned-disturbed", partial(learned.disturbed, functions)),
-        (docs / "figures.md", "learned-noisy", partial(learned.noisy, functions)),
-        (docs / "figures.md", "learned-classes", partial(learned.classes, for_classes)),
-        (
-            docs / "figures.md",
-            "learned-swing",
-            partial(learned.elsewhere, "swing-window", elsewhere),
-        ),
-        (docs / "figures.md", "learned-rig", partial(learned.elsewhere, "tutorial", elsewhere)),
-        (docs / "learned-functions.md", "segments", partial(learned.segments, in_integers)),
-        (docs / "learned-functions.md", "engines", learned.engines),
-        (docs / "learned-functions.md", "small", partial(learned.small_tables, in_tables)),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "scenes.md", "classes", classes),
         (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, shipped)),
@@ -380,7 +362,6 @@ def pages() -> dict[Path, str]:
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
-    found[docs / "learned-functions.svg"] = learned_curves(read("learned_curves"), "the cascade")
     found[docs / "floors.svg"] = picture_of_floors()
     found[docs / "designs.svg"] = compared.picture()
     found[docs / "overview.svg"] = overview(load_scene(SHOWN))
