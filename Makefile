@@ -12,7 +12,7 @@ FLAGS := ALL DRY FORCE FULL LINKS PAGES RECORD WAVES
 # variables of its own.
 export NAMED := $(if $(filter 0,$(MAKELEVEL)),$(foreach name,$(.VARIABLES),$(if $(filter command,$(origin $(name))),$(name))))
 export GOALS := $(MAKECMDGOALS)
-GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL HARDWARE LABELS LINKS NAME NETLIST NETWORK NOISE ONLY OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
+GIVEN := ALL BAUD BESIDE BLOCK BOARD CLASSES CLUSTER CSV DEVICE DRIFT DRY FAMILY FORCE FRAMES FULL HARDWARE LABELS LINKS NAME NETLIST NETWORK NOISE OUTPUT OUTPUTS PAGES PARTS PICTURE PORT PYTHON \
 	RECORD RECORDED RIG SCENE SEED SIM SITE TABLE TESTS THETA TO VENV WAVES
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -34,7 +34,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: named help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures study sensors lean synth bitstream peers prove mutate coverage certify report docs pages lint clean tools browser ready
+.PHONY: named help demo test sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations figures study sensors lean synth bitstream prove mutate coverage certify report docs pages lint clean tools browser ready
 
 help docs pages lint clean tools browser ready: named
 
@@ -48,9 +48,9 @@ help:
 
 # What these are given goes to a module as tb/commands.py says.
 CALLED := demo sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations \
-	figures sensors lean synth bitstream peers prove mutate coverage certify report
+	figures sensors lean synth bitstream prove mutate coverage certify report
 
-demo report peers mutate certify: $(if $(DRY_RUN),,tools)
+demo report mutate certify: $(if $(DRY_RUN),,tools)
 
 $(CALLED): $(READY)
 	@exec $(RUN) -m tb.commands $@

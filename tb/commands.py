@@ -385,13 +385,6 @@ COMMANDS = (
         "hdl.boards",
     ),
     Command(
-        "peers",
-        "Builds other projects' hardware for the same tasks, and compares it with ours; ONLY= "
-        "names some of them, and SEED= changes the random frames.",
-        (option("ONLY", "alkaid"), SEED),
-        "tb.peers",
-    ),
-    Command(
         "prove",
         "With SCENE= proves, in both languages, that the export computes its network for every "
         "frame that can come in. Otherwise proves properties of one block or of every block, shows "

@@ -22,8 +22,6 @@ from golden.real import Real
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("golden", "hdl", "tb")
-# They import what only an environment of their own has (make peers), so nothing can be shown.
-LEFT_OUT = ("tb.peers",)
 SHORT = {
     f"PosixPath('{ROOT}/": "Path('",
     stringify_annotation(ArrayLike, "smart"): "ArrayLike",
@@ -66,8 +64,7 @@ class PackageModules(SphinxDirective):
 def packages() -> list[str]:
     """Every package of the rooms that can be imported here."""
     folders = [path.parent for room in ROOMS for path in (ROOT / room).rglob("__init__.py")]
-    names = sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
-    return [name for name in names if name not in LEFT_OUT]
+    return sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
 
 
 def write_pages(app: Sphinx, config: Config) -> None:

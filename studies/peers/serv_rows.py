@@ -9,14 +9,13 @@ import numpy as np
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
-from tb.peers.cells import in_one_piece
-from tb.peers.comparison import MAIN, Row, Task
-from tb.peers.installed import installed, pinned, run
-from tb.peers.program import HERE, SOURCE, model, timed, written
-from tb.peers.simulated import agree
+from studies.peers.cells import in_one_piece
+from studies.peers.comparison import MAIN, Row, Task
+from studies.peers.installed import installed, run
+from studies.peers.program import HERE, SOURCE, model, timed, written
+from studies.peers.simulated import agree
 
 PACKAGE = "pythondata-cpu-serv"
-VERSION = f"SERV as {PACKAGE} {pinned(PACKAGE)}"
 TOOLS = "riscv64-unknown-elf"
 OPTIONS = ["-march=rv32i", "-mabi=ilp32", "-O2", "-ffreestanding", "-nostdlib"]
 # Bytes of the memory for program and data.

@@ -10,13 +10,13 @@ from golden.input_error import InputError
 # Changes: a file, what is replaced in it, as a regular expression, and by what.
 Edits = Sequence[tuple[str, str, str]]
 ADDER = "shift_adder.v"
-# da4ml and alkaid write the same adder. With this attribute a sum is not merged with others into
+# With this attribute a sum is not merged with others into
 # carry-save form, which takes more LUTs.
 KEPT: Edits = [(ADDER, r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")]
 
 
 def collected(name: str, source: Path, folder: Path, edits: Edits) -> None:
-    """Copy the Verilog and tables that da4ml or alkaid wrote into a new folder, and change it."""
+    """Copy the Verilog and tables that alkaid wrote into a new folder, and change it."""
     folder.mkdir()
     for file in (*source.glob("*.v"), *source.glob("static/*.v"), *source.glob("memfiles/*.mem")):
         if not file.name.endswith("_wrapper.v"):

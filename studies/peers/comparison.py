@@ -1,6 +1,5 @@
-"""The comparison: the network, the frames, the errors against floating point, and the table."""
+"""The comparison: the network, the frames, and the errors against floating point."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +10,8 @@ from golden.mlp import Mlp, tanh
 from golden.networks.constants import Constants, constants_of
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from tb.peers.cells import Cells
+from studies.peers.cells import Cells
 from tb.report.measure.one_network import mean_error, random_frames
-from tb.report.measure.table import Cell, Table
 
 # The scene whose network every peer computes that takes ours at all, with weights of 18 bits, and
 # one whose weights have few signed digits.
@@ -108,21 +106,3 @@ class Row:
     interval: int
     errors: tuple[float | None, float | None] = (None, None)
     right: float | None = None
-
-
-def compared(rows: Sequence[Row], note: str) -> Table:
-    """The rows side by side."""
-    lines: list[list[Cell]] = [
-        [
-            row.network,
-            row.name,
-            *(row.cells[family][kind] if row.cells else None for family, kind in COLUMNS.values()),
-            row.clocks,
-            row.interval,
-            *row.errors,
-            row.right,
-        ]
-        for row in rows
-    ]
-    measured = ["clocks", "a frame every", "recorded", "random", "right %"]
-    return Table("peers", ["network", "design", *COLUMNS, *measured], lines, note)

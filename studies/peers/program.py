@@ -13,7 +13,7 @@ from golden.activation.bipartite import bipartite_for
 from golden.activation.bipartite_table import BLOCK_RAM, RESULT, bipartite_table
 from golden.fixed import Codes
 from golden.precision import EXACT, SIGNAL
-from tb.peers.comparison import Task
+from studies.peers.comparison import Task
 
 HERE = Path(__file__).parent
 SOURCE = "program.c"

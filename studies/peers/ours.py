@@ -14,10 +14,9 @@ from golden.networks.table_graph import TableGraph
 from golden.scene import Scene, load_scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
-from tb.peers.cells import in_one_piece
-from tb.peers.comparison import BEANS, FEW, WINE, Row, Task
+from studies.peers.cells import in_one_piece
+from studies.peers.comparison import BEANS, FEW, WINE, Row, Task
 
-VERSION = "tactus"
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
 # The scene with the weights of ``FEW``, whose adders take three operands.
@@ -40,21 +39,18 @@ def brought(folder: Path) -> Path:
 def designs(task: Task) -> Iterator[tuple[Design, str]]:
     """The designs of a task, each with what its name says behind the block.
 
-    They are the design of the task's scene, the one with sums of three if there is a scene for it,
-    and the engine with the same weights.
+    They are the design of the task's scene, and with few digits the one with sums of three, or else
+    the engine with the same weights.
     """
     yield task.scene.build(task.mlp), ""
     if task.name == FEW:
         yield load_scene(THREE).build(task.mlp), ", sums of three"
-    yield DESIGNS[FOLDED].of([task.mlp], Settings(task.scene.precision)), ""
+    else:
+        yield DESIGNS[FOLDED].of([task.mlp], Settings(task.scene.precision)), ""
 
 
 def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
-    """The rows of our designs of every task, and of the networks for classes."""
-    for task in tasks.values():
-        for design, sums in designs(task):
-            errors = task.errors(design.process(task.frames))
-            yield row(task.name, design, sums, errors=errors)
+    """The rows of the networks for classes, and of our designs of every task."""
     for name, network in CLASSES.items():
         try:
             scene = load_scene(name)
@@ -65,6 +61,10 @@ def rows(_: Path, tasks: Mapping[str, Task], _folder: Path) -> Iterator[Row]:
         right = 100 * held_out.right / len(held_out.actual)
         design, shape = for_classes(scene)
         yield row(network, design, f", {shape}", right=right)
+    for task in tasks.values():
+        for design, sums in designs(task):
+            errors = task.errors(design.process(task.frames))
+            yield row(task.name, design, sums, errors=errors)
 
 
 def for_classes(scene: Scene) -> tuple[Design, str]:

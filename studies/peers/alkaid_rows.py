@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from golden.activation.bipartite_table import BLOCK_RAM, bipartite_table
-from tb.peers.cells import in_one_piece
-from tb.peers.collected import ADDER, KEPT, Edits, collected
-from tb.peers.comparison import Row, Task
-from tb.peers.installed import installed, pinned, run_isolated
-from tb.peers.simulated import check
+from studies.peers.cells import in_one_piece
+from studies.peers.collected import ADDER, KEPT, Edits, collected
+from studies.peers.comparison import Row, Task
+from studies.peers.installed import installed, run_isolated
+from studies.peers.simulated import check
 
 PROGRAM = Path(__file__).with_name("alkaid_network.py")
-VERSION = f"alkaid {pinned('alkaid')}"
 # A difference whose second operand has the lower last place is written as two: the lower bits, and
 # the upper ones less a borrow, which Yosys builds as a sum of three. Here it is one difference.
 WHOLE: Edits = [

@@ -5,13 +5,12 @@ from pathlib import Path
 
 from golden.fixed import Codes
 from golden.input_error import InputError
-from tb.peers.comparison import MAIN, Row, Task
-from tb.peers.installed import run
-from tb.peers.program import HERE, SOURCE, model, timed, written
-from tb.peers.simulated import agree
+from studies.peers.comparison import MAIN, Row, Task
+from studies.peers.installed import run
+from studies.peers.program import HERE, SOURCE, model, timed, written
+from studies.peers.simulated import agree
 
 NAME = "ATmega328P"
-VERSION = f"{NAME} of simavr"
 PACKAGES = "gcc-avr avr-libc gcc libc6-dev libsimavr-dev libelf-dev"
 COMPILER = ["avr-gcc", f"-mmcu={NAME.lower()}", "-O2"]
 SIMULATOR = "simulate"

@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 
 from golden.fixed import Codes
-from tb.peers.cells import in_one_piece
-from tb.peers.cloned import cloned
-from tb.peers.comparison import BEANS, JETS, WINE, Row, Task
-from tb.peers.simulated import agree, check
+from studies.peers.cells import in_one_piece
+from studies.peers.cloned import cloned
+from studies.peers.comparison import BEANS, JETS, WINE, Row, Task
+from studies.peers.simulated import agree, check
 
 REPOSITORY = "https://github.com/Duchstf/KANELE"
 COMMIT = "9b9621f15e5a2a2a2e688e2060fcb8b75e548e8f"
-VERSION = f"KANELÉ {COMMIT[:7]}"
 # For each network its folder, and the accuracy in percent that its authors publish.
 NETWORKS = {
     JETS: ("benchmarks/JSC_OpenML/models/official", 76.0),

@@ -12,8 +12,8 @@ from golden.input_error import InputError
 
 REQUIREMENTS = Path(__file__).with_name("requirements.txt")
 READY = ".ready"
-# These are written in part in C++. Without a wheel pip would try to compile them.
-WHEELS = "alkaid,da4ml"
+# This is written in part in C++. Without a wheel pip would try to compile them.
+WHEELS = "alkaid"
 
 
 def pinned(package: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from golden.files import replace_folder
-from tb.peers.installed import run
+from studies.peers.installed import run
 
 
 def cloned(folder: Path, repository: str, commit: str, files: Mapping[str, str]) -> Path:

@@ -7,7 +7,7 @@ import numpy as np
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.precision import SIGNAL
-from tb.peers.installed import run
+from studies.peers.installed import run
 
 BENCH = """`timescale 1ns / 1ps
 module play;
