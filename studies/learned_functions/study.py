@@ -84,7 +84,7 @@ def learned(nodes: int, prune: bool = False, straight: bool = False) -> Kind:
 
 
 KINDS = {
-    "single": (learned(6, straight=True), learned(4, True), mlps("16", (16,))),
+    "single": (mlps("16", (16,)), learned(4, True), learned(6, straight=True)),
     "multiple": (mlps("4 to 8", range(4, 9)), learned(3, True), learned(3, straight=True)),
     "cascade": (
         mlps("4 to 8", range(4, 9)),
