@@ -51,12 +51,13 @@ module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN,
         .RD_DATA(RD_DATA), .WR_CLK(WR_CLK), .WR_EN(WR_EN), .WR_ADDR(place), .WR_DATA(data));
 endmodule
 """
-_COMPARE = (
+_MEMORY = re.compile(r"^reg .*\] (\w+) \[", re.MULTILINE)
+_GATES = (
     # The solver takes a choice of hundreds of words as a chain, for which it has no room.
     "pmuxtree gold gate",
     f"techmap -max_iter 1 -map equal/{_WRITES} gold gate",
-    # techmap gives a memory another name in each module.
-    'setparam -set MEMID "$kept" gold/t:$mem_v2 gate/t:$mem_v2',
+)
+_COMPARE = (
     "setundef -undriven -anyseq gold gate",
     "setundef -anyseq gold gate",
     "expose -evert-dff -shared gold gate",
@@ -94,7 +95,8 @@ def write_equality(folder: Path, top: str) -> None:
         source = (vhdl / f"{entity}.vhd").read_text(encoding="utf-8")
         netlist = to_verilog(modules[entity], list_lengths(source))
         (equal / file).write_text(netlist, encoding="utf-8")
-        proof = _proof(entity, sorted(modules[entity].children()))
+        memories = _MEMORY.findall((verilog / file).read_text(encoding="utf-8"))
+        proof = _proof(entity, sorted(modules[entity].children()), memories)
         (equal / f"{entity}.ys").write_text("\n".join([*proof, ""]), encoding="utf-8")
     parameters = "\n".join(f"    parameter {name} = 0;" for name in _PARAMETERS)
     passed = ", ".join(f".{name}({name})" for name in _PARAMETERS)
@@ -102,7 +104,7 @@ def write_equality(folder: Path, top: str) -> None:
     (equal / _WRITES).write_text(text, encoding="ascii")
 
 
-def _proof(entity: str, parts: list[str]) -> list[str]:
+def _proof(entity: str, parts: list[str], memories: list[str]) -> list[str]:
     """The commands that prove an entity; of its parts only the ports matter."""
     known = [f"read_verilog -lib design/verilog/{part}.v" for part in parts]
     lines = []
@@ -112,4 +114,6 @@ def _proof(entity: str, parts: list[str]) -> list[str]:
         lines += [f"rename {entity} {side}", f"design -stash {side}"]
     lines += ["design -reset", *known]
     lines += [f"design -copy-from {side} {side}" for side in ("gold", "gate")]
-    return [*lines, *_COMPARE, f"log -stderr EQUAL {entity}"]
+    # techmap gives a memory another name in each module.
+    named = [f'setparam -set MEMID "$kept.{name}" gold/{name} gate/{name}' for name in memories]
+    return [*lines, *_GATES, *named, *_COMPARE, f"log -stderr EQUAL {entity}"]

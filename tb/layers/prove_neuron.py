@@ -1,4 +1,4 @@
-"""Proved properties of neuron, for every frame of a hidden neuron, which has no factor."""
+"""Proved properties of neuron, for every frame."""
 
 from golden.layers.weighted_sum import tree_depth
 from tb.sign_off.properties import Property
@@ -31,6 +31,9 @@ def properties(twin):
         f"term_{n} = whole_{n} >>> {twin.product_shift};"
         for n in range(len(weights))
     )
+    late, scaled = 0, "the sum one clock before"
+    if twin.factor is not None:
+        late, scaled = 1, f"{twin.factor} times the sum two clocks before"
     rounded = (r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")
     return [
         Property(
@@ -79,22 +82,22 @@ def properties(twin):
         ),
         Property(
             name="result",
-            sentence="The result is the sum one clock before, rounded half up, or the end of the "
+            sentence=f"The result is {scaled}, rounded half up, or the end of the "
             "result's range where that lies beyond it.",
-            states=("!there[0] || $signed(out_data) == expected_0",),
+            states=(f"!there[{late}] || $signed(out_data) == expected_{late}",),
             watch=f"""
-                wire signed [63:0] exact = $signed(total);
+                wire signed [63:0] exact = $signed(total) * 64'sd{twin.factor or 1};
                 wire signed [63:0] rounds = (exact + 64'sd{half}) >>> {twin.out_shift};
                 wire signed [63:0] expected = rounds < {low} ? {low} : rounds > {high} ? {high}
                     : rounds;
             """
-            + pipe("expected", 1, 64),
+            + pipe("expected", late + 1, 64),
             free=("total",),
-            reached=("there[0] && expected_0 == -1",),
+            reached=(f"there[{late}] && expected_{late} < 0",),
             refuted_by=(
                 (r"out_data <= result", "out_data <= -result"),
                 *((rounded,) if twin.out_shift else ()),
             ),
-            clocks=3,
+            clocks=late + 3,
         ),
     ]
