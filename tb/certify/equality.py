@@ -52,11 +52,8 @@ module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN,
 endmodule
 """
 _MEMORY = re.compile(r"^reg .*\] (\w+) \[", re.MULTILINE)
-_GATES = (
-    # The solver takes a choice of hundreds of words as a chain, for which it has no room.
-    "pmuxtree gold gate",
-    f"techmap -max_iter 1 -map equal/{_WRITES} gold gate",
-)
+# The solver takes a choice of hundreds of words as a chain, for which it has no room.
+_GATES = ("pmuxtree gold gate", f"techmap -max_iter 1 -map equal/{_WRITES} gold gate")
 _COMPARE = (
     "setundef -undriven -anyseq gold gate",
     "setundef -anyseq gold gate",

@@ -31,10 +31,8 @@ def properties(twin):
         f"term_{n} = whole_{n} >>> {twin.product_shift};"
         for n in range(len(weights))
     )
-    late, scaled = 0, "the sum one clock before"
-    if twin.factor is not None:
-        late, scaled = 1, f"{twin.factor} times the sum two clocks before"
-    rounded = (r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")
+    late = int(twin.factor is not None)
+    scaled = f"{twin.factor} times the sum 2 clocks before" if late else "the sum one clock before"
     return [
         Property(
             name="products",
@@ -96,7 +94,7 @@ def properties(twin):
             reached=(f"there[{late}] && expected_{late} < 0",),
             refuted_by=(
                 (r"out_data <= result", "out_data <= -result"),
-                *((rounded,) if twin.out_shift else ()),
+                *([(r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")] if twin.out_shift else []),
             ),
             clocks=late + 3,
         ),
