@@ -51,7 +51,7 @@ module writes (RD_CLK, RD_EN, RD_ARST, RD_SRST, RD_ADDR, RD_DATA, WR_CLK, WR_EN,
         .RD_DATA(RD_DATA), .WR_CLK(WR_CLK), .WR_EN(WR_EN), .WR_ADDR(place), .WR_DATA(data));
 endmodule
 """
-_MEMORY = re.compile(r"^reg .*\] (\w+) \[", re.MULTILINE)
+_MEMORY = re.compile(r"^reg (?:.* )?(\w+) \[[^]]*\];", re.MULTILINE)
 # The solver takes a choice of hundreds of words as a chain, for which it has no room.
 _GATES = ("pmuxtree gold gate", f"techmap -max_iter 1 -map equal/{_WRITES} gold gate")
 _COMPARE = (

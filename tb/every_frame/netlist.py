@@ -162,7 +162,7 @@ def netlist(module: dict[str, Any]) -> Netlist:
 
     cells, registers, memories = [], [], []
     for name, cell in module["cells"].items():
-        kind, wires, given = (cell["type"], cell["connections"], cell["parameters"])
+        kind, wires, given = cell["type"], cell["connections"], cell["parameters"]
         if kind in SILENT:
             continue
         if kind == "$mem_v2":
