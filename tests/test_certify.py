@@ -315,6 +315,12 @@ def test_an_export_of_another_network_is_red(fault: str, copied: Path) -> None:
 
 
 def test_the_prover_needs_nothing_but_numpy(copied: Path, tmp_path: Path) -> None:
+    """Nor does a name of one of its modules hide that of another."""
+    text = (copied / "every_frame" / "prover.py").read_text(encoding="utf-8")
+    given = re.findall(r"^(?:def|class) (\w+)", text, re.M)
+    for names in re.findall(r"^(\w[\w, ]*)(?:: .*)? = ", text, re.M):
+        given += names.split(", ")
+    assert sorted(set(given)) == sorted(given)
     assert check(copied, EVERY_FRAME) == 0
     alone = tmp_path / "alone"
     alone.mkdir()

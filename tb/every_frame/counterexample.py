@@ -13,7 +13,7 @@ SEED = 1
 # Frames from which the search climbs.
 STARTS = 20
 # Frames by which words are told apart, and the most bits of a word that is looked at.
-FEW, WIDEST = 100, 60
+BESIDE, WIDEST = 100, 60
 
 
 class Evaluated:
@@ -81,7 +81,7 @@ def first_apart(proof: Sequences, frame: Sequence[int]) -> str:
     """
     words = [w for v in proof.samples if isinstance(v, Sum) for w in v.terms]
     low, high = words[0].low, words[0].high
-    others = np.random.default_rng(SEED).integers(low, high + 1, (FEW, len(words)))
+    others = np.random.default_rng(SEED).integers(low, high + 1, (BESIDE, len(words)))
     now = Evaluated(words, np.concatenate([[frame], others]))
     held = set()
     for e in proof.run.made.values():
