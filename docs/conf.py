@@ -14,7 +14,7 @@ version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["projec
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "datasheets",
+    "made",
     "docstrings",
     "package_modules",
     "repository_files",

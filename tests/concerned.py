@@ -17,16 +17,13 @@ import pytest
 
 from golden.fingerprint import ROOT
 
-# What compares pages as a whole, each of which shows something of every block.
-OF_ALL = ("test_the_pages_hold_what_the_twins_publish", "test_the_pages_hold_what_is_recorded")
-
 
 def concerns(item: pytest.Item, block: str, long: Collection[str]) -> bool:
     """Whether a test concerns a block; ``long`` names the files that simulate or synthesise."""
     if item.path.stem == "test_site":
         return False
     parameters = item.callspec.params if hasattr(item, "callspec") else {}
-    if block in names(list(parameters.values())) or item.name in OF_ALL:
+    if block in names(list(parameters.values())):
         return True
     if item.path.stem in long:
         return False

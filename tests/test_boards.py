@@ -31,7 +31,6 @@ from hdl.boards.wrapper import RESET_WIDTH, wrapper
 from hdl.export.exporter import export
 from hdl.synth import tools
 from tb.common.cases import FRONT_END, random_mlp, write_scene
-from tb.report.page import boards as page
 from tb.sign_off.cell_models import models_for
 
 # The scenes that are shipped for each board.
@@ -302,11 +301,6 @@ def test_the_record_is_of_this_design(shared: Shared, name: str, board: str) -> 
     assert state(shared.export(name, "verilog"), made) == made_of, again
     assert report.clock_mhz >= report.needed_mhz == made.clock_mhz
     assert all(report.used[kind] <= report.available[kind] for kind in report.used)
-
-
-def test_the_page_holds_what_is_recorded() -> None:
-    for file, text in page.pages().items():
-        assert file.read_text(encoding="utf-8") == text, f"{file}: run: {page.COMMAND}"
 
 
 def built(scene: Scene, board: Board, folder: Path) -> tuple[bytes, Report]:

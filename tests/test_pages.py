@@ -3,22 +3,13 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
-from pages import TRAINED, same_picture, shows
+from pages import same_picture
 
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
-from golden.physics.beam import Beam
-from golden.physics.bound import least_deviations, slopes_by_codes
-from golden.physics.digit_data import RECORDED, SENSORS
-from golden.physics.strain_sensor import COLUMNS, fit_sensors
-from golden.scene import load_scene
-from golden.scene_errors import held_out_means, held_out_rows
-from golden.table import read_table
-from golden.training.split import split_of
-from tb.report.measure import table_records
-from tb.report.page import lists, sign_off
+from tb.report.page import lists
+from tb.report.page.made import MADE, MARK, scenes
 from tb.report.page.markers import END, begin, put
 
 pytestmark = pytest.mark.pages
@@ -73,38 +64,13 @@ def test_a_picture_is_the_same_where_nobody_sees_a_difference(other: str, same: 
     assert same_picture('<path d="M 10.5 -3"/>', other) == same
 
 
-def test_what_is_recorded_stands_in_the_page_of_all_blocks() -> None:
-    for page, text in sign_off.pages().items():
-        assert page.read_text(encoding="utf-8") == text, f"{page}: run: {sign_off.COMMAND}"
-
-
-def test_the_readme_says_what_held_out_does_not() -> None:
-    """The text is beside the errors of the digit. Its figures are those of other pages."""
-    scene = load_scene("digit")
-    text = " ".join(lists.unseen().split())
-    rows = table_records.read("honest").rows
-    for output in ("width", "shape"):
-        error = next(row[2] for row in rows if row[:2] == ["loads", output])
-        found = re.search(rf"{output} (?:that errs )?by (\d+ to \d+) %", text)
-        assert found, output
-        # Another machine may measure figures outside of the range, as test_figures_honest.py says.
-        assert shows(found[1], error, TRAINED), output
-    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
-    loads = table[:, len(SENSORS) :]
-    noise = np.full(len(SENSORS), 0.002)
-    least = least_deviations(slopes_by_codes(fit_sensors(table, Beam()), loads), noise)
-    silent = int(np.isinf(least[:, COLUMNS.index("width")]).sum())
-    assert f"at {silent} of {len(table)} placements no sensor feels the width" in text
-    split = split_of(scene)
-    trained = {tuple(row) for row in loads[split.training][:, [0, 2, 3]]}
-    assert {tuple(row) for row in loads[split.test][:, [0, 2, 3]]} <= trained
-    # The shipped networks were trained on with all rows, so no row is held out.
-    assert held_out_rows(scene) is None
-    assert held_out_means(scene) is not None
+def test_pages_ask_for_all_that_is_made() -> None:
+    texts = (page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    assert sorted(name for text in texts for name in MARK.findall(text)) == sorted(MADE)
 
 
 def test_every_shipped_scene_is_listed() -> None:
-    listed = re.findall(r"^\| `([\w/-]+)` \|", lists.scenes(), re.M)
+    listed = re.findall(r"^\| `([\w/-]+)` \|", scenes(), re.M)
     files = {path.relative_to(SCENES).parent.as_posix() for path in SCENES.rglob("*.toml")}
     assert listed == sorted(name for name in files if not name.startswith("comparison/"))
 

@@ -1,23 +1,19 @@
-"""``python -m tb.report.page.blocks``: writes the table of blocks into ``docs/README.md``.
+"""The table of blocks, and the sections of each block's page, which the site shows.
 
-The site puts the ``sections`` behind the hand-written part of each datasheet when it is built.
 Formats and clocks are those of every scene, and of one network in every design, activation and
 precision.
 """
 
 import importlib
 import inspect
-import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from pathlib import Path
+from functools import cache
 
 from golden.activation.pade import UnsettledWarning
 from golden.activation.schemes import SCHEMES
 from golden.block import Block, walk
-from golden.cli import run, would
-from golden.fingerprint import ROOT
 from golden.fixed import Fix
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
@@ -36,11 +32,8 @@ from golden.scene.front_end import CONVERTERS
 from golden.scene.hardware_keys import HARDWARE
 from tb.report.measure.networks import scenes
 from tb.report.page.datasheets import block_tables
-from tb.report.page.markers import put, write
 from tb.report.page.sign_off import sheet
 
-COMMAND = "make pages"
-README = ROOT / "docs" / "README.md"
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
 LEARNED = "comparison/digit-tables"
@@ -213,7 +206,7 @@ def purpose(twins: Twins) -> str:
     return line.partition(": ")[2] or line
 
 
-def block_table(found: dict[str, Twins]) -> str:
+def block_table() -> str:
     """A table with a line for each block, sorted by area."""
     lines = [
         "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
@@ -226,7 +219,7 @@ def block_table(found: dict[str, Twins]) -> str:
         "|---|---|---|---|---|---|",
     ]
     for area in AREAS:
-        for name, twins in found.items():
+        for name, twins in _published().items():
             twin = next(block for blocks in twins.values() for block in blocks)
             if twin.area == area:
                 row = [
@@ -241,6 +234,7 @@ def block_table(found: dict[str, Twins]) -> str:
     return "\n".join(lines)
 
 
+@cache
 def _published() -> dict[str, Twins]:
     with warnings.catch_warnings():
         # A user who runs a scene sees this warning. Here it would only disturb.
@@ -248,6 +242,7 @@ def _published() -> dict[str, Twins]:
         return blocks_of(shipped())
 
 
+@cache
 def sections() -> dict[str, str]:
     """For each block what is published, measured and proved of it, as sections of its datasheet."""
     cells = block_tables()
@@ -264,17 +259,3 @@ def sections() -> dict[str, str]:
         )
         for name, twins in _published().items()
     }
-
-
-def pages() -> dict[Path, str]:
-    """The text of the page that lists the blocks."""
-    return {README: put(README, README.read_text("utf-8"), block_table(_published()), COMMAND)}
-
-
-def main() -> None:
-    would("write what is generated in the documentation")
-    write(pages())
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

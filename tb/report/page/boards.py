@@ -1,24 +1,15 @@
-"""``python -m tb.report.page.boards``: writes wiring and resources of boards into
-``docs/boards.md``.
+"""Wiring and resources of boards.
 
 The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python -m
 hdl.boards.variants`` record beside a scene what it takes.
 """
 
-import sys
-from pathlib import Path
-
 from golden.boards import board_names, load_board
-from golden.cli import run, would
-from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.boards.bitstream import Report
 from hdl.boards.record import read_record, record_path
 from hdl.boards.variants import read_variants, variants_path
-from tb.report.page.markers import put, write
 
-COMMAND = "python -m tb.report.page.boards"
-PAGE = ROOT / "docs" / "boards.md"
 KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
 HEADS = f"{' | '.join(KINDS)} | MHz needed | MHz reached | us"
 # Who drives a wire, seen from the board.
@@ -88,25 +79,3 @@ def _cells(report: Report, clocks: int) -> str:
     ]
     microseconds = f"{clocks / report.needed_mhz:.1f}"
     return " | ".join([*counts, f"{report.needed_mhz:g}", f"{report.clock_mhz:g}", microseconds])
-
-
-def pages() -> dict[Path, str]:
-    """The text of the page."""
-    text = PAGE.read_text(encoding="utf-8")
-    for section, made in (
-        ("wiring", wiring()),
-        ("sources", pin_sources()),
-        ("resources", resources()),
-        ("variants", variant_rows()),
-    ):
-        text = put(PAGE, text, made, COMMAND, section)
-    return {PAGE: text}
-
-
-def main() -> None:
-    would("write what is generated in the documentation")
-    write(pages())
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -1,21 +1,15 @@
-"""``python -m tb.report.page.datasheets``: writes the recorded cells into ``docs/synthesis.md``."""
+"""The recorded cells of every scene, and those of one block for its page."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from golden.block import walk
-from golden.cli import would
-from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
-from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import read_timing, timing_path
-from tb.report.page.markers import put, write
 
-COMMAND = "python -m tb.report.page.datasheets"
 # These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.
 COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
@@ -96,18 +90,3 @@ def scene_table() -> str:
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
     return "\n".join(lines)
-
-
-def pages() -> dict[Path, str]:
-    """The text of the page that compares the scenes."""
-    page = ROOT / "docs" / "synthesis.md"
-    return {page: put(page, page.read_text(encoding="utf-8"), scene_table(), COMMAND)}
-
-
-def main() -> None:
-    would("write what is generated in the documentation")
-    write(pages())
-
-
-if __name__ == "__main__":
-    run_repeatable("tb.report.page.datasheets", main)

@@ -1,24 +1,14 @@
-"""``python -m tb.report.page.sign_off``: writes the records into ``docs/verification.md``.
-
-The site shows the tables of each block in its datasheet.
-"""
+"""The records of all blocks, and those of one block for its page."""
 
 import re
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
-from golden.cli import run, would
-from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
-from tb.report.page.markers import put, write
 from tb.sign_off.mutate.score import COUNT
 from tb.sign_off.record import recorded
 from tb.sign_off.subject import recorded_cases
 
-COMMAND = "make pages"
-SECTION = "sign-off"
 Record = dict[str, Any]
 
 
@@ -282,18 +272,3 @@ def overview() -> str:
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
     return "\n".join(lines)
-
-
-def pages() -> dict[Path, str]:
-    """The text of the page that lists the records of all blocks."""
-    page = ROOT / "docs" / "verification.md"
-    return {page: put(page, page.read_text(encoding="utf-8"), overview(), COMMAND, SECTION)}
-
-
-def main() -> None:
-    would("write what is generated in the documentation")
-    write(pages())
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

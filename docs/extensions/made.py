@@ -1,0 +1,33 @@
+"""Writes into the pages what programs know, as the site is built: ``tb.report.page.made``.
+
+In the place of ``<!-- made: name -->`` stands the text of this name. Behind the hand-written part
+of a block's page follow its ports, clocks, cells and sign-off.
+"""
+
+from pathlib import Path
+
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+
+from tb.report.page.blocks import sections
+from tb.report.page.made import MARK, made
+
+FOLDER = "blocks/"
+
+
+def complete(app: Sphinx, page: str, source: list[str]) -> None:
+    source[0] = MARK.sub(lambda mark: made(mark[1]), source[0])
+    if page.startswith(FOLDER):
+        source[0] += f"\n{sections()[page.removeprefix(FOLDER)]}\n"
+
+
+def outdated(app: Sphinx, env: BuildEnvironment, *_: set[str]) -> list[str]:
+    """Records may have changed though the page has not."""
+    texts = {page: Path(env.doc2path(page)).read_text(encoding="utf-8") for page in env.found_docs}
+    return [page for page, text in texts.items() if page.startswith(FOLDER) or MARK.search(text)]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.connect("env-get-outdated", outdated)
+    app.connect("source-read", complete)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
