@@ -82,7 +82,7 @@ def versions(*packages: str) -> dict[str, str]:
 
 def facts(**programs: str) -> dict[str, str]:
     """All facts by name; ``programs`` are versions of programs that are no Python packages."""
-    named = versions("python", "numpy", "scipy", "myhdl", "cocotb") | programs
+    named = versions("tactus", "python", "numpy", "scipy", "myhdl", "cocotb") | programs
     return {
         "processor": processor(),
         "instructions": "; ".join([f"numpy {' '.join(numpy_targets())}", *blas_cores()]),

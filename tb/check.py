@@ -18,7 +18,7 @@ from tb.common.tools import SIMULATORS, version
 
 def tools() -> list[Finding]:
     """Findings about the simulators, which training and export do not need."""
-    found = versions("python", "numpy", "scipy", "myhdl", "cocotb")
+    found = versions("tactus", "python", "numpy", "scipy", "myhdl", "cocotb")
     text = ", ".join(f"{name} {number}" for name, number in found.items())
     findings = [Finding(OK, "versions", text)]
     for name, (program, package, _) in SIMULATORS.items():

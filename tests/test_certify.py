@@ -10,6 +10,7 @@ import sys
 import time
 from contextlib import chdir
 from dataclasses import astuple, replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -128,6 +129,7 @@ def test_the_page_begins_with_what_is_proved_and_what_was_not_done(certificate: 
     assert text.splitlines()[2].startswith("Proved for every frame: 2^42, engine")
     assert "- not asked for: no frame was played on the cells" in head
     assert "green" in text
+    assert f"tactus {version('tactus')}" in text
     page = (certificate / "certificate.html").read_text(encoding="utf-8")
     assert page.index("not asked for: no frame") < page.index("<main>")
     digests = (certificate / "SHA256SUMS").read_text(encoding="utf-8")

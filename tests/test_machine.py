@@ -23,7 +23,7 @@ def test_the_lines_name_what_is_here() -> None:
     text = "\n".join(lines)
     assert platform.machine() in text
     assert f"{os.cpu_count()} core" in text
-    for name in ("numpy", "scipy", "myhdl", "cocotb"):
+    for name in ("tactus", "numpy", "scipy", "myhdl", "cocotb"):
         assert f"{name} {version(name)}" in text
     assert f"python {platform.python_version()}" in text
     assert re.search(r"ghdl (\d+\.\d+\S*|none), icarus (\d+\.\d+\S*|none)$", text, re.M)

