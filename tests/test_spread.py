@@ -5,12 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from golden.fingerprint import fingerprint
 from golden.input_error import InputError
-from golden.scene import Scene
 from tb.report.measure import spread
 
 ROOT = Path(__file__).parents[1]
@@ -58,43 +55,13 @@ def test_the_settings_reach_numpy() -> None:
 
 @pytest.mark.all_only
 def test_the_command_measures_tables_under_settings() -> None:
-    command = [sys.executable, "-m", "tb.report.measure.spread", "figures", "operations"]
+    command = [sys.executable, "-m", "tb.report.measure.spread", "operations"]
     for name in ("as it is", "one-thread"):
         command += ["--setting", name]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert re.search(r"^one-thread: measured$", done.stdout, re.M)
     assert "between 2 runs" in done.stdout
     assert "operations " not in done.stdout
-
-
-@pytest.mark.all_only
-def test_a_training_is_measured_and_leaves_the_scene_alone(small_cascade: Scene) -> None:
-    before = fingerprint([small_cascade.path.parent])
-    table = spread.training(small_cascade, ["as it is", "one-thread"], [], more=1)
-    assert fingerprint([small_cascade.path.parent]) == before
-    assert [row[:2] for row in table.rows] == [
-        [name, kind]
-        for name in small_cascade.outputs
-        for kind in ("as it is", "one-thread", "moved start 1", "least", "most")
-    ]
-    for n in range(0, len(table.rows), 5):
-        figures = np.array([row[2:] for row in table.rows[n : n + 3]])
-        assert (figures > 0).all()
-        assert np.array_equal(figures.min(axis=0), table.rows[n + 3][2:])
-        assert np.array_equal(figures.max(axis=0), table.rows[n + 4][2:])
-
-
-def test_a_start_is_moved_by_a_few_last_bits(small_scene: Scene, monkeypatch) -> None:
-    seen = []
-    monkeypatch.setattr(
-        spread.Objective, "search", lambda self, descend, start, steps: seen.append(start) or start
-    )
-    for number in (1, 1, 2):
-        next(spread.moved(small_scene, number))
-    assert np.array_equal(seen[0], seen[len(seen) // 3])
-    assert not np.array_equal(seen[0], seen[2 * len(seen) // 3])
-    apart = np.abs(seen[0] / seen[2 * len(seen) // 3] - 1).max()
-    assert 0 < apart < 1e-15
 
 
 def test_what_fails_says_why() -> None:

@@ -1,9 +1,11 @@
-"""Draws what tactus does, for the first screen: a finger on a beam, networks on a chip, a load.
+"""Draws the pictures of the first screen: what tactus does, and what it was asked to show.
 
-It has no background, and its ink is light where the page is dark.
+They have no background, and their ink is light where the page is dark.
 """
 
+from collections import Counter
 from itertools import pairwise
+from math import ceil, log10
 
 import numpy as np
 
@@ -11,7 +13,11 @@ from golden.physics.beam import Beam
 from golden.scene import Scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw.drawing import Point, arrow_head, box, dot, group, line, number, text
+from tb.report.draw.findings import Row
+from tb.report.draw.findings import number as cell
 from tb.report.draw.load import FRAME, beam
+from tb.report.draw.run_time import AFTER, scene_of
+from tb.report.measure.stability.margins import Case
 
 SIZE = (680.0, 276.0)
 INK, FAINT, ACCENT, SOFT = "var(--ink)", "var(--faint)", "var(--accent)", "var(--soft)"
@@ -25,6 +31,11 @@ ROOT, TIP, LEVEL = 30.0, 214.0, 130.0
 CHIP: Point = (256.0, 34.0)
 CHIP_SIZE: Point = (176.0, 190.0)
 CURVE, CURVE_WIDTH, GROUND, TALL = 480.0, 190.0, 196.0, 106.0
+WISHES_SIZE = (680.0, 216.0)
+# The pictures of wishes: left edges and width, and where their areas begin and end.
+LEFT, WIDTH, TOP, BOTTOM = (10.0, 250.0, 490.0), 180.0, 46.0, 172.0
+# The longest time and the largest error of the first picture, and the least part of the second.
+MICROS, ERROR, LEAST = (0.05, 100.0), 3.0, -6
 
 
 def overview(scene: Scene, frame: int = FRAME) -> str:
@@ -33,9 +44,13 @@ def overview(scene: Scene, frame: int = FRAME) -> str:
     Returns: One ``<svg>`` element.
     """
     body = [*_beam(scene, frame), *_chip(scene), *_curve(scene, frame)]
-    width, height = (number(value) for value in SIZE)
-    head = f'viewBox="0 0 {width} {height}" role="img" font-family="sans-serif" fill="{INK}"'
     title = "A finger bends a beam; four gauges; networks on a chip; the load that they compute"
+    return _whole(title, SIZE, body)
+
+
+def _whole(title: str, size: Point, body: list[str]) -> str:
+    width, height = (number(value) for value in size)
+    head = f'viewBox="0 0 {width} {height}" role="img" font-family="sans-serif" fill="{INK}"'
     inside = "".join([f"<title>{title}</title>", STYLE, *body])
     return f'<svg xmlns="http://www.w3.org/2000/svg" {head}>{inside}</svg>\n'
 
@@ -161,3 +176,90 @@ def _curve(scene: Scene, frame: int) -> list[str]:
         ),
         *_captioned(CURVE, "what it felt", "computed, and as", "recorded (dashed)"),
     ]
+
+
+def wishes(
+    networks: list[Row],
+    named: tuple[str, str],
+    clock_mhz: float,
+    found: list[Case],
+    kept: dict[str, tuple[float, float]],
+) -> str:
+    """Errors against run time, cases against their bound, and what is kept of a whole scene.
+
+    named: The two of ``networks`` that have their names beside them.
+    kept: For each kind its count as built, and in the whole.
+    """
+    body = [*_times(networks, named, clock_mhz), *_cases(found), *_kept(kept)]
+    headings = ("error against run time", "numerical stability", "left out")
+    for x, heading in zip(LEFT, headings, strict=True):
+        body.append(text((x, 20), heading, 15, font_weight="bold"))
+    title = "Error against run time; cases against their bound; what is left out"
+    return _whole(title, WISHES_SIZE, body)
+
+
+def _axis(x: float, below: str) -> list[str]:
+    return [
+        line([(x, BOTTOM), (x + WIDTH, BOTTOM)], stroke=FAINT),
+        text((x, BOTTOM + 38), below, 13, fill=FAINT),
+    ]
+
+
+def _times(networks: list[Row], named: tuple[str, str], clock_mhz: float) -> list[str]:
+    """Every network of four outputs, by its time in microseconds and its held-out error."""
+    x, (least, most) = LEFT[0], MICROS
+
+    def place(micros: float, error: float) -> Point:
+        share = log10(micros / least) / log10(most / least)
+        return x + WIDTH * share, BOTTOM - (BOTTOM - TOP) * error / ERROR
+
+    body = [*_axis(x, "µs a frame; every design")]
+    for micros in (0.1, 1, 10, 100):
+        below = (place(micros, 0)[0], BOTTOM + 18)
+        body.append(text(below, f"{micros:g}", 13, text_anchor="middle", fill=FAINT))
+    for error in (1, 2, 3):
+        _, y = place(least, error)
+        body.append(line([(x, y), (x + WIDTH, y)], stroke=FAINT, stroke_width=0.4))
+        body.append(text((x, y - 3), f"{error} %", 12, fill=FAINT))
+    last = []
+    for row in networks:
+        at = place(cell(row, AFTER) / clock_mhz, cell(row, "held out %"))
+        if scene_of(row) in named:
+            last.append(dot(at, 5, fill=ACCENT))
+            last.append(text((at[0] + 8, at[1] + 4), scene_of(row), 13))
+        else:
+            body.append(dot(at, 3, fill=FAINT))
+    return body + last
+
+
+def _cases(found: list[Case]) -> list[str]:
+    """How many cases reach which part of their bound, in powers of ten."""
+    x, step = LEFT[1], WIDTH / -LEAST
+    parts = [case.part for case in found if case.part is not None]
+    counts = Counter(max(LEAST, ceil(log10(part)) - 1) if part else LEAST for part in parts)
+    body = [*_axis(x, f"of its bound; {len(parts)} cases")]
+    for power in range(LEAST, 0):
+        at = x + step * (power - LEAST)
+        tall = (BOTTOM - TOP) * counts[power] / max(counts.values())
+        body.append(box((at + 2, BOTTOM - tall), (step - 4, tall), fill=ACCENT, stroke="none"))
+    for power in (-5, -3, 0):
+        label = f"{100 * 10.0**power:g} %"
+        at = x + step * (power - LEAST)
+        body.append(text((at, BOTTOM + 18), label, 13, text_anchor="middle", fill=FAINT))
+    return [
+        *body,
+        line([(x + WIDTH, TOP - 8), (x + WIDTH, BOTTOM)], stroke=INK, stroke_dasharray="5 4"),
+    ]
+
+
+def _kept(kept: dict[str, tuple[float, float]]) -> list[str]:
+    """A bar for each kind, which is filled as far as the whole is built."""
+    x, body = LEFT[2], []
+    for n, (kind, (built, whole)) in enumerate(kept.items()):
+        y = TOP + 2 + 43 * n
+        body += [
+            text((x, y + 10), f"{kind}: {built:,.0f} of {whole:,.0f}", 14),
+            box((x, y + 16), (WIDTH, 12), stroke=FAINT),
+            box((x, y + 16), (WIDTH * built / whole, 12), fill=ACCENT, stroke="none"),
+        ]
+    return [*body, text((x, BOTTOM + 38), "needed, of the whole", 13, fill=FAINT)]

@@ -5,14 +5,11 @@ On another processor numpy, OpenBLAS and glibc use other instructions, which rou
 differently. Environment variables make this processor compute as others do. Each setting runs in
 processes of its own.
 
-    python -m tb.report.measure.spread figures swing beam
-    python -m tb.report.measure.spread training docs/tutorial/rig.toml --moved 30
+    python -m tb.report.measure.spread swing beam
 
-``figures`` measures tables of ``make figures``, by default all, under every setting. For each
-column it prints the largest difference between two settings. ``training`` trains a scene under
-every setting. With ``--moved`` it also trains so many times from starting weights that are changed
-by last bits, which has the same effect as another processor. ``--python`` adds another interpreter,
-with other versions of numpy and SciPy.
+It measures tables of ``make figures``, by default all, under every setting. For each column it
+prints the largest difference between two settings. ``--python`` adds another interpreter, with
+other versions of numpy and SciPy.
 """
 
 import argparse
@@ -21,27 +18,14 @@ import os
 import subprocess
 import sys
 import tempfile
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from golden import machine
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
-from golden.mlp import Mlp
-from golden.network_files.network_file import provenance_path
-from golden.real import Real
-from golden.scene import Scene, load_scene
-from golden.training.objective import Descend, Objective
-from golden.training.search import bit_true_errors, candidates, train
-from golden.training.task import task_for
 from tb.report.measure.table import Cell, Table
 
 SETTINGS: dict[str, dict[str, str]] = {
@@ -124,110 +108,19 @@ def figures(names: Sequence[str], settings: Sequence[str], pythons: Sequence[str
     return differences(found)
 
 
-class Moved(Objective):
-    """An objective whose descents start with weights that are changed by a last bit or two."""
-
-    def __init__(self, number: int, *args: Any) -> None:
-        super().__init__(*args)
-        self.number = number
-
-    def search(self, descend: Descend, start: Real, steps: int) -> Real:
-        bits = np.random.default_rng([self.number, len(start)]).integers(-2, 3, len(start))
-        return super().search(descend, start * (1 + bits * np.finfo(np.float64).eps), steps)
-
-
-@dataclass(frozen=True)
-class Trained:
-    """A network of a scene, and its rms errors in percent on rows that did not train it."""
-
-    mlp: Mlp
-    validation: float
-    held_out: float
-
-
-def moved(scene: Scene, number: int) -> Iterator[Trained]:
-    """The networks of the scene, from starts that are changed by last bits."""
-    chosen: list[Mlp] = []
-    for _ in scene.members:
-        task = task_for(scene, scene.vectors(), chosen)
-        found: list[Trained] = []
-        for hidden, restart in candidates(task):
-            # A candidate that the formats cannot hold is left out.
-            with suppress(InputError):
-                mlp = train(task, hidden, restart, partial(Moved, number))
-                found.append(Trained(mlp, *bit_true_errors(task, mlp)))
-        best = min(found, key=lambda trained: trained.validation)
-        chosen.append(best.mlp)
-        yield best
-
-
-def written(scene: Scene, folder: Path) -> Iterator[Trained]:
-    """The networks that ``make train`` wrote into a folder, with their stated errors."""
-    for member in scene.members:
-        path = folder / member.weights_path.name
-        story = tomllib.loads(provenance_path(path).read_text(encoding="utf-8"))
-        # These errors are measured as in ``moved``: with noise and drift, if the scene names some.
-        disturbed = "_disturbed" if not scene.training.disturbance.none else ""
-        errors = (story[f"{part}{disturbed}_rms_percent"] for part in ("validation", "test"))
-        mlp = replace(member, weights_path=path).load()
-        assert isinstance(mlp, Mlp), f"{path} is not what a search trains"
-        yield Trained(mlp, *errors)
-
-
-def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more: int = 0) -> Table:
-    """Train a scene under every setting. The table has the sum of ``|w1|`` and the errors."""
-    found: dict[str, list[Trained]] = {}
-    for name, python, setting in runs(settings, pythons):
-        with tempfile.TemporaryDirectory() as folder:
-            command = [python, "-m", "golden.commands.train", str(scene.path.resolve())]
-            command += ["--into", folder, "--build", f"{folder}/build"]
-            if finished(command, SETTINGS[setting]):
-                found[name] = list(written(scene, Path(folder)))
-            else:
-                print(f"{name}: not possible here", flush=True)
-    for number in range(1, more + 1):
-        found[f"moved start {number}"] = list(moved(scene, number))
-    rows: list[list[Cell]] = []
-    for n, member in enumerate(scene.members):
-        output = ", ".join(member.outputs)
-        figures = {
-            name: (float(np.abs(t.mlp.w1).sum()), t.validation, t.held_out)
-            for name, t in ((name, networks[n]) for name, networks in found.items())
-        }
-        rows += [[output, name, *values] for name, values in figures.items()]
-        for kind, pick in (("least", min), ("most", max)):
-            rows.append([output, kind, *map(pick, zip(*figures.values(), strict=True))])
-    return Table(
-        "spread",
-        ["network", "setting", "sum of |w1|", "validation %", "held out %"],
-        rows,
-        "The figures are root mean squares of the bit-true percent errors, on the rows that chose "
-        "the network and on the rows that took no part.",
-    )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m tb.report.measure.spread",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    kinds = parser.add_subparsers(dest="kind", required=True)
-    tables, scene = kinds.add_parser("figures"), kinds.add_parser("training")
-    tables.add_argument("tables", nargs="*", metavar="TABLE")
-    scene.add_argument("scene")
-    scene.add_argument("--moved", type=int, default=0, metavar="N")
-    for kind in (tables, scene):
-        kind.add_argument("--setting", action="append", choices=SETTINGS)
-        kind.add_argument("--python", action="append", default=[])
+    parser.add_argument("tables", nargs="*", metavar="TABLE")
+    parser.add_argument("--setting", action="append", choices=SETTINGS)
+    parser.add_argument("--python", action="append", default=[])
     arguments = parser.parse_args()
     settings = arguments.setting or list(SETTINGS)
     would(f"measure under {len(settings)} settings of this machine what differs")
-    if arguments.kind == "figures":
-        table = figures(arguments.tables, settings, arguments.python)
-    else:
-        known = load_scene(arguments.scene)
-        table = training(known, settings, arguments.python, arguments.moved)
+    table = figures(arguments.tables, settings, arguments.python)
     print("\n".join(table.lines()))
 
 

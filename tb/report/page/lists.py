@@ -24,9 +24,9 @@ from tb.report.draw.floors import picture_of_floors
 from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.overview import overview
+from tb.report.draw.overview import wishes as draw_wishes
 from tb.report.draw.run_time import network_rows
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
-from tb.report.draw.wishes import wishes as draw_wishes
 from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
@@ -84,7 +84,7 @@ def headline() -> str:
         ("block RAMs", "-", *(str(c["block RAM"]) for c in cells)),
         ("frames proved", "none", *(f"all 2^{14 * len(s.sensors)}" for s in scenes)),
     ]
-    heads = ["", "thesis, as printed", f"rebuilt: `{REBUILT}`", f"today: `{SHOWN}`"]
+    heads = ["", "thesis, printed", "thesis, rebuilt", "today"]
     lines = [heads, ["---"] * len(heads), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
@@ -117,6 +117,11 @@ def wishes(found: dict[Path, str]) -> str:
         assert headline, page
         lines.append(f"- [{wish}](docs/{page}): {' '.join(headline[1].split())}")
     return "\n".join(lines)
+
+
+def editor_schema() -> str:
+    """The schema by which an editor completes a scene."""
+    return json_schema(SCENE, "A scene of tactus")
 
 
 def pages() -> dict[Path, str]:
