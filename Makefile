@@ -24,7 +24,7 @@ DRY_RUN := $(filter-out 0,$(DRY))
 own = @$(if $(DRY_RUN),echo "DRY=1: nothing done; would $(1)",$(2))
 
 # $(1): several commands. A signal that make passes on reaches only the shell of a recipe, so what takes its place ends them.
-ends = exec $(RUN) -m tb.commands shell '$(subst ','\'',$(1))'
+ends = exec $(RUN) -m tactus.cli.commands shell '$(subst ','\'',$(1))'
 
 # $(1): a variable that names a folder which is removed; $(2): a file by which it is known.
 mine = if [ -e "$$$(1)" ] && ! [ -e "$$$(1)/$(2)" ]; then \
@@ -40,20 +40,20 @@ help docs pages lint clean tools browser ready: named
 
 # A variable that no target here takes is most likely misspelt, and must not be ignored.
 named:
-	@$(if $(NAMED)$(filter-out 0 1,$(foreach name,$(FLAGS),$($(name)))),! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tb.commands named)
+	@$(if $(NAMED)$(filter-out 0 1,$(foreach name,$(FLAGS),$($(name)))),! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named)
 
-# What is wanted, and of whom, is said once, in tb/commands.py, which needs no environment for this.
+# What is wanted, and of whom, is said once, in tactus/cli/commands.py, which needs no environment for this.
 help:
-	@"$$PYTHON" -m tb.commands help
+	@"$$PYTHON" -m tactus.cli.commands help
 
-# What these are given goes to a module as tb/commands.py says.
+# What these are given goes to a module as tactus/cli/commands.py says.
 CALLED := demo sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations \
 	figures sensors lean synth bitstream prove mutate coverage certify report
 
 demo report mutate certify: $(if $(DRY_RUN),,tools)
 
 $(CALLED): $(READY)
-	@exec $(RUN) -m tb.commands $@
+	@exec $(RUN) -m tactus.cli.commands $@
 
 study: $(READY)
 	@exec $(RUN) -m studies "$$NAME" $(if $(filter-out 0,$(RECORD)),--record)
@@ -78,7 +78,7 @@ docs: $(READY)
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
 	$(call own,write what is generated in the documentation,$(call ends,set -e; \
-		for page in lists thesis; do $(RUN) -m tb.report.page.$$page; done))
+		for page in lists thesis; do $(RUN) -m tactus.report.page.$$page; done))
 
 lint: $(READY)
 	$(call own,run ruff$(comma) import-linter and mypy,$(call ends,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && \
@@ -112,7 +112,7 @@ ready:
 	{ $(call install,$$missing); } || exit 2; \
 	"$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }; \
-	exec "$$PYTHON" -m tb.set_up "$$VENV"
+	exec "$$PYTHON" -m tactus.cli.set_up "$$VENV"
 	@$(is_ready); \
 	missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \

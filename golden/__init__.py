@@ -1,1 +1,1 @@
-"""The specification that runs: formats, bit-true twins, float references, scenes and data."""
+"""What is right: numbers, networks, bit-true twins of the blocks, and the compiler of programs."""

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
-from golden.cli import run, would
-from golden.files import replace_file
-from golden.folders import BUILD
-from golden.input_error import InputError
-from golden.table import suggest
-from tb.report.measure.table import Cell, Table, cell_text, read_csv
+from golden.input_error import InputError, suggest
+from tactus.core.cli import run, would
+from tactus.core.files import replace_file
+from tactus.core.folders import BUILD
+from tactus.report.measure.table import Cell, Table, cell_text, read_csv
 
 FOLDER = Path(__file__).parent
 Row = dict[str, Cell]

@@ -1,1 +1,1 @@
-"""The cocotb benches, their runner, sign-off, the report and the monitor."""
+"""The cocotb benches and properties of the blocks, one area a package."""

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.boards import Board
-from golden.fixed import Codes
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import image_packet
 from golden.networks.engine import Engine
-from golden.scene import Scene
-from hdl.boards.bitstream import cells, sources
-from hdl.boards.wrapper import RESET_WIDTH
-from hdl.export.exporter import export
-from tb.sign_off.cell_models import models_for
+from golden.numbers.fixed import Codes
+from tactus.boards import Board
+from tactus.boards.bitstream import cells, sources
+from tactus.boards.wrapper import RESET_WIDTH
+from tactus.export.exporter import export
+from tactus.scene import Scene
+from tactus.verify.sign_off.cell_models import models_for
 
 # This model answers as an MCP3208: bit n is on the wire at the n-th rise of sclk.
 BENCH = """

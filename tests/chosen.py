@@ -5,8 +5,8 @@ import os
 import sys
 from pathlib import Path
 
-from golden.cli import run, words, would
-from tb.common.where import check_name
+from tactus.core.cli import run, words, would
+from tactus.verify.benches.where import check_name
 
 CORES = ("-n", "logical", "--dist", "worksteal")
 

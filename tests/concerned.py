@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from golden.fingerprint import ROOT
+from tactus.core.fingerprint import ROOT
 
 
 def concerns(item: pytest.Item, block: str, long: Collection[str]) -> bool:

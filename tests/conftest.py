@@ -15,14 +15,14 @@ from hypothesis import HealthCheck, settings
 from refused import Desk
 from shared import Shared
 
+from golden.input_error import suggest
 from golden.layers import sharing
-from golden.machine import closing
-from golden.scene import Scene, load_scene
-from golden.store import VARIABLE
-from golden.table import suggest
-from hdl.synth.tools import run_tool
+from tactus.core.machine import closing
+from tactus.core.store import VARIABLE
+from tactus.scene import Scene, load_scene
+from tactus.synth.tools import run_tool
+from tactus.verify.benches.tools import simulator_versions
 from tb.common.cases import random_mlp, write_scene
-from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
 # Tests that simulate, synthesise, or measure.

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden.real import Real
-from golden.training.objective import Objective
+from golden.numbers.real import Real
+from tactus.train.descent.objective import Objective
 
 
 def differences(function: Callable[[Real], Any], point: Real) -> Real:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.network_files.network_file import save_network
-from golden.scene import load_scene
-from golden.table import read_table, write_table
-from tb.commands import BY_NAME, Command
+from tactus.cli.commands import BY_NAME, Command
+from tactus.core.table import read_table, write_table
+from tactus.network_files.network_file import save_network
+from tactus.scene import load_scene
 from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
@@ -138,17 +138,17 @@ def _command(text: str) -> Iterator[str]:
 
 def lay_out(folder: Path) -> None:
     """Make the files of a user, under the names of the pages, and the folders that are read."""
-    for name in ("golden", "docs", "tests"):
+    for name in ("docs", "scenes", "tactus", "tests"):
         (folder / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "docs" / "tutorial", folder / "tutorial")
     # These files are what make train would write in a minute.
     for n, member in enumerate(load_scene(str(folder / "tutorial" / "rig.toml")).members):
         save_network(member.weights_path, random_mlp((member.inputs, 4, 1), 1.0, n), {})
     (folder / "written").mkdir()
-    shutil.copy(ROOT / "golden" / "physics" / "rigs" / "digit.toml", folder / "my-beam.toml")
+    shutil.copy(ROOT / "tactus" / "physics" / "rigs" / "digit.toml", folder / "my-beam.toml")
     sensors = [f"sensor{n}" for n in range(1, 5)]
     outputs = ["load", "position", "width", "shape"]
-    table = read_table(ROOT / "golden" / "data" / "appendix2.csv", sensors + outputs)
+    table = read_table(ROOT / "scenes" / "data" / "appendix2.csv", sensors + outputs)
     # The sensors have drifted, because otherwise no correction is written.
     drifted = table * [0.95, 1, 0.95, 1, 1, 1, 1, 1]
     write_table(folder / "placements.csv", sensors + outputs, drifted, 4)

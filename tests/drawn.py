@@ -8,9 +8,9 @@ import numpy as np
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
-from golden.scene import Scene
 from golden.sensing.converter_parts import PARTS
-from golden.window import Window
+from golden.trained.window import Window
+from tactus.scene import Scene
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 # The spread of the weights, from tiny up to the limits of a network.

@@ -60,8 +60,8 @@ def refuse_undefined() -> None:
 def exported() -> Iterator[tuple[str, object]]:
     """Every block, and the codes that the test bench of a scene plays, each with a unique name."""
     from golden.activation.schemes import forms
-    from golden.block import walk
-    from golden.scene import comparison_names, load_scene, scene_names
+    from golden.common.block import walk
+    from tactus.scene import comparison_names, load_scene, scene_names
 
     for name in [*scene_names(), *comparison_names()]:
         scene = load_scene(name)

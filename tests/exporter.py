@@ -1,7 +1,7 @@
 """Exports scenes for the tests of a worker, one after the other, in one process.
 
-``python -m hdl.export`` starts Python for each scene, because MyHDL needs a fixed hash seed. Here
-one process with that seed makes all exports that the tests of a worker share. It ends with its
+``python -m tactus.export`` starts Python for each scene, because MyHDL needs a fixed hash seed.
+Here one process with that seed makes all exports that the tests of a worker share. It ends with its
 input. Each line of the input names a scene, a language and the folder of the builds. The answer to
 each is a line too: an empty text, or the traceback of the error.
 """
@@ -14,11 +14,11 @@ from contextlib import redirect_stdout
 from os import environ
 from pathlib import Path
 
-from golden.fingerprint import ROOT
-from golden.scene import Scene, load_scene
-from hdl.export.__main__ import BOTH, export_scene
-from hdl.export.hierarchy import LANGUAGES
-from hdl.export.repeatable import HASH_SEED
+from tactus.core.fingerprint import ROOT
+from tactus.export.__main__ import BOTH, export_scene
+from tactus.export.hierarchy import LANGUAGES
+from tactus.export.repeatable import HASH_SEED
+from tactus.scene import Scene, load_scene
 
 
 class Exporter:

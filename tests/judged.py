@@ -29,20 +29,20 @@ import numpy as np
 from drawn import drawn_scene
 
 from golden.input_error import InputError
-from golden.scene import load_scene
-from hdl.export.exporter import compile_order
-from hdl.synth.tools import run_tool
-from tb.common.runner import export
-from tb.every_frame.counterexample import Evaluated, differing_frame
-from tb.every_frame.kept import read_export as hardware
-from tb.every_frame.netlist import NotReadableError
-from tb.every_frame.network import Network
-from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
-from tb.every_frame.specify import description
-from tb.every_frame.sums import Space, UnsupportedError
-from tb.prove import play
-from tb.sign_off.equal_proof import EQUAL, compare
-from tb.sign_off.mutate.same import SAME, STEPS, ask
+from tactus.export.exporter import compile_order
+from tactus.scene import load_scene
+from tactus.synth.tools import run_tool
+from tactus.verify.benches.runner import export
+from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
+from tactus.verify.every_frame.kept import read_export as hardware
+from tactus.verify.every_frame.netlist import NotReadableError
+from tactus.verify.every_frame.network import Network
+from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
+from tactus.verify.every_frame.specify import description
+from tactus.verify.every_frame.sums import Space, UnsupportedError
+from tactus.verify.prove import play
+from tactus.verify.sign_off.equal_proof import EQUAL, compare
+from tactus.verify.sign_off.mutate.same import SAME, STEPS, ask
 
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "tests" / "data" / "judged.csv"
@@ -304,7 +304,17 @@ def own_faults(text: str) -> list[tuple[int, str]]:
 def of_prover(seed: int, count: int, folder: Path, _: list[str]) -> Iterator[tuple[str, str, str]]:
     """The prover with one place of its source changed: whether its own tests are red."""
     copied = folder / "copied"
-    names = ("tb", "tests", "golden", "hdl", "docs", "pyproject.toml", "Makefile", "README.md")
+    names = (
+        "docs",
+        "golden",
+        "hdl",
+        "scenes",
+        "tactus",
+        "tb",
+        "tests",
+        "pyproject.toml",
+        "Makefile",
+    )
     for name in names:
         if (ROOT / name).is_dir():
             shutil.copytree(
@@ -314,7 +324,7 @@ def of_prover(seed: int, count: int, folder: Path, _: list[str]) -> Iterator[tup
             shutil.copy(ROOT / name, copied / name)
     every = []
     for module in ("sums", "values", "operators"):
-        path = copied / "tb" / "every_frame" / f"{module}.py"
+        path = copied / "tactus" / "verify" / "every_frame" / f"{module}.py"
         lines = path.read_text().splitlines()
         every += [(path, lines[n - 1].strip(), new) for n, new in own_faults(path.read_text())]
     # What needs no export first, because most faults are found there.

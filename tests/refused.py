@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from golden.cli import run
-from golden.fingerprint import fingerprint
-from tb.commands import BY_NAME
+from tactus.cli.commands import BY_NAME
+from tactus.core.cli import run
+from tactus.core.fingerprint import fingerprint
 
 # The commands that tests call with wrong arguments.
 COMMANDS = (

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 import pytest
 from exporter import Exporter
 
-from golden.files import read_kept, write_kept
-from golden.scene import Scene, load_scene
-from golden.store import VARIABLE
-from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
-from tb.common.tools import language
-from tb.sign_off.subject import first
+from tactus.core.files import read_kept, write_kept
+from tactus.core.store import VARIABLE
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches.collected import CASES, CASES_OF
+from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
+from tactus.verify.benches.tools import language
+from tactus.verify.sign_off.subject import first
 
 if TYPE_CHECKING:
-    from tb.report.measure.table import Table
+    from tactus.report.measure.table import Table
 
 # If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
@@ -98,15 +98,16 @@ class Shared:
         return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
-        """The entity that represents a block (``tb.sign_off.subject``), on the shared exports."""
+        """The entity that represents a block (``tactus.verify.sign_off.subject``), on the shared
+        exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 
     def measured(self, name: str) -> Table:
         """A table, measured once in this run."""
         # What measures is imported only here, because every run imports this module, and that takes
         # longer than the tests of one file.
-        from tb.report.measure import store, table_records
-        from tb.report.measure.registry import TABLES
+        from tactus.report.measure import store, table_records
+        from tactus.report.measure.registry import TABLES
 
         path = self.folder / f"{name}.json"
         self.once(
@@ -117,7 +118,7 @@ class Shared:
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in this run."""
-        from tb.report.measure.steps import measured
+        from tactus.report.measure.steps import measured
 
         with self.alone("tables"), self.own_store():
             return measured(lambda *_: None)

@@ -10,8 +10,8 @@ import pytest
 from pages import ROUNDING, cells, shows
 
 from golden.activation.schemes import forms
-from tb.report.measure import activation_errors as errors
-from tb.report.measure.activation_errors import (
+from tactus.report.measure import activation_errors as errors
+from tactus.report.measure.activation_errors import (
     FACTORS,
     PLOTS,
     THESIS_FACTOR,
@@ -64,7 +64,7 @@ def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
 def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) -> None:
     result = subprocess.run(
         [
-            *(sys.executable, "-m", "tb.report.measure.activation_errors"),
+            *(sys.executable, "-m", "tactus.report.measure.activation_errors"),
             *("--build", str(tmp_path / "build"), "--plots", str(tmp_path / "plots")),
         ],
         cwd=ROOT,

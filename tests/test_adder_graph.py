@@ -6,11 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
-from golden.function import read_function
-from golden.function_network import of_parabolas
 from golden.input_error import InputError
-from golden.mlp import tanh
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.design import Design
 from golden.networks.engine import Engine
@@ -19,11 +15,15 @@ from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
-from golden.precision import EXACT, SIGNAL
-from golden.scene import load_scene
+from golden.numbers.precision import EXACT, SIGNAL
+from golden.trained.dense import Dense, Quantiser, Trained, layers_of, network_of
+from golden.trained.function import read_function
+from golden.trained.function_network import of_parabolas
+from golden.trained.mlp import tanh
+from tactus.report.measure.adder_errors import stages
+from tactus.scene import load_scene
 from tb.common.cases import random_mlp, random_network, write_scene
 from tb.common.stimulus import corner_frames
-from tb.report.measure.adder_errors import stages
 
 pytestmark = pytest.mark.usefixtures("few_runs")
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
-from golden.scene import Scene
+from golden.numbers.fixed import Fix
+from tactus.scene import Scene
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 from tb.common.small import ADDER_GRAPH
 

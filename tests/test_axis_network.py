@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from myhdl import Simulation, StopSimulation, delay, instance
 
-from golden.block import walk
+from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.axis_network import TDATA, AxisNetwork
-from golden.scene import load_scene
 from hdl.common.fifo import fifo
 from hdl.common.signals import Stream, flag, reset, signed
+from tactus.scene import load_scene
+from tactus.verify.benches.collected import CASES
 from tb.common.cases import write_scene
-from tb.common.collected import CASES
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from refused import COMMANDS, Desk
 
-from tb.commands import BY_NAME
+from tactus.cli.commands import BY_NAME
+from tactus.verify.benches.runner import BUILD
 from tb.common.cases import random_mlp, write_scene
-from tb.common.runner import BUILD
 
 # Commands that need more than a scene, or none, and those that need no more.
 MORE = ("network", "figures", "scene", "check", "predict", "bitstream")

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from refused import Desk
 
-from golden.finding import faults
-from tb.check import check
+from tactus.core.finding import faults
+from tactus.verify.check import check
 
 LONG = "1" * 400
 TEXT = "expected text"

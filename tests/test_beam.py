@@ -11,10 +11,12 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from golden.input_error import InputError
-from golden.physics import GRAVITY
-from golden.physics.beam import Beam, mean_arm
-from golden.physics.digit_data import RECORDED, SENSORS, digit_data
-from golden.physics.strain_sensor import (
+from golden.numbers.precision import SIGNAL
+from tactus.core.table import read_table
+from tactus.physics import GRAVITY
+from tactus.physics.beam import Beam, mean_arm
+from tactus.physics.digit_data import RECORDED, SENSORS, digit_data
+from tactus.physics.strain_sensor import (
     COLUMNS,
     FARTHEST,
     Loads,
@@ -24,8 +26,6 @@ from golden.physics.strain_sensor import (
     loads_from_codes,
     read_sensors,
 )
-from golden.precision import SIGNAL
-from golden.table import read_table
 
 ROOT = Path(__file__).parents[1]
 BEAM = Beam()
@@ -233,7 +233,7 @@ def test_digit_data_refuses_what_it_cannot_make(arguments: tuple, message: str) 
 
 
 def test_the_command_writes_a_csv(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "golden.physics.digit_data", str(tmp_path / "d.csv")]
+    command = [sys.executable, "-m", "tactus.physics.digit_data", str(tmp_path / "d.csv")]
     result = subprocess.run(
         [*command, "--rows", "9", "--seed", "4"], cwd=ROOT, capture_output=True, text=True
     )

@@ -15,11 +15,11 @@ from cocotb._decorators import TestGenerator
 from conftest import tiered
 from drawn import drawn_scene
 
-from golden.block import Block, walk
-from golden.port import Port
-from golden.scene import Scene
+from golden.common.block import Block, walk
+from golden.common.port import Port
+from tactus.scene import Scene
+from tactus.verify.benches.collected import BENCHES
 from tb.common.bench import Bench
-from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, missing
 from tb.common.given import Given
 

@@ -14,13 +14,13 @@ from shared import Shared
 from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
 from golden.activation.left_out import left_out
-from golden.scene import load_scene
-from tb.common.collected import BENCHES, CASES, CASES_OF, blocks_of
-from tb.common.runner import Job, Outcome
-from tb.common.tools import SIMULATORS
-from tb.report.measure.clocks import clocks_per_frame
-from tb.sign_off.current import stale_records
-from tb.sign_off.subject import recorded_cases
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.scene import load_scene
+from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF, blocks_of
+from tactus.verify.benches.runner import Job, Outcome
+from tactus.verify.benches.tools import SIMULATORS
+from tactus.verify.sign_off.current import stale_records
+from tactus.verify.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

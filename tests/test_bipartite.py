@@ -11,10 +11,10 @@ from golden.activation.bipartite_pair import pair_for
 from golden.activation.bipartite_table import FORMATS, RESULT, bipartite_table
 from golden.activation.left_out import left_out
 from golden.activation.schemes import SCHEMES
-from golden.fixed import Fix
 from golden.input_error import InputError
-from golden.precision import EXACT, THESIS
-from tb.sign_off.record import read_record
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import EXACT, THESIS
+from tactus.verify.sign_off.record import read_record
 
 FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)

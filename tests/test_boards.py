@@ -16,22 +16,21 @@ from board_cells import expected_of, frames_of, play
 from refused import Desk
 from shared import Shared
 
-from golden.boards import Board, board_names, load_board
-from golden.boards.board import FOLDER
-from golden.cli import BETWEEN
 from golden.input_error import InputError
-from golden.scene import Scene, load_scene
-from golden.store import VARIABLE
-from hdl.boards import bitstream
-from hdl.boards.bitstream import Report, Sources, build, sources
-from hdl.boards.families import FAMILIES, ice40_netlist
-from hdl.boards.pll import clock_for
-from hdl.boards.record import read_record, record_path, state
-from hdl.boards.wrapper import RESET_WIDTH, wrapper
-from hdl.export.exporter import export
-from hdl.synth import tools
+from tactus.boards import Board, bitstream, board_names, load_board
+from tactus.boards.bitstream import Report, Sources, build, sources
+from tactus.boards.board import FOLDER
+from tactus.boards.families import FAMILIES, ice40_netlist
+from tactus.boards.pll import clock_for
+from tactus.boards.record import read_record, record_path, state
+from tactus.boards.wrapper import RESET_WIDTH, wrapper
+from tactus.core.cli import BETWEEN
+from tactus.core.store import VARIABLE
+from tactus.export.exporter import export
+from tactus.scene import Scene, load_scene
+from tactus.synth import tools
+from tactus.verify.sign_off.cell_models import models_for
 from tb.common.cases import FRONT_END, random_mlp, write_scene
-from tb.sign_off.cell_models import models_for
 
 # The scenes that are shipped for each board.
 SHIPPED = [("digit-board", "ulx3s"), ("digit-board-small", "icebreaker")]

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.border import border_among
-from golden.fixed import Fix, Rounding, cut
+from golden.common.border import border_among
 from golden.layers.closest import closest
 from golden.layers.neuron import Neuron
+from golden.numbers.fixed import Fix, Rounding, cut
 
 SMALL = Fix(4, 3)
 CODES = range(SMALL.low, SMALL.high + 1)

@@ -5,19 +5,19 @@ import pytest
 from scipy.optimize import least_squares
 
 from golden.input_error import InputError
-from golden.metrics import error_scale
-from golden.physics.beam import Beam, arm_slopes, mean_arm
-from golden.physics.bound import (
+from golden.numbers.units import FULL_SCALE
+from tactus.core.table import read_table
+from tactus.physics.beam import Beam, arm_slopes, mean_arm
+from tactus.physics.bound import (
     MEAN_PER_DEVIATION,
     least_deviations,
     least_mean_errors,
     slopes_by_codes,
 )
-from golden.physics.digit_data import RECORDED, SENSORS
-from golden.physics.known_loads import least_errors
-from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from golden.table import read_table
-from golden.units import FULL_SCALE
+from tactus.physics.digit_data import RECORDED, SENSORS
+from tactus.physics.known_loads import least_errors
+from tactus.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
+from tactus.scene.metrics import error_scale
 
 TABLE = read_table(RECORDED, [*SENSORS, *COLUMNS])
 TARGETS = TABLE[:, len(SENSORS) :]

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hdl.synth.timing import routed_netlist
-from tb.sign_off.cell_models import models_for
+from tactus.synth.timing import routed_netlist
+from tactus.verify.sign_off.cell_models import models_for
 
 # One port writes and one reads words of 18 bits, 16 of which are data. Word 0 is 1 with both bits
 # of parity set, and word 1 is 2 with none set.

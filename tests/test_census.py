@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from golden.block import Block
+from golden.common.block import Block
 
 ROOT = Path(__file__).parents[1]
 # Parts are inlined into blocks and have no entity. The benches of these blocks test them.

@@ -13,10 +13,10 @@ from conftest import tiered
 
 from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
-from tb.certify.__main__ import certify
-from tb.certify.benches import STEP as BENCHES
-from tb.certify.delivered import CELLS, STEPS, Wanted
-from tb.common.collected import CASES
+from tactus.certify.__main__ import certify
+from tactus.certify.benches import STEP as BENCHES
+from tactus.certify.delivered import CELLS, STEPS, Wanted
+from tactus.verify.benches.collected import CASES
 
 # One frame of each kind is played, and the bench of one entity: properties, equality and the proof
 # of every frame, which hang on options most, are about all of the design in any case.

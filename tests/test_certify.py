@@ -18,11 +18,10 @@ import pytest
 from shared import Shared
 
 from golden.input_error import InputError
-from hdl.export.exporter import compile_order
-from tb.certify.__main__ import certify, room_in
-from tb.certify.benches import STEP as BENCHES
-from tb.certify.benches import Benched, bench_result, bench_table
-from tb.certify.delivered import (
+from tactus.certify.__main__ import certify, room_in
+from tactus.certify.benches import STEP as BENCHES
+from tactus.certify.benches import Benched, bench_result, bench_table
+from tactus.certify.delivered import (
     CELLS,
     EVERY_FRAME,
     LANGUAGES,
@@ -31,10 +30,11 @@ from tb.certify.delivered import (
     check,
     given_text,
 )
-from tb.certify.equality import write_equality
-from tb.certify.formulas import write_formulas
-from tb.certify.recordings import frames_of
-from tb.certify.results import OUTPUT, StepResult, read_results
+from tactus.certify.equality import write_equality
+from tactus.certify.formulas import write_formulas
+from tactus.certify.recordings import frames_of
+from tactus.certify.results import OUTPUT, StepResult, read_results
+from tactus.export.exporter import compile_order
 
 SCENE = "rails-engine"
 SEED = 3
@@ -205,7 +205,7 @@ def test_a_full_disk_is_amber_and_no_fault_of_the_hardware(copied: Path) -> None
 def test_a_certificate_on_a_full_disk_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(RuntimeError, match="a tool failed"), room_in(Path.cwd()):
         raise RuntimeError("a tool failed")
-    monkeypatch.setattr("golden.files.ROOM", 1 << 80)
+    monkeypatch.setattr("tactus.core.files.ROOM", 1 << 80)
     said = re.escape(f"{Path.cwd().parent}: the disk is full")
     with pytest.raises(InputError, match=said), room_in(Path.cwd()):
         raise RuntimeError("a tool failed")
@@ -217,7 +217,7 @@ def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> Non
     slow.write_text(f"#!/bin/sh\necho $$ > {noted}.new\nmv {noted}.new {noted}\nsleep 3600\n")
     slow.chmod(0o755)
     code = (
-        "from pathlib import Path; from tb.certify.delivered import check; "
+        "from pathlib import Path; from tactus.certify.delivered import check; "
         f"check(Path({str(copied)!r}), 'equality', YOSYS={str(slow)!r})"
     )
     command = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.DEVNULL)

@@ -10,31 +10,39 @@ import numpy as np
 import pytest
 from derivatives import differences
 
-from golden.commands import predict, recalibrate, scene, train
-from golden.decisions import decisions_of, held_out_or_all, lines_of
-from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of, packed, unpacked
 from golden.input_error import InputError
-from golden.layer_objective import ClassObjective, LabelledRows
-from golden.layer_training import measured
-from golden.network_files.network_file import load_network, read_provenance, write_network
 from golden.networks.engine import Engine
 from golden.networks.oracle import hidden_weights
-from golden.precision import SIGNAL
-from golden.real import Real
-from golden.rig import check, class_counts, sensors_tell
-from golden.rig.readings import at_ends
-from golden.scene import FOLDER, class_names, load_scene
-from golden.scene.labels import class_scale, decided, margins, ordered, wrong_percent
-from golden.scene_errors import held_out_rows, scene_errors
-from golden.training.scaling import scaled
-from golden.training.task import task_for
-from hdl.synth.budget import budget_path
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.dense import (
+    Dense,
+    DenseNetwork,
+    Trained,
+    layers_of,
+    network_of,
+    packed,
+    unpacked,
+)
+from tactus.cli import predict, recalibrate, scene, train
+from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
+from tactus.errors.scene_errors import held_out_rows, scene_errors
+from tactus.network_files.network_file import load_network, read_provenance, write_network
+from tactus.report.draw.confusion import confusion_plot
+from tactus.report.draw.network import network as network_plot
+from tactus.report.measure.classes import accuracy, per_class, wrong_rows
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.outcome import outcome
+from tactus.rig import check, class_counts, sensors_tell
+from tactus.rig.readings import at_ends
+from tactus.scene import FOLDER, class_names, load_scene
+from tactus.scene.labels import class_scale, decided, margins, ordered, wrong_percent
+from tactus.synth.budget import budget_path
+from tactus.train.descent.scaling import scaled
+from tactus.train.descent.task import task_for
+from tactus.train.layer_objective import ClassObjective, LabelledRows
+from tactus.train.layer_training import measured
 from tb.common.cases import random_network
-from tb.report.draw.confusion import confusion_plot
-from tb.report.draw.network import network as network_plot
-from tb.report.measure.classes import accuracy, per_class, wrong_rows
-from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.outcome import outcome
 
 # For each shipped scene how many LUTs of a Virtex-II and how many clocks it may take.
 LIMITS = {
@@ -45,7 +53,7 @@ LIMITS = {
     "digits-fast": (9500, 10),
     "wine-fast": (500, 10),
 }
-APPENDIX = FOLDER.parent / "data" / "appendix2.csv"
+APPENDIX = FOLDER / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")
 CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
 SCENE = """

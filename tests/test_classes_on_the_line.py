@@ -7,19 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.commands.predict import main as predict
-from golden.dense import Dense, layers_of, network_of
 from golden.input_error import InputError
-from golden.network_files.network_file import write_network
+from golden.trained.dense import Dense, layers_of, network_of
+from tactus.cli.predict import main as predict
+from tactus.monitor.board import board_of
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.line import Line
+from tactus.monitor.monitor import Monitor, csv_columns
+from tactus.monitor.placements import nearest_row
+from tactus.monitor.record import labels_of, read_label, typed
+from tactus.monitor.record import main as record
+from tactus.monitor.twin_board import TwinBoard
+from tactus.network_files.network_file import write_network
 from tb.common.cases import FRONT_END, random_network
-from tb.monitor.board import board_of
-from tb.monitor.csv_file import GrowingCsv
-from tb.monitor.line import Line
-from tb.monitor.monitor import Monitor, csv_columns
-from tb.monitor.placements import nearest_row
-from tb.monitor.record import labels_of, read_label, typed
-from tb.monitor.record import main as record
-from tb.monitor.twin_board import TwinBoard
 
 ROWS = 30
 LABELS = ("fist", "flat", "long wave")

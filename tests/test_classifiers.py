@@ -7,14 +7,14 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from golden.dense import Quantiser
-from golden.finding import OK
 from golden.input_error import InputError
-from golden.network_files.classes import for_labels
-from golden.network_files.held import Ending, Held
-from golden.network_files.network_file import held_in, load_network, write_network
-from golden.rig.check import networks_there
-from golden.scene import load_scene
+from golden.trained.dense import Quantiser
+from tactus.core.finding import OK
+from tactus.network_files.classes import for_labels
+from tactus.network_files.held import Ending, Held
+from tactus.network_files.network_file import held_in, load_network, write_network
+from tactus.rig.check import networks_there
+from tactus.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
 
 DATA = Path(__file__).parent / "data"

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import REPORT, naming, run
-from golden.fixed import Fix
-from golden.input_error import InputError
+from golden.input_error import InputError, naming
+from golden.numbers.fixed import Fix
+from tactus.core.cli import REPORT, run
 from tb.common.cases import random_mlp, write_scene
 
 ROOT = Path(__file__).parents[1]
@@ -92,15 +92,15 @@ def small_files(most: int) -> Callable[[], None]:
 @pytest.mark.parametrize(
     ("words", "most", "message"),
     [
-        (["golden.commands.network", "mine.toml", "a.npz"], 100, "a.npz: cannot be written: "),
-        (["golden.commands.network", "mine.toml", "a.onnx"], 100, "a.onnx: cannot be written"),
-        (["golden.commands.network", "mine.toml", "a.mat"], 100, "a.mat: cannot be written: "),
+        (["tactus.cli.network", "mine.toml", "a.npz"], 100, "a.npz: cannot be written: "),
+        (["tactus.cli.network", "mine.toml", "a.onnx"], 100, "a.onnx: cannot be written"),
+        (["tactus.cli.network", "mine.toml", "a.mat"], 100, "a.mat: cannot be written: "),
         (
-            ["golden.commands.train", "mine.toml", "--workers", "1"],
+            ["tactus.cli.train", "mine.toml", "--workers", "1"],
             100,
             "cannot be written: File too",
         ),
-        (["hdl.export", "mine.toml", "vhdl"], 2000, "build/mine/vhdl: cannot be written: "),
+        (["tactus.export", "mine.toml", "vhdl"], 2000, "build/mine/vhdl: cannot be written: "),
     ],
 )
 def test_a_full_disk(tmp_path: Path, words: list[str], most: int, message: str) -> None:
@@ -124,7 +124,7 @@ def test_a_full_disk(tmp_path: Path, words: list[str], most: int, message: str) 
 
 def test_output_that_cannot_be_written() -> None:
     with Path("/dev/full").open("w") as full_disk:
-        result = call("golden.commands.listing", "digit-load", cwd=ROOT, stdout=full_disk)
+        result = call("tactus.cli.listing", "digit-load", cwd=ROOT, stdout=full_disk)
     assert result.returncode == 2
     assert result.stderr == (
         "error: what is printed, or a file: cannot be written: No space left on device\n"
@@ -134,7 +134,7 @@ def test_output_that_cannot_be_written() -> None:
 def test_a_reader_that_goes_away() -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    result = call("golden.commands.listing", "digit-load", cwd=ROOT, stdout=writing)
+    result = call("tactus.cli.listing", "digit-load", cwd=ROOT, stdout=writing)
     os.close(writing)
     assert result.returncode == 141
     assert not result.stderr

@@ -13,8 +13,8 @@ from distributed import Client, LocalCluster
 from test_training import open_search, searched
 
 from golden.input_error import InputError
-from golden.scene import Scene
-from golden.training.cluster import EXTRA, computed_on
+from tactus.scene import Scene
+from tactus.train.descent.cluster import EXTRA, computed_on
 
 ROOT = Path(__file__).parents[1]
 

@@ -11,19 +11,19 @@ from pathlib import Path
 import pytest
 from refused import main_of
 
-from golden.boards import board_names, load_board
-from golden.fingerprint import fingerprint
-from golden.network_files.network_file import provenance_path
-from golden.scene import DEFAULT_SCENES, FOLDER, Scene, class_names, load_scene, scene_names
-from hdl.boards.record import record_path
-from hdl.boards.variants import variants_path
-from hdl.synth.budget import budget_path
-from hdl.synth.lean import lean_path
-from hdl.synth.timing import timing_path
-from tb.commands import BY_NAME, CLOSING, COMMANDS, WIDTH, Command
+from tactus.boards import board_names, load_board
+from tactus.boards.record import record_path
+from tactus.boards.variants import variants_path
+from tactus.cli.commands import BY_NAME, CLOSING, COMMANDS, WIDTH, Command
+from tactus.core.fingerprint import fingerprint
+from tactus.network_files.network_file import provenance_path
+from tactus.report.measure.networks import scenes
+from tactus.report.page.datasheets import recorded
+from tactus.scene import DEFAULT_SCENES, FOLDER, Scene, class_names, load_scene, scene_names
+from tactus.synth.budget import budget_path
+from tactus.synth.lean import lean_path
+from tactus.synth.timing import timing_path
 from tb.common.cases import random_mlp, write_scene
-from tb.report.measure.networks import scenes
-from tb.report.page.datasheets import recorded
 
 ROOT = Path(__file__).parents[1]
 
@@ -119,7 +119,15 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
         found = shutil.which(program)
         if found:
             (tmp_path / program).symlink_to(found)
-    words = [sys.executable, "-m", "tb.sim", "digit-single", "--block", "hybrid", "--sim"]
+    words = [
+        sys.executable,
+        "-m",
+        "tactus.verify.sim",
+        "digit-single",
+        "--block",
+        "hybrid",
+        "--sim",
+    ]
     for simulator, package in (("ghdl", "ghdl"), ("icarus", "iverilog")):
         result = run(*words, simulator, PATH=str(tmp_path))
         assert result.returncode == 2
@@ -286,4 +294,5 @@ def test_no_stray_files_beside_the_scenes() -> None:
         board = load_board(name)
         found = (record_path(scene, board), variants_path(scene, board))
         expected |= {path for path in found if path.exists()}
+    expected |= set((FOLDER / "data").iterdir())
     assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from golden.physics.conditioning import (
+from golden.numbers.precision import SIGNAL
+from tactus.physics.conditioning import (
     CUTOFF,
     Conditioning,
     LowPass,
     ReflectiveSensor,
 )
-from golden.precision import SIGNAL
 
 TIME = np.arange(20_000) / 200
 

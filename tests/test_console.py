@@ -15,15 +15,15 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner, Result
 from packaging.requirements import Requirement
 
-from golden import folders
-from golden.files import check_writable
-from golden.finding import faults
 from golden.input_error import InputError
-from golden.rig.check import everything
-from golden.scene import Scene, scene_names
-from tb import commands, console
-from tb.commands import BY_NAME, COMMANDS, Command
-from tb.common.where import block_names
+from tactus.cli import commands, console
+from tactus.cli.commands import BY_NAME, COMMANDS, Command
+from tactus.core import folders
+from tactus.core.files import check_writable
+from tactus.core.finding import faults
+from tactus.rig.check import everything
+from tactus.scene import Scene, scene_names
+from tactus.verify.benches.where import block_names
 
 ROOT = Path(__file__).parents[1]
 OFFERED = [command for command in COMMANDS if command.module]
@@ -186,7 +186,7 @@ def test_what_pip_has_installed_is_not_written(installed: Path, tmp_path: Path) 
 def test_a_scene_that_pip_has_installed_has_no_fault(
     small_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("golden.rig.check.is_installed", lambda _: True)
+    monkeypatch.setattr("tactus.rig.check.is_installed", lambda _: True)
     found = everything(small_scene, tmp_path / "build")
     assert not faults(found)
     assert any("belongs to the installed package" in finding.text for finding in found)

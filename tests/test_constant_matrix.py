@@ -10,16 +10,16 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from golden.fixed import Fix
-from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.layers import kept_graph, sharing
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
 from golden.layers.shift_add import Operand, Sum
 from golden.layers.three_operands import fused, saving_of
-from golden.signed_digits import signed_digits
-from golden.store import VARIABLE
+from golden.numbers.fixed import Fix
+from golden.numbers.signed_digits import signed_digits
+from tactus.core.folders import BUILD
+from tactus.core.store import VARIABLE
 
 pytestmark = pytest.mark.usefixtures("few_runs")
 

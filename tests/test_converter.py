@@ -6,12 +6,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
-from golden.scene import load_scene
+from golden.numbers.fixed import Fix
 from golden.sensing.converter_parts import PARTS, PULL_UP_NS
 from golden.sensing.converter_reader import ConverterReader
+from tactus.scene import load_scene
 from tb.common.cases import FRONT_END, random_mlp, write_scene
 from tb.sensing.spi_converter import SHEETS
 

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from refused import Desk
 
-from golden.commands.train import train_scene
-from golden.finding import faults
 from golden.input_error import InputError
-from golden.precision import SIGNAL
-from golden.recalibration.folder import write_copy
-from golden.rig.check import before_training, everything
-from golden.scene import Scene, load_scene
-from golden.scene.scale import Scale, on_readings
+from golden.numbers.precision import SIGNAL
 from golden.sensing.converter_parts import PARTS, TWOS
 from golden.sensing.converter_reader import ConverterReader
-from golden.table import read_table, write_table
-from golden.training.scaling import scaled
+from tactus.cli.train import train_scene
+from tactus.core.finding import faults
+from tactus.core.table import read_table, write_table
+from tactus.recalibration.folder import write_copy
+from tactus.rig.check import before_training, everything
+from tactus.scene import Scene, load_scene
+from tactus.scene.scale import Scale, on_readings
+from tactus.train.descent.scaling import scaled
 from tb.common.cases import FRONT_END, random_mlp, write_scene
 
 SENSORS = ["x0", "x1", "x2"]

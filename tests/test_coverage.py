@@ -8,17 +8,17 @@ import pytest
 from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
-from golden.block import Block
-from golden.border import Border, State
-from golden.port import Unsigned, input_port, output_port
-from tb.common.collected import BENCHES
+from golden.common.block import Block
+from golden.common.border import Border, State
+from golden.common.port import Unsigned, input_port, output_port
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.sign_off.coverage import KIND, named_by
+from tactus.verify.sign_off.current import of_this_verilog
+from tactus.verify.sign_off.record import read_record, short
+from tactus.verify.sign_off.source import verilog
+from tactus.verify.sign_off.subject import recorded_cases
 from tb.common.coverage import Coverage, add, missing
-from tb.common.runner import Job, run_job
-from tb.sign_off.coverage import KIND, named_by
-from tb.sign_off.current import of_this_verilog
-from tb.sign_off.record import read_record, short
-from tb.sign_off.source import verilog
-from tb.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from shared import Shared
 
-from tb.common.runner import run_job
-from tb.sign_off.current import COMMANDS, another_trace, stale_records
+from tactus.verify.benches.runner import run_job
+from tactus.verify.sign_off.current import COMMANDS, another_trace, stale_records
 
 BLOCK = "abs_unit"
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from golden.block import walk
-from golden.scene import DEFAULT_SCENES, Scene, load_scene, scene_names, thesis_table
+from golden.common.block import walk
+from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names, thesis_table
 
 # The groups of blocks in chapters 4 and 5 of the thesis, by their names in every room.
 OF_THE_THESIS = {

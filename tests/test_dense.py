@@ -11,20 +11,20 @@ from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
-from golden.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.engine.bounds import error_bounds
 from golden.engine.formats import RESULT
 from golden.engine.quantise import first_values, planned
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.mlp import Mlp, tanh
-from golden.network_files.network_file import load_network, write_network
 from golden.networks.arrangement import process_real
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.scene import load_scene
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.trained.mlp import Mlp, tanh
+from tactus.network_files.network_file import load_network, write_network
+from tactus.scene import load_scene
 from tb.common.cases import random_network, write_scene
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from golden.disturbance import Disturbance
 from golden.input_error import InputError
+from tactus.scene.disturbance import Disturbance
 
 READINGS = np.linspace(-1, 1, 4000).reshape(1000, 4)
 

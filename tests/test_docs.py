@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 from pages import ROUNDING, cells, shows
 
-from golden.disturbance import Disturbance
 from golden.networks.designs import DESIGNS
 from golden.networks.left_out import left_out
-from golden.scene import load_scene, thesis_figures
-from golden.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
-from hdl.synth.budget import budget_path, read_budget
-from hdl.synth.netlist import KINDS
-from tb.commands import BY_NAME
-from tb.demo import error_table
+from tactus.cli.commands import BY_NAME
+from tactus.cli.demo import error_table
+from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
+from tactus.scene import load_scene, thesis_figures
+from tactus.scene.disturbance import Disturbance
+from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.netlist import KINDS
 
 pytestmark = [
     pytest.mark.pages,

@@ -23,8 +23,8 @@ from documented import (
 )
 from refused import main_of
 
-from golden.cli import run
-from tb.commands import BY_NAME
+from tactus.cli.commands import BY_NAME
+from tactus.core.cli import run
 
 pytestmark = [
     pytest.mark.pages,
@@ -127,7 +127,7 @@ def test_make_s_own_commands_are_tried(name: str) -> None:
 
 def test_the_commands_of_a_page_are_found() -> None:
     page = """Say `make sim BLOCK=x
-SIM=ghdl` or `other`, and `a/python -m tb.sim`.
+SIM=ghdl` or `other`, and `a/python -m tactus.verify.sim`.
 
     make test   a remark
     LC_ALL=C make lint
@@ -140,7 +140,7 @@ tactus vhdl my-rig.toml
 """
     assert sorted(commands_of(page)) == [
         "LC_ALL=C make lint",
-        "a/python -m tb.sim",
+        "a/python -m tactus.verify.sim",
         "make demo",
         "make sim BLOCK=x SIM=ghdl",
         "make test",
@@ -158,7 +158,11 @@ def test_a_command_that_errs_is_seen(
     place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     monkeypatch.setenv("DRY", "1")
-    for text in ("make sim BLOCK=engin", "make vhdl SCENE=finger", "python -m hdl.export digit c"):
+    for text in (
+        "make sim BLOCK=engin",
+        "make vhdl SCENE=finger",
+        "python -m tactus.export digit c",
+    ):
         assert call(Documented(text, ROOT / "README.md"), place, monkeypatch) == 2, text
     assert "did you mean 'engine'?" in capfd.readouterr().err
 

@@ -7,9 +7,9 @@ import pytest
 from conftest import tiered
 from shared import Shared, copied_job
 
-from hdl.synth.timing import OPERANDS
-from tb.common.runner import Job, run_job
-from tb.sign_off.netlist import on_cells
+from tactus.synth.timing import OPERANDS
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.sign_off.netlist import on_cells
 
 # What a memory may return for a word that is just written, and the case in which that does harm.
 COLLISION = "if (write && write_addr == read_addr) found <= 18'bx; else found <= memory"

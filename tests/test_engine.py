@@ -13,7 +13,6 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.commands.listing import main
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -34,14 +33,15 @@ from golden.engine.program import Instruction, Program, assemble
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
-from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL, THESIS
-from golden.scene import load_scene
-from tb.common.myhdl_simulation import simulate
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL, THESIS
+from golden.trained.mlp import Mlp
+from tactus.cli.listing import main
+from tactus.scene import load_scene
+from tactus.verify.benches.myhdl_simulation import simulate
 
 SCENES = (
     "digit-single",

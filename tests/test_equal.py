@@ -10,13 +10,13 @@ from conftest import tiered
 from shared import Shared
 
 from golden.input_error import InputError
-from tb.common.collected import BENCHES
-from tb.common.runner import run_job
-from tb.sign_off import equal, record
-from tb.sign_off.equal import Pair, check_record, command, netlist_of, settle
-from tb.sign_off.equal_gates import synthesise
-from tb.sign_off.equal_netlist import list_lengths, to_verilog
-from tb.sign_off.equal_proof import DIFFERENT, EQUAL, compare
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import run_job
+from tactus.verify.sign_off import equal, record
+from tactus.verify.sign_off.equal import Pair, check_record, command, netlist_of, settle
+from tactus.verify.sign_off.equal_gates import synthesise
+from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
+from tactus.verify.sign_off.equal_proof import DIFFERENT, EQUAL, compare
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

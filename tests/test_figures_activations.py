@@ -5,9 +5,9 @@ import pytest
 from golden.activation.pade import GATE, ITERATIONS, RHO
 from golden.activation.reference import stable_below
 from golden.activation.schemes import forms
-from tb.report.measure import activations
-from tb.report.measure.activation_errors import THESIS_FACTOR, measure
-from tb.report.measure.table import Table
+from tactus.report.measure import activations
+from tactus.report.measure.activation_errors import THESIS_FACTOR, measure
+from tactus.report.measure.table import Table
 
 
 def columns(table: Table, *names: str) -> list[tuple]:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.networks.adder_graph import AdderGraph
-from golden.scene import load_scene
-from golden.signed_digits import signed_digits
-from tb.report.measure import adder_chains
-from tb.report.measure.table import Table
+from golden.numbers.signed_digits import signed_digits
+from tactus.report.measure import adder_chains
+from tactus.report.measure.table import Table
+from tactus.scene import load_scene
 
 
 def column(table: Table, heading: str) -> list:

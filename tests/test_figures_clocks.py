@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from pages import section
 
-from golden.scene import DEFAULT_SCENES, load_scene
-from golden.scene_errors import scene_errors
-from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.networks import scenes
-from tb.report.measure.table import Table
+from tactus.errors.scene_errors import scene_errors
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import scenes
+from tactus.report.measure.table import Table
+from tactus.scene import DEFAULT_SCENES, load_scene
 
 ROOT = Path(__file__).parents[1]
 

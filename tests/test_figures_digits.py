@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden.scene import Scene
-from golden.training import few_digits
-from golden.training.stages import Stages
-from tb.report.draw.findings import digits_plot
-from tb.report.measure import digits
+from tactus.report.draw.findings import digits_plot
+from tactus.report.measure import digits
+from tactus.scene import Scene
+from tactus.train.descent import few_digits
+from tactus.train.descent.stages import Stages
 
 
 def test_the_record_has_fewer_digits_in_each_row_and_none_more_than_asked_for() -> None:

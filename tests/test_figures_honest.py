@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from pages import TRAINED, cells, section, shows
 
-from golden.closure import code_of
-from golden.disturbance import Disturbance
-from golden.fingerprint import ROOT
-from golden.scene import load_scene
-from golden.training.stages import Stages
-from tb.report.measure import honest, table_records
-from tb.report.measure.table import Table
+from tactus.core.closure import code_of
+from tactus.core.fingerprint import ROOT
+from tactus.report.measure import honest, table_records
+from tactus.report.measure.table import Table
+from tactus.scene import load_scene
+from tactus.scene.disturbance import Disturbance
+from tactus.train.descent.stages import Stages
 
 OUTPUTS = load_scene(honest.SCENE).outputs
 HONEST = ("honest", "robustness")
@@ -48,7 +48,7 @@ def test_what_is_not_recorded_is_refused(tmp_path: Path) -> None:
         (["clocks"], "TABLE=clocks: is measured for every report, expected one of honest"),
         (["honest", "--seed=2"], "SEED=2: expected 1 with RECORD=1"),
     ):
-        command = [sys.executable, "-m", "tb.report.measure", *words, "--record"]
+        command = [sys.executable, "-m", "tactus.report.measure", *words, "--record"]
         done = subprocess.run(
             [*command, f"--build={tmp_path}"], cwd=ROOT, capture_output=True, text=True
         )

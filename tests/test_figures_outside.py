@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from golden.table import read_table
-from tb.report.measure import outside, table_records
+from tactus.core.table import read_table
+from tactus.report.measure import outside, table_records
 
 pytestmark = pytest.mark.pages
 

@@ -4,8 +4,8 @@ from itertools import groupby
 
 import pytest
 
-from tb.report.draw.findings import search_plot
-from tb.report.measure.search_runs import COLUMNS, SCENES, matrices, row, search_runs
+from tactus.report.draw.findings import search_plot
+from tactus.report.measure.search_runs import COLUMNS, SCENES, matrices, row, search_runs
 
 ROWS = search_runs(1).rows
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from pages import SEARCHED, TRAINED, cells, section, shows
 
-from golden.mlp import tanh
-from golden.scene import load_scene
-from golden.training.objective import Objective, Rows, pack
-from golden.training.search import measure, starting_weights
-from golden.training.task import task_for
-from tb.report.measure import training
-from tb.report.measure.table import Table
+from golden.trained.mlp import tanh
+from tactus.report.measure import training
+from tactus.report.measure.table import Table
+from tactus.scene import load_scene
+from tactus.train.descent.objective import Objective, Rows, pack
+from tactus.train.descent.search import measure, starting_weights
+from tactus.train.descent.task import task_for
 
 
 @pytest.fixture(scope="module")

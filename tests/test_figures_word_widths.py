@@ -1,7 +1,7 @@
 """Tests table word_widths: the content of the record."""
 
-from golden.scene import load_scene
-from tb.report.measure.word_widths import COLUMNS, KEY, SCENES, pairs, row, word_widths
+from tactus.report.measure.word_widths import COLUMNS, KEY, SCENES, pairs, row, word_widths
+from tactus.scene import load_scene
 
 
 def test_there_is_a_row_for_every_width_and_every_scene_that_has_one() -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from golden.files import (
+from golden.input_error import InputError, MissingFileError
+from tactus.core.files import (
     check_writable,
     read_json,
     read_kept,
@@ -18,7 +19,6 @@ from golden.files import (
     write_json,
     write_kept,
 )
-from golden.input_error import InputError, MissingFileError
 
 
 @contextmanager

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.input_error import InputError
+from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 
 Q13 = Fix(14, 13)
 formats = st.builds(Fix, st.integers(2, 40), st.integers(0, 40))

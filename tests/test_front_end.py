@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
-from golden.rig import check
-from golden.scene import load_scene
+from golden.numbers.fixed import Fix
 from golden.sensing.scan_sequencer import ScanSequencer
+from tactus.rig import check
+from tactus.scene import load_scene
+from tactus.verify.benches.collected import CASES
 from tb.common.cases import FRONT_END, random_mlp, write_scene
-from tb.common.collected import CASES
 
 FMT = Fix(14, 13)
 

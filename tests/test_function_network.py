@@ -6,20 +6,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.dense import DenseNetwork
 from golden.engine.bounds import error_bounds
 from golden.engine.graph import Kind
 from golden.engine.integer_network import evaluate
-from golden.function import ITSELF, Function
-from golden.function_network import Edge, FunctionNetwork
 from golden.input_error import InputError
-from golden.network_files.network_file import load_network, save_network
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.spline_basis import Basis
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import DenseNetwork
+from golden.trained.function import ITSELF, Function
+from golden.trained.function_network import Edge, FunctionNetwork
+from golden.trained.spline_basis import Basis
+from tactus.network_files.network_file import load_network, save_network
 from tb.common.cases import random_learned
 
 # One edge of each kind reaches every sum.

@@ -11,7 +11,6 @@ from documented import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.dense import Dense, DenseNetwork, Trained, layers_of, network_of
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
 from golden.engine.graph import Kind
@@ -20,17 +19,18 @@ from golden.engine.listing import listing
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
-from golden.fixed import Codes
-from golden.function import TANH, Function
 from golden.input_error import InputError
-from golden.network_files.network_file import write_network
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.scene import load_scene
-from golden.scene.saturation import saturating
-from hdl.synth.cells import synthesise
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Dense, DenseNetwork, Trained, layers_of, network_of
+from golden.trained.function import TANH, Function
+from tactus.network_files.network_file import write_network
+from tactus.scene import load_scene
+from tactus.scene.saturation import saturating
+from tactus.synth.cells import synthesise
 from tb.common.cases import random_network, write_scene
 from tb.common.images import (
     images_with_room,
@@ -218,7 +218,15 @@ def test_the_page_shows_what_tables_cost(tmp_path: Path, row: str) -> None:
     )
     kinds = f'hidden = 6\nactivations = ["{COSTS[row]}"]'
     path.write_text(path.read_text().replace("hidden = 6", kinds))
-    command = [sys.executable, "-m", "hdl.export", str(path), "verilog", "--build", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "tactus.export",
+        str(path),
+        "verilog",
+        "--build",
+        str(tmp_path),
+    ]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     found = synthesise(tmp_path / "own" / "verilog", "engine", "xc2v")["engine"]
     blocks = {1: "one", 2: "two", 3: "three", 6: "six"}[Engine.of([dense]).program.blocks]

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.scene import thesis_table
 from golden.visualisation.functions import (
     WILBRAHAM_GIBBS,
     harmonic_limit,
@@ -18,6 +17,7 @@ from golden.visualisation.functions import (
     harmonic_tail,
     power_load,
 )
+from tactus.scene import thesis_table
 
 # The load, centre, half width and terms of Figure 3.27.
 FIGURE_3_27 = thesis_table("load_function")["cases"]

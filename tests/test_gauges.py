@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError, MissingFileError
-from golden.physics.bound import MEAN_PER_DEVIATION
-from golden.physics.gauge_places import Placing
-from golden.physics.gauge_rig import FOLDER, GaugeRig, load_rig
-from golden.physics.strain_sensor import StrainSensor
-from tb.report.draw.gauges import along
-from tb.report.measure import gauges
+from tactus.physics.bound import MEAN_PER_DEVIATION
+from tactus.physics.gauge_places import Placing
+from tactus.physics.gauge_rig import FOLDER, GaugeRig, load_rig
+from tactus.physics.strain_sensor import StrainSensor
+from tactus.report.draw.gauges import along
+from tactus.report.measure import gauges
 
 TEXT = (FOLDER / "digit.toml").read_text()
 

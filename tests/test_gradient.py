@@ -7,7 +7,7 @@ from golden.activation.gradient import gradient_for
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
 
 CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(EXACT, 1)]
 IDS = [f"{p.name}-q{q}" for p, q in CASES]

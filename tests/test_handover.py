@@ -12,14 +12,14 @@ import yaml
 from conftest import tiered
 from shared import Shared
 
-from golden.fingerprint import fingerprint
-from golden.scene import Scene, load_scene
-from hdl.export.exporter import compile_order
-from hdl.export.exporter import export as export_here
-from hdl.export.ports import header
+from tactus.core.fingerprint import fingerprint
+from tactus.export.exporter import compile_order
+from tactus.export.exporter import export as export_here
+from tactus.export.handover.ports import header
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches.runner import export
+from tactus.verify.benches.simulate import QUICK
 from tb.common.cases import random_mlp, write_scene
-from tb.common.runner import export
-from tb.common.simulate import QUICK
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -241,7 +241,7 @@ def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
 
 
 def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("hdl.export.handover.write.FRAMES", 5)
+    monkeypatch.setattr("tactus.export.handover.write.FRAMES", 5)
     export_here(scenes["least"], "vhdl", tmp_path / "vhdl")
     result = run(tmp_path / "vhdl", tmp_path, "hybrid")
     assert counts(result) == [(5, 5)] * 2
@@ -275,7 +275,7 @@ def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
 @pytest.mark.all_only
 def test_the_same_bytes_whatever_the_hash_seed(scenes, build, tmp_path: Path) -> None:
     subprocess.run(
-        [sys.executable, "-m", "hdl.export", "digit-parallel", "vhdl", "--build", str(tmp_path)],
+        [sys.executable, "-m", "tactus.export", "digit-parallel", "vhdl", "--build", str(tmp_path)],
         cwd=ROOT,
         env=os.environ | {"PYTHONHASHSEED": "3"},
         check=True,

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from golden.fingerprint import ROOT
-from golden.hold import VARIABLE, held
+from tactus.core.fingerprint import ROOT
+from tactus.core.hold import VARIABLE, held
+from tactus.verify.benches.collected import CASES_OF
 from tb.common.cases import random_mlp, write_scene
-from tb.common.collected import CASES_OF
 
-WAITS = "from golden.hold import held; import sys; from pathlib import Path\n"
+WAITS = "from tactus.core.hold import held; import sys; from pathlib import Path\n"
 WAITS += "with held([Path(sys.argv[1])]): print('has it', flush=True); sys.stdin.read()"
 
 
@@ -57,16 +57,16 @@ def test_a_folder_that_cannot_be_held_is_left_to_those_that_write(
 @pytest.mark.parametrize(
     "words",
     [
-        "tb.sim same.toml --sim=icarus",
-        "tb.demo same.toml",
-        "hdl.export same.toml vhdl",
-        "tb.report same.toml",
-        "tb.certify same.toml",
-        "tb.sign_off.mutate --scene=same.toml",
-        "tb.prove --block=abs_unit",
-        "tb.sign_off.mutate --block=abs_unit",
-        "tb.sign_off.coverage --block=abs_unit",
-        "tb.sim --block=abs_unit --netlist=1 --record",
+        "tactus.verify.sim same.toml --sim=icarus",
+        "tactus.cli.demo same.toml",
+        "tactus.export same.toml vhdl",
+        "tactus.report same.toml",
+        "tactus.certify same.toml",
+        "tactus.verify.sign_off.mutate --scene=same.toml",
+        "tactus.verify.prove --block=abs_unit",
+        "tactus.verify.sign_off.mutate --block=abs_unit",
+        "tactus.verify.sign_off.coverage --block=abs_unit",
+        "tactus.verify.sim --block=abs_unit --netlist=1 --record",
     ],
 )
 def test_commands_wait_for_others_on_the_same_folder(tmp_path: Path, words: str) -> None:
@@ -92,7 +92,7 @@ def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
     searches = [
         subprocess.Popen(
-            [sys.executable, "-m", "golden.commands.train", "same.toml"],
+            [sys.executable, "-m", "tactus.cli.train", "same.toml"],
             cwd=tmp_path,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
             stdout=subprocess.DEVNULL,

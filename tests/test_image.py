@@ -12,8 +12,6 @@ import pytest
 from conftest import tiered
 from copied import movable
 
-from golden.commands.image import main
-from golden.dense import Quantiser, Trained
 from golden.engine.formats import RESULT, WIDTH
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.image import Image, Sizes, image_of
@@ -22,13 +20,15 @@ from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.scene import Scene, load_scene, scene_path
-from golden.scene.image import scene_image
+from golden.trained.dense import Quantiser, Trained
+from tactus.cli.image import main
+from tactus.scene import Scene, load_scene, scene_path
+from tactus.scene.image import scene_image
+from tactus.verify.benches.runner import plan, run_jobs
+from tactus.verify.benches.tools import SIMULATORS
 from tb.common.cases import Case, random_mlp, random_network
 from tb.common.images import networks_of_other_depth
-from tb.common.runner import plan, run_jobs
 from tb.common.small import LAYERED, RELOADED, RELOADED_LANES
-from tb.common.tools import SIMULATORS
 from tb.networks.tb_engine import SCENES, shipped_with_room
 
 ROOT = Path(__file__).parents[1]
@@ -299,7 +299,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
-    command = [sys.executable, "-m", "golden.commands.image", "digit-single"]
+    command = [sys.executable, "-m", "tactus.cli.image", "digit-single"]
     command += ["--hardware", str(small), "--build", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2
@@ -326,7 +326,7 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind
         scenes = with_other_depth(kind, tmp_path)
     for scene in scenes:
         for language in ("vhdl", "verilog"):
-            command = [sys.executable, "-m", "hdl.export", str(scene.path), language]
+            command = [sys.executable, "-m", "tactus.export", str(scene.path), language]
             subprocess.run([*command, "--build", str(tmp_path)], check=True, capture_output=True)
         folders.append(tmp_path / scene.name)
     for language in ("vhdl", "verilog"):

@@ -11,15 +11,15 @@ from shared import Shared
 
 from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import BipartitePair
-from golden.block import Block
+from golden.common.block import Block
 from golden.engine.program_words import ProgramWords
 from golden.networks.learning_engine import LearningEngine
-from tb.common.collected import BENCHES
-from tb.common.runner import Job
-from tb.sign_off.mutate.initial import Word, drawn, flipped, score_words, words_of
-from tb.sign_off.mutate.score import COUNT, SEED
-from tb.sign_off.record import read_record
-from tb.sign_off.subject import recorded_cases
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import Job
+from tactus.verify.sign_off.mutate.initial import Word, drawn, flipped, score_words, words_of
+from tactus.verify.sign_off.mutate.score import COUNT, SEED
+from tactus.verify.sign_off.record import read_record
+from tactus.verify.sign_off.subject import recorded_cases
 
 WITH_WORDS = ("program_memory", "replay_memory", "bipartite", "learning_engine")
 SCENES = ("digit", "digit-load", "comparison/digit-serial", "digit-fast")

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
 from golden.engine.integer_network import (
     IntegerLayer,
@@ -18,12 +17,13 @@ from golden.engine.integer_network import (
     sample_words,
 )
 from golden.engine.quantise import integer_networks
-from golden.fixed import Codes
-from golden.function import Function
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
+from golden.trained.function import Function
 from tb.common.cases import random_network
 
 TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))

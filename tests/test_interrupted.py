@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from test_make import environment
 
-from golden.fingerprint import ROOT
+from tactus.core.fingerprint import ROOT
 from tb.common.cases import random_mlp, write_scene
 
 LIMIT = 120
@@ -21,8 +21,8 @@ THREADS = """
 import subprocess, sys, time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from golden.cli import run
-from golden.files import replace_folder
+from tactus.core.cli import run
+from tactus.core.files import replace_folder
 
 def main():
     with replace_folder(Path(sys.argv[1]) / "vhdl") as folder, ThreadPoolExecutor(1) as pool:
@@ -96,7 +96,7 @@ def test_a_search_ends_with_its_workers_and_its_shared_memory(
     tmp_path: Path, number: int, said: str
 ) -> None:
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 20, 2), 1.0, 1)])
-    command = [sys.executable, "-m", "golden.commands.train", "mine.toml"]
+    command = [sys.executable, "-m", "tactus.cli.train", "mine.toml"]
     with started(*command, folder=tmp_path) as search:
         wait(lambda: beginning(search.pid))
         if number == signal.SIGINT:

@@ -15,8 +15,6 @@ import pytest
 from test_engine import random_codes
 from test_image import reloadable
 
-from golden.commands.image import main
-from golden.dense import Quantiser, Trained, layers_of
 from golden.engine.fields import signed_code
 from golden.engine.image import Image, Sizes
 from golden.engine.lane_image import LaneSizes
@@ -26,8 +24,10 @@ from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
-from golden.scene import Scene, load_scene
-from golden.scene.image import scene_image
+from golden.trained.dense import Quantiser, Trained, layers_of
+from tactus.cli.image import main
+from tactus.scene import Scene, load_scene
+from tactus.scene.image import scene_image
 from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
 from tb.common.small import ENGINES, LANES, LAYERED, LEARNED, RELOADED_LANES, TABLES
@@ -229,7 +229,7 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> N
     scenes = [on_lanes(name, tmp_path) for name in ("digit", "swing-single")]
     for scene in scenes:
         for language in ("vhdl", "verilog"):
-            command = [sys.executable, "-m", "hdl.export", str(scene.path), language]
+            command = [sys.executable, "-m", "tactus.export", str(scene.path), language]
             subprocess.run([*command, "--build", str(tmp_path)], check=True, capture_output=True)
     for language in ("vhdl", "verilog"):
         first, second = (tmp_path / scene.name / language for scene in scenes)

@@ -9,8 +9,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from test_engine import networks, random_codes
 
-from golden.commands.listing import main
-from golden.dense import Quantiser
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Kind
 from golden.engine.lane_pipeline import LanePipeline
@@ -21,9 +19,11 @@ from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
-from golden.scene import Scene, load_scene
+from golden.trained.dense import Quantiser
+from tactus.cli.listing import main
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches.myhdl_simulation import simulate
 from tb.common.cases import FRONT_END, VISUALISATION, random_network
-from tb.common.myhdl_simulation import simulate
 from tb.common.small import LANES, OVERLAPPED
 
 # Multipliers, the clocks from frame to frame without a loop, and those of the shortest one.

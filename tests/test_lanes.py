@@ -10,9 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_engine import networks, random_codes
 
-from golden.block import walk
-from golden.commands.listing import main
-from golden.dense import Dense, Quantiser, network_of
+from golden.common.block import walk
 from golden.engine.formats import WIDTH
 from golden.engine.function_table import codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
@@ -21,15 +19,17 @@ from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
 from golden.engine.lane_listing import critical_path, lane_listing
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
-from golden.function import TANH, Function
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.scene import load_scene
-from tb.common.myhdl_simulation import simulate
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Dense, Quantiser, network_of
+from golden.trained.function import TANH, Function
+from tactus.cli.listing import main
+from tactus.scene import load_scene
+from tactus.verify.benches.myhdl_simulation import simulate
 from tb.common.small import ENGINES, LANES, LAYERED, TABLES
 
 # Clocks from frame to frame, and the lanes that are built.

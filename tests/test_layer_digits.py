@@ -10,18 +10,18 @@ import pytest
 from test_classes import write_hand
 from test_layer_training import scene_of
 
-from golden import layer_digits
-from golden.commands import train
-from golden.dense import packed
 from golden.engine.quantise import integer_networks
-from golden.layer_digits import ClassDigits
-from golden.layer_training import LayerStages
-from golden.network_files.network_file import read_provenance
 from golden.networks.engine import Engine
-from golden.scene import load_scene
-from golden.signed_digits import signed_digits
-from golden.training import few_digits
-from golden.training.few_digits import grid_of, priced
+from golden.numbers.signed_digits import signed_digits
+from golden.trained.dense import packed
+from tactus.cli import train
+from tactus.network_files.network_file import read_provenance
+from tactus.scene import load_scene
+from tactus.train import layer_digits
+from tactus.train.descent import few_digits
+from tactus.train.descent.few_digits import grid_of, priced
+from tactus.train.layer_digits import ClassDigits
+from tactus.train.layer_training import LayerStages
 
 
 @pytest.fixture(autouse=True)
@@ -89,7 +89,7 @@ def few_of(path: Path) -> ClassDigits:
             return self.chosen
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("golden.layer_training.ClassDigits", Watched)
+        patch.setattr("tactus.train.layer_training.ClassDigits", Watched)
         stages.add((4,), 0)
     return found[0]
 

@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 
-from golden import layer_training
-from golden.commands.train import main
-from golden.dense import ACTIVATIONS, Trained, layers_of, network_of, packed, unpacked
-from golden.function import Function
 from golden.input_error import InputError
-from golden.layer_objective import LayeredObjective
-from golden.layer_training import random_layers, search, widths
-from golden.mlp import tanh
-from golden.network_files.network_file import read_provenance
-from golden.precision import SIGNAL
-from golden.rig.check import design
-from golden.scene import load_scene
-from golden.scene_errors import held_out_rows
-from golden.training.objective import Objective, Rows
-from golden.training.objective import pack as pack_of_two
-from golden.training.task import task_for
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed, unpacked
+from golden.trained.function import Function
+from golden.trained.mlp import tanh
+from tactus.cli.train import main
+from tactus.errors.scene_errors import held_out_rows
+from tactus.network_files.network_file import read_provenance
+from tactus.rig.check import design
+from tactus.scene import load_scene
+from tactus.train import layer_training
+from tactus.train.descent.objective import Objective, Rows
+from tactus.train.descent.objective import pack as pack_of_two
+from tactus.train.descent.task import task_for
+from tactus.train.layer_objective import LayeredObjective
+from tactus.train.layer_training import random_layers, search, widths
 from tb.common.cases import random_network, write_scene
 
 

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.block import Block
-from golden.fixed import Fix
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
@@ -18,7 +17,8 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.node_sum import NodeSum
 from golden.layers.output_integral import OutputIntegral
-from golden.precision import EXACT, SIGNAL
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import EXACT, SIGNAL
 
 COEFF = Fix(18, 14)
 codes = st.integers(COEFF.low, COEFF.high)

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 
 from golden.activation.left_out import left_out as left_out_of
-from golden.files import write_json
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.networks.left_out import left_out
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene, scene_names
-from hdl.export.exporter import MANIFEST, export
-from hdl.synth import lean
-from hdl.synth.budget import budget_path
-from hdl.synth.timing import read_timing, timing_path
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp
+from tactus.core.files import write_json
+from tactus.export.exporter import MANIFEST, export
+from tactus.report.measure.left_out import words
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.synth import lean
+from tactus.synth.budget import budget_path
+from tactus.synth.timing import read_timing, timing_path
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
-from tb.report.measure.left_out import words
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:

@@ -5,13 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.dense import DenseNetwork
-from golden.function_network import Edge, FunctionNetwork
 from golden.networks.function_sums import learned
-from golden.scene import load_scene
-from tb.common.cases import random_mlp, write_scene
-from tb.report.draw.pictures import pictures
-from tb.report.measure.learned_edges import (
+from golden.trained.dense import DenseNetwork
+from golden.trained.function_network import Edge, FunctionNetwork
+from tactus.report.draw.pictures import pictures
+from tactus.report.measure.learned_edges import (
     BINS,
     INPUT,
     SUM,
@@ -20,7 +18,9 @@ from tb.report.measure.learned_edges import (
     nodes_of,
     scene_edges,
 )
-from tb.report.page.page import Picture
+from tactus.report.page.page import Picture
+from tactus.scene import load_scene
+from tb.common.cases import random_mlp, write_scene
 
 BENT: Edge = (-1.0, 1.0, 0.9, 0.3, -0.2, 0.1, 0.5)
 STEEP: Edge = (-3.0, 3.0, 0.6, -0.3, -0.2, 0.1, 0.3)

@@ -10,17 +10,17 @@ from pages import cells, section
 from golden.engine.finish import word_of
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning import steps
 from golden.learning.corrected import THETA, Corrected
 from golden.learning.gradient import STEP, Gradient, constants
 from golden.learning.lesson import ROW, Lesson, bounded, equation, start
 from golden.learning.unit import Unit, coefficient
-from golden.mlp import Mlp
-from golden.precision import SIGNAL
-from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import load_scene
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp
+from tactus.recalibration.sensitivity import Sensitivity
+from tactus.scene import load_scene
 
 SCENE = load_scene("digit")
 VECTORS = SCENE.vectors()

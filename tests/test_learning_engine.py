@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from pages import section
 
-from golden.commands import listing
 from golden.engine.fields import get
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.program import STORE
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning import steps
 from golden.learning.lesson import Lesson
@@ -22,9 +20,11 @@ from golden.learning.places import Places
 from golden.learning.program import EQUATIONS, FRAME, KEEP, ends, jumps
 from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene
-from golden.scene.learning import taught_of, that_learns
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from tactus.cli import listing
+from tactus.scene import Scene, load_scene
+from tactus.scene.learning import taught_of, that_learns
 from tb.common.lessons import Player, refusals
 from tb.common.small import LESSONS
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.image_receiver import ImageReceiver
@@ -14,8 +13,9 @@ from golden.link.packet_sender import PacketSender
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import UartTransmitter, bits_of
-from golden.scene import load_scene
+from golden.numbers.fixed import Fix
 from golden.visualisation.pulse_density import PulseDensity
+from tactus.scene import load_scene
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
 from tb.common.small import PLAIN_UART, UART
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from hdl.export.local_names import Caller, forget
+from tactus.export.local_names import Caller, forget
 
 
 def looks() -> tuple[list[str], list[str]]:
@@ -36,7 +36,7 @@ def test_plain_names_as_bound_then_those_used_inside_by_alphabet() -> None:
 
 
 def test_nothing_is_kept_of_a_function_that_has_ended() -> None:
-    from hdl.export import local_names
+    from tactus.export import local_names
 
     looks()
     assert not local_names._seen

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from golden.activation.lut import lut_for
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
 
 CASES = [(THESIS, q) for q in (1, 2, 3, 7, 12, 77, 100, 511, 512, 3000)] + [(EXACT, 1)]
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from golden import machine
-from tb.common import tools
+from tactus.core import machine
+from tactus.verify.benches import tools
 
 ROOT = Path(__file__).parents[1]
 NAMES = ["processor", "instructions", "system", "versions", "took"]
@@ -44,7 +44,7 @@ def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path, monkeyp
 
 def test_the_instructions_are_those_in_force() -> None:
     """These can be fewer instructions than the processor has."""
-    command = [sys.executable, "-c", "from golden.machine import *; print(facts())"]
+    command = [sys.executable, "-c", "from tactus.core.machine import *; print(facts())"]
     said = {}
     for threads in ("1", "2"):
         environment = os.environ | {"OPENBLAS_NUM_THREADS": threads, "OPENBLAS_CORETYPE": "Nehalem"}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from front_door import GIVEN, MAKEFILE, ROOT
 
-from tb.commands import COMMANDS
+from tactus.cli.commands import COMMANDS
 
 RECIPES = [line for line in re.sub(r"\\\n", "", MAKEFILE).splitlines() if line.startswith("\t")]
 
@@ -46,16 +46,17 @@ def environment(folder: Path, venv: str = "venv", instead: str = "") -> Path:
 
     Or it does what the text of a shell says, instead.
 
-    For the arguments of ``tb.commands`` it does what the real one does.
+    For the arguments of ``tactus.cli.commands`` it does what the real one does.
     """
     python = folder / venv / "bin" / "python"
     python.parent.mkdir(parents=True)
     log = folder / "arguments"
-    called = "import sys; sys.executable = sys.argv.pop(1); from golden.cli import run; "
-    called += "from tb.commands import main; sys.exit(run(main))"
+    called = "import sys; sys.executable = sys.argv.pop(1); from tactus.core.cli import run; "
+    called += "from tactus.cli.commands import main; sys.exit(run(main))"
+    commands = f"""exec '{sys.executable}' -S -E -c '{called}' "$0" "$3" "$4\""""
     python.write_text(
         f"""#!/bin/sh
-if [ "$2" = tb.commands ]; then exec '{sys.executable}' -S -E -c '{called}' "$0" "$3" "$4"; fi
+if [ "$2" = tactus.cli.commands ]; then {commands}; fi
 {instead}
 printf '%s\\0' '{CALL}' "$@" >> '{log}'
 echo found
@@ -211,7 +212,7 @@ def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
     venv = tmp_path / nasty
     result = make(tmp_path, f"VENV={venv}", "listing")
     assert result.returncode == 0, result.stderr
-    assert "golden.commands.listing" in log.read_text()
+    assert "tactus.cli.listing" in log.read_text()
     (venv / ".ready").unlink()
     python = venv / "bin" / "python"
     result = make(tmp_path, f"VENV={venv}", f"PYTHON={python}", "ready")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from copied import movable
 
-from golden.scene import scene_path
+from tactus.scene import scene_path
 
 ROOT = Path(__file__).parents[1]
 

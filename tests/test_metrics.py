@@ -8,17 +8,17 @@ import pytest
 
 from golden.activation.gradient import gradient_for
 from golden.input_error import InputError
-from golden.metrics import (
+from golden.numbers.precision import SIGNAL, THESIS
+from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
+from tactus.core.table import read_table
+from tactus.scene.metrics import (
     OutputError,
     activation_error,
     displacement_errors,
     millimetres,
 )
-from golden.precision import SIGNAL, THESIS
-from golden.table import read_table
-from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
-DATA = Path(__file__).parents[1] / "golden" / "data"
+DATA = Path(__file__).parents[1] / "scenes" / "data"
 BEAM = tomllib.loads((DATA / "thesis_numbers.toml").read_text())["beam"]
 
 

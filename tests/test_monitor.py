@@ -20,22 +20,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden.cli import run
-from golden.commands.predict import main as predict
 from golden.input_error import InputError
 from golden.link.decoder import Tally
 from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene
-from tb.monitor.__main__ import main
-from tb.monitor.board import Board
-from tb.monitor.csv_file import GrowingCsv
-from tb.monitor.line import Line
-from tb.monitor.messages import PAUSE
-from tb.monitor.monitor import HEAD, NOT_SENT, Monitor, csv_columns
-from tb.monitor.server import Server
-from tb.monitor.twin_board import TwinBoard
-from tb.report.page.page import environment
+from golden.numbers.precision import SIGNAL
+from tactus.cli.predict import main as predict
+from tactus.core.cli import run
+from tactus.monitor.__main__ import main
+from tactus.monitor.board import Board
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.line import Line
+from tactus.monitor.messages import PAUSE
+from tactus.monitor.monitor import HEAD, NOT_SENT, Monitor, csv_columns
+from tactus.monitor.server import Server
+from tactus.monitor.twin_board import TwinBoard
+from tactus.report.page.page import environment
+from tactus.scene import Scene, load_scene
 
 BAUD = 1_000_000
 LONGEST = 30.0
@@ -316,7 +316,7 @@ def test_only_this_machine_is_served() -> None:
 
 
 def test_the_page_needs_nothing_from_elsewhere() -> None:
-    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
     links = re.findall(r"""(?:src|href)=["']([^"']*)""", page)
     assert links == ["data:,"]
     assert set(re.findall(r"https?://[^\"' ]+", page)) == {"http://www.w3.org/2000/svg"}
@@ -400,7 +400,7 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     state["learning"] = {"on": True, "shown": 1, "places": 31, "tour": True, "there": True}
     errors = [[-2.0, *[0.1] * 4], [0.0, *[0.2] * 4]]
     state["learning"] |= {"errors": errors, "placements": [shown]}
-    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t" * 60)
+    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t" * 60)
     stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
     page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")
     # The window of a browser is at least 500 wide, so the page is shown in a frame.

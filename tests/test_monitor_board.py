@@ -15,20 +15,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import run
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.networks.engine import Engine
-from golden.scene import Scene, load_scene
-from golden.scene.scale import Scale
-from tb.monitor import load as loading
-from tb.monitor import record as recording
-from tb.monitor.board import Board
-from tb.monitor.csv_file import GrowingCsv
-from tb.monitor.line import Line
-from tb.monitor.ports import open_line
-from tb.monitor.twin_board import TwinBoard
+from tactus.core.cli import run
+from tactus.monitor import load as loading
+from tactus.monitor import record as recording
+from tactus.monitor.board import Board
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.line import Line
+from tactus.monitor.ports import open_line
+from tactus.monitor.twin_board import TwinBoard
+from tactus.scene import Scene, load_scene
+from tactus.scene.scale import Scale
 
 ROOT = Path(__file__).parents[1]
 BAUD = 1_000_000
@@ -180,7 +180,7 @@ def test_an_input_that_ends_early_is_no_success(
 ) -> None:
     """The recorded rows are kept."""
     (tmp_path / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")
-    words = ["tb.monitor.record", "digit-board", simulated.port, "mine.csv", "--frames=1"]
+    words = ["tactus.monitor.record", "digit-board", simulated.port, "mine.csv", "--frames=1"]
     done = subprocess.run(
         [sys.executable, "-m", *words, f"--labels={labels}"],
         cwd=tmp_path, input=typed, capture_output=True, text=True, check=False,
@@ -195,7 +195,7 @@ def test_an_input_that_ends_early_is_no_success(
 
 def test_without_an_input_nothing_is_recorded(simulated: TwinBoard, tmp_path: Path) -> None:
     """This is the case if the shell has closed the input, so that Python has none."""
-    words = f"-m tb.monitor.record digit-board {simulated.port} mine.csv <&-"
+    words = f"-m tactus.monitor.record digit-board {simulated.port} mine.csv <&-"
     done = subprocess.run(
         f"{shlex.quote(sys.executable)} {words}", shell=True, cwd=tmp_path, capture_output=True,
         text=True, check=False, env=os.environ | {"PYTHONPATH": str(ROOT)},

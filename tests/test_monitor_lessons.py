@@ -21,36 +21,36 @@ from pages import section
 from test_learning_engine import Desk, sent
 from test_monitor import BAUD, Still, browse, listening, plain, wait
 
-from golden.cli import run
-from golden.disturbance import Disturbance
 from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.learning.unit import Unit
 from golden.link.packets import lesson_packet
 from golden.networks.learning_engine import LearningEngine
-from golden.precision import SIGNAL
-from golden.recalibration.choice import proposed
-from golden.recalibration.fit import fit
-from golden.recalibration.folder import corrected
-from golden.recalibration.placements import Placements
-from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import Scene, load_scene
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from tactus.core.cli import run
+from tactus.monitor.__main__ import main
+from tactus.monitor.board import Board
+from tactus.monitor.lessons import Lessons, Tour
+from tactus.monitor.line import Line
+from tactus.monitor.monitor import NOT_SENT, Monitor
+from tactus.monitor.placements import Drift, samples_of
+from tactus.monitor.ports import open_line
+from tactus.monitor.server import Server
+from tactus.monitor.twin_board import TwinBoard
+from tactus.monitor.twin_lessons import TwinLessons
+from tactus.recalibration.choice import proposed
+from tactus.recalibration.fit import fit
+from tactus.recalibration.folder import corrected
+from tactus.recalibration.placements import Placements
+from tactus.recalibration.sensitivity import Sensitivity
+from tactus.report.page.page import environment
+from tactus.scene import Scene, load_scene
+from tactus.scene.disturbance import Disturbance
 from tb.common.small import LEARN_UART, LESSONS
-from tb.monitor.__main__ import main
-from tb.monitor.board import Board
-from tb.monitor.lessons import Lessons, Tour
-from tb.monitor.line import Line
-from tb.monitor.monitor import NOT_SENT, Monitor
-from tb.monitor.placements import Drift, samples_of
-from tb.monitor.ports import open_line
-from tb.monitor.server import Server
-from tb.monitor.twin_board import TwinBoard
-from tb.monitor.twin_lessons import TwinLessons
-from tb.report.page.page import environment
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
@@ -172,7 +172,7 @@ def test_lessons_are_taken_whole_or_not_at_all(small: Scene, name: str, part: in
 
 def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
-    monkeypatch.setattr("tb.monitor.twin_lessons.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("tactus.monitor.twin_lessons.time", SimpleNamespace(monotonic=lambda: now))
     lessons = lessons_of(small)
     for data, flags in ((GOOD[:-1], ["lesson_error"]), (GOOD[:1], []), (b"\xa5\xa5", [])):
         lessons.take(data)
@@ -632,7 +632,7 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     still.bring(still.packet(0, "learning", count=1))
     state = still.monitor.state()
     state["learning"]["tour"] = True
-    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
     script = CLICKS.replace("STATE", json.dumps(state)).replace("KNOWN", json.dumps(KNOWN))
     (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
     shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
@@ -691,7 +691,7 @@ def test_the_page_keeps_what_was_learned_and_puts_it_in_again(scene: Scene, tmp_
     state = still.monitor.state()
     theta = [100 * n - 300 for n in range(8)]
     assert state["learning"]["theta"] == theta
-    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
     script = KEPT.replace("STATE", json.dumps(state))
     (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
     shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
@@ -758,7 +758,7 @@ def test_the_command_teaches_a_drifted_board_of_twins(
     monkeypatch.setattr("sys.argv", words)
     answers: list[Any] = []
     done, starts = threading.Event(), Server.__enter__
-    monkeypatch.setattr("tb.monitor.__main__.Terminal.over", lambda _: done.is_set())
+    monkeypatch.setattr("tactus.monitor.__main__.Terminal.over", lambda _: done.is_set())
 
     def starting(server: Server) -> Server:
 

@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import run
-from golden.commands import scene as write_scene
-from golden.commands import train as training
 from golden.networks.engine import Engine
-from golden.scene import Scene, load_scene
-from golden.scene.image import scene_image
-from tb.monitor import load as loading
-from tb.monitor import record as recording
-from tb.monitor.board import Board
-from tb.monitor.csv_file import GrowingCsv
-from tb.monitor.line import Line
-from tb.monitor.monitor import Monitor
-from tb.monitor.twin_board import TwinBoard
+from tactus.cli import scene as write_scene
+from tactus.cli import train as training
+from tactus.core.cli import run
+from tactus.monitor import load as loading
+from tactus.monitor import record as recording
+from tactus.monitor.board import Board
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.line import Line
+from tactus.monitor.monitor import Monitor
+from tactus.monitor.twin_board import TwinBoard
+from tactus.scene import Scene, load_scene
+from tactus.scene.image import scene_image
 
 ROOT = Path(__file__).parents[1]
 HARDWARE = "digit-board"
@@ -145,21 +145,21 @@ def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_pa
         "\n".join(["load,position", *(f"{d:g},{p:g}" for d, p, *_ in rows)]) + "\n"
     )
     said = command(
-        *("tb.monitor.record", HARDWARE, "sim", f"{folder}/readings.csv"),
+        *("tactus.monitor.record", HARDWARE, "sim", f"{folder}/readings.csv"),
         *(f"--labels={folder}/placements.csv", "--frames=1"),
     )
     assert f"wrote {folder}/readings.csv, {len(rows)} placements" in said
     rig = f"{folder}/mine.toml"
     command(
-        *("golden.commands.scene", f"{folder}/readings.csv", "load,position"),
+        *("tactus.cli.scene", f"{folder}/readings.csv", "load,position"),
         *(f"--to={rig}", f"--hardware={HARDWARE}"),
     )
     small(Path(rig))
-    command("golden.commands.train", rig, "--build", f"{folder}/build")
-    said = command("tb.monitor.load", rig, "sim", f"--hardware={HARDWARE}")
+    command("tactus.cli.train", rig, "--build", f"{folder}/build")
+    said = command("tactus.monitor.load", rig, "sim", f"--hardware={HARDWARE}")
     assert re.fullmatch(r"sim: mine runs, \d+ bytes\n", said)
     said = command(
-        *("tb.monitor", rig, "sim", f"--hardware={HARDWARE}", "--seconds=20"),
+        *("tactus.monitor", rig, "sim", f"--hardware={HARDWARE}", "--seconds=20"),
         f"--to={folder}/seen.csv",
     )
     counted = re.search(r"(\d+) packets, 0 missed, 0 damaged\n", said)

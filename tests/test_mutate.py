@@ -12,26 +12,26 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
-from golden import store
-from golden.fingerprint import ROOT
 from golden.input_error import InputError
-from golden.store import VARIABLE
-from tb.common.collected import BENCHES
-from tb.common.runner import Job, Outcome, run_job
-from tb.report.page.sign_off import mutation, percent
-from tb.sign_off.current import of_this_verilog
-from tb.sign_off.mutate import flat, score
-from tb.sign_off.mutate.explained import explain, explanations
-from tb.sign_off.mutate.mutants import make_mutants, write_netlists
-from tb.sign_off.mutate.population import population
-from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
-from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
-from tb.sign_off.mutate.score import COUNT, Subject, first_test, prepare, run_bench
-from tb.sign_off.mutate.words import describe
-from tb.sign_off.processor import processor_line, processor_minutes
-from tb.sign_off.record import read_record, records
-from tb.sign_off.source import verilog
-from tb.sign_off.subject import recorded_cases
+from tactus.core import store
+from tactus.core.fingerprint import ROOT
+from tactus.core.store import VARIABLE
+from tactus.report.page.sign_off import mutation, percent
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import Job, Outcome, run_job
+from tactus.verify.sign_off.current import of_this_verilog
+from tactus.verify.sign_off.mutate import flat, score
+from tactus.verify.sign_off.mutate.explained import explain, explanations
+from tactus.verify.sign_off.mutate.mutants import make_mutants, write_netlists
+from tactus.verify.sign_off.mutate.population import population
+from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
+from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
+from tactus.verify.sign_off.mutate.score import COUNT, Subject, first_test, prepare, run_bench
+from tactus.verify.sign_off.mutate.words import describe
+from tactus.verify.sign_off.processor import processor_line, processor_minutes
+from tactus.verify.sign_off.record import read_record, records
+from tactus.verify.sign_off.source import verilog
+from tactus.verify.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -9,19 +9,19 @@ from conftest import tiered
 from shared import Shared, copied_job
 
 from golden.input_error import InputError
-from hdl.synth.cells import SYNTHESISE, XILINX
-from hdl.synth.tools import run_tool
-from tb.common.collected import BENCHES
-from tb.common.runner import Job, run_job
-from tb.sign_off.cell_models import models_for
-from tb.sign_off.current import COMMANDS, of_this_verilog
-from tb.sign_off.netlist import FAMILIES, chosen, on_cells
-from tb.sign_off.netlist_record import KIND, SCENES, Entity, played
-from tb.sign_off.record import read_record, recorded, short
-from tb.sign_off.source import verilog
-from tb.sign_off.subject import recorded_cases
-from tb.sign_off.unknown import UNKNOWN, Netlist
-from tb.sign_off.unknown_proof import clocks_to_prove
+from tactus.synth.cells import SYNTHESISE, XILINX
+from tactus.synth.tools import run_tool
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.sign_off.cell_models import models_for
+from tactus.verify.sign_off.current import COMMANDS, of_this_verilog
+from tactus.verify.sign_off.netlist import FAMILIES, chosen, on_cells
+from tactus.verify.sign_off.netlist_record import KIND, SCENES, Entity, played
+from tactus.verify.sign_off.record import read_record, recorded, short
+from tactus.verify.sign_off.source import verilog
+from tactus.verify.sign_off.subject import recorded_cases
+from tactus.verify.sign_off.unknown import UNKNOWN, Netlist
+from tactus.verify.sign_off.unknown_proof import clocks_to_prove
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -9,14 +9,14 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
 
-from golden.commands.network import main as convert
 from golden.input_error import InputError
-from golden.mlp import Mlp
-from golden.network_files.functions import EXPRESSIONS
-from golden.network_files.network_file import load_network, write_network
 from golden.networks.engine import Engine
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp
+from tactus.cli.network import main as convert
+from tactus.network_files.functions import EXPRESSIONS
+from tactus.network_files.network_file import load_network, write_network
+from tactus.scene import Scene, load_scene
 from tb.common.cases import random_mlp, write_scene
 
 SHAPE = (3, 5, 2)

@@ -11,21 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
-from golden.block import walk
+from golden.common.block import walk
 from golden.input_error import InputError
-from golden.metrics import percent_errors, summarise
-from golden.mlp import Mlp
 from golden.networks.arrangement import arrange, beside
 from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
 from golden.networks.left_out import left_out
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
-from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
-from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
-from golden.scene_errors import held_out_means
+from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
+from golden.trained.mlp import Mlp
+from tactus.errors.scene_errors import held_out_means
+from tactus.report.measure.networks import scenes
+from tactus.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from tactus.scene.metrics import percent_errors, summarise
 from tb.common.cases import random_mlp, random_network
-from tb.report.measure.networks import scenes
 
 SCENES = scene_names()
 
@@ -272,7 +272,7 @@ def test_entity_names_are_unique() -> None:
 
 
 def test_recorded_vectors_are_those_of_their_provenance() -> None:
-    folder = FOLDER.parent / "data"
+    folder = FOLDER / "data"
     provenance = tomllib.loads((folder / "appendix2.toml").read_text())
     content = (folder / "appendix2.csv").read_bytes()
     assert hashlib.sha256(content).hexdigest() == provenance["sha256"]

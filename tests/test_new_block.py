@@ -12,7 +12,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
     page = (ROOT / "docs" / "new-block.md").read_text()
     copy = tmp_path / "tactus"
-    for room in ("golden", "hdl", "tb", "docs"):
+    for room in ("golden", "hdl", "scenes", "tactus", "tb", "docs"):
         copy_room(room, copy)
     named = r"^`([\w/.-]+\.(?:py|toml))`[^\n]*(?:\n[^\n]+)*:\n\n```(?:python|toml)\n(.*?)```"
     files = re.findall(named, page, re.M | re.S)
@@ -29,13 +29,13 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
         command = [sys.executable, "-m", *words]
         return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
 
-    trained = run("golden.commands.train", scene)
+    trained = run("tactus.cli.train", scene)
     assert trained.returncode == 0, trained.stderr
-    simulated = run("tb.sim", scene, "--block", "relu")
+    simulated = run("tactus.verify.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
     hardware = copy / "hdl" / "activation" / "relu.py"
     hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
-    broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")
+    broken = run("tactus.verify.sim", scene, "--block", "relu", "--sim", "icarus")
     assert broken.returncode == 1
     assert "results differ" in broken.stdout

@@ -22,9 +22,9 @@ ASKED = """
 import sys
 from xml.etree import ElementTree
 import numpy as np
-from golden.scene import load_scene
-from tb.report.draw.datapath import datapath
-from tb.report.measure.stability.networks import huge_weights
+from tactus.scene import load_scene
+from tactus.report.draw.datapath import datapath
+from tactus.report.measure.stability.networks import huge_weights
 scene, other = (load_scene(path).twin() for path in sys.argv[1:])
 frames = np.random.default_rng(1).integers(-8192, 8192, (2000, scene.inputs))
 assert np.array_equal(scene.process(frames), other.process(frames))
@@ -43,7 +43,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project with the four files."""
     folder = tmp_path_factory.mktemp("design") / "tactus"
-    for room in ("golden", "hdl", "tb", "docs", "tests"):
+    for room in ("golden", "hdl", "scenes", "tactus", "tb", "docs", "tests"):
         copy_room(room, folder)
     for name in ("Makefile", "pyproject.toml"):
         shutil.copy(ROOT / name, folder)
@@ -96,7 +96,7 @@ def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
     ],
 )
 def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:
-    simulated = run("-m", "tb.sim", scene(tmp_path, arrangement), "--block", block)
+    simulated = run("-m", "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
 
@@ -108,7 +108,7 @@ def test_a_slip_is_found(copy: Path, run: Run, tmp_path: Path) -> None:
     assert sound.count(called) == 1
     hardware.write_text(sound.replace(called, "hold_word(clk, q_ends,"))
     try:
-        broken = run("-m", "tb.sim", scene(tmp_path, "single"), "--block", "rowwise")
+        broken = run("-m", "tactus.verify.sim", scene(tmp_path, "single"), "--block", "rowwise")
     finally:
         hardware.write_text(sound)
     assert broken.returncode == 1

@@ -10,23 +10,23 @@ from pathlib import Path
 
 import pytest
 
-from golden.fingerprint import ROOT, fingerprint
 from golden.input_error import InputError
-from golden.scene import load_scene
+from tactus.core.fingerprint import ROOT, fingerprint
+from tactus.scene import load_scene
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.benches.simulate import analyse
 from tb.common.cases import random_mlp, write_scene
-from tb.common.runner import Job, run_job
-from tb.common.simulate import analyse
 
 SIZE = 1 << 20
 COMMANDS = (
-    "hdl.export mine.toml vhdl",
-    "golden.commands.predict mine.toml mine.csv out.csv",
-    "golden.commands.train mine.toml --force",
-    "golden.commands.network mine.toml out.onnx",
-    "tb.report.measure.designs mine.toml --picture=out.svg",
+    "tactus.export mine.toml vhdl",
+    "tactus.cli.predict mine.toml mine.csv out.csv",
+    "tactus.cli.train mine.toml --force",
+    "tactus.cli.network mine.toml out.onnx",
+    "tactus.report.measure.designs mine.toml --picture=out.svg",
 )
 # Where a command names each of several places before it begins.
-FILES = {"golden.commands.train mine.toml --force": 2}
+FILES = {"tactus.cli.train mine.toml --force": 2}
 # What a command may say of each disk; the last is that of a disk that is imitated by a limit.
 REASONS = (
     "No space left on device",
@@ -105,9 +105,9 @@ def test_what_tools_leave_out_for_want_of_room_is_no_fault_of_the_hardware(
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     scene = load_scene(str(tmp_path / "mine.toml"))
     job = Job(scene, "hybrid", "hybrid", "networks", (), "icarus", build=tmp_path)
-    monkeypatch.setattr("tb.common.runner.simulate", lambda *_: False)
+    monkeypatch.setattr("tactus.verify.benches.runner.simulate", lambda *_: False)
     assert not run_job(job).passed
-    monkeypatch.setattr("golden.files.ROOM", 1 << 80)
+    monkeypatch.setattr("tactus.core.files.ROOM", 1 << 80)
     with pytest.raises(InputError, match="the disk is full, so nothing is known of hybrid in"):
         run_job(job)
     with pytest.raises(InputError, match="the disk is full, so nothing is known of the exported"):

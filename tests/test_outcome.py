@@ -7,13 +7,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from golden.scene import Scene, load_scene
-from golden.scene.scale import Scale
-from golden.scene_errors import noises_of
-from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
-from tb.report.measure.bounds import bounds, bounds_of
-from tb.report.measure.disturbance import noise_and_drift
-from tb.report.measure.outcome import (
+from tactus.errors.scene_errors import noises_of
+from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
+from tactus.report.measure.bounds import bounds, bounds_of
+from tactus.report.measure.disturbance import noise_and_drift
+from tactus.report.measure.outcome import (
     SURE,
     Outcome,
     along,
@@ -22,7 +20,9 @@ from tb.report.measure.outcome import (
     sensors,
     worst_rows,
 )
-from tb.report.measure.table import Table
+from tactus.report.measure.table import Table
+from tactus.scene import Scene, load_scene
+from tactus.scene.scale import Scale
 
 SVG = "{http://www.w3.org/2000/svg}"
 

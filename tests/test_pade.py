@@ -3,7 +3,6 @@
 import tomllib
 import warnings
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +10,10 @@ import pytest
 from golden.activation import pade
 from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
+from tactus.scene.reference import NUMBERS
 
-DATA = Path(pade.__file__).parents[1] / "data" / "thesis_numbers.toml"
-THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["pade"]
+THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["pade"]
 
 
 def test_the_coefficients_are_those_of_equation_4_6() -> None:

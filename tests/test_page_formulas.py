@@ -11,25 +11,25 @@ import pytest
 from pages import DOCS, cells
 from shared import Shared
 
-from golden.block import walk
+from golden.common.block import walk
 from golden.engine.graph import Kind
-from golden.fingerprint import ROOT
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing
 from golden.layers.shift_add import Sum
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.constants import constants_of
 from golden.networks.engine import Engine
-from golden.scene import load_scene, scene_names
-from golden.scene.write_image import hex_text
 from golden.sensing.scan import Scan
-from tb.common.collected import CASES, CASES_OF
+from tactus.core.fingerprint import ROOT
+from tactus.scene import load_scene, scene_names
+from tactus.scene.write_image import hex_text
+from tactus.verify.benches.collected import CASES, CASES_OF
 
 pytestmark = pytest.mark.pages
 
 PAGE = (DOCS / "blocks" / "engine.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
-COMPARISON = ROOT / "golden" / "scenes" / "comparison"
+COMPARISON = ROOT / "scenes" / "comparison"
 
 
 @pytest.fixture(scope="module")

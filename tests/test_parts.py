@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.activation.schemes import SCHEMES
-from golden.fixed import Fix, Overflow, Rounding, requantise
-from golden.scene import load_scene
+from golden.numbers.fixed import Fix, Overflow, Rounding, requantise
 from hdl.common.delay import delay as delay_line
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, flag, reset, signed, unsigned
+from tactus.scene import load_scene
+from tactus.verify.benches.myhdl_simulation import simulate
 from tb.common.cases import random_mlp, write_scene
-from tb.common.myhdl_simulation import simulate
 from tb.common.stimulus import corner_frames
 
 

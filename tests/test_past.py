@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from refused import Desk
 
-from golden.commands.predict import main as predict
-from golden.commands.recalibrate import main as recalibrate
-from golden.commands.train import train_scene
-from golden.disturbance import Disturbance
 from golden.input_error import InputError
-from golden.precision import SIGNAL
-from golden.rig.check import data
-from golden.scene import Scene, load_scene, scene_names
-from golden.scene.vectors import read_recorded
-from golden.scene_errors import disturbed_rows, held_out_rows, provenances, scene_errors
-from golden.table import read_table, write_table
-from golden.training.search import train
-from golden.training.split import Split, apart, split_of
-from golden.training.task import task_for
-from golden.window import Window
+from golden.numbers.precision import SIGNAL
+from golden.trained.window import Window
+from tactus.cli.predict import main as predict
+from tactus.cli.recalibrate import main as recalibrate
+from tactus.cli.train import train_scene
+from tactus.core.table import read_table, write_table
+from tactus.errors.scene_errors import disturbed_rows, held_out_rows, provenances, scene_errors
+from tactus.rig.check import data
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.vectors import read_recorded
+from tactus.train.descent.search import train
+from tactus.train.descent.split import Split, apart, split_of
+from tactus.train.descent.task import task_for
 from tb.common.cases import random_mlp
 
 WINDOW = Window(((0, 2, 3), (0,), (1, 5)))

@@ -12,33 +12,33 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from golden.block import Block, walk
-from golden.fingerprint import ROOT
-from golden.flow import Carried
+from golden.common.block import Block, walk
+from golden.common.flow import Carried
 from golden.input_error import InputError
 from golden.instruments.pictures import flow_of
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene, scene_names
-from golden.scene.scale import Scale
-from golden.table import read_table
-from tb.common.collected import CASES
-from tb.report.draw.animation import animation
-from tb.report.draw.area import area, designs
-from tb.report.draw.axes import Axes
-from tb.report.draw.datapath import datapath
-from tb.report.draw.drawing import ACCENT, FAINT, text_width
-from tb.report.draw.load import beam, has_load
-from tb.report.draw.named import SIZE, Named, front
-from tb.report.draw.network import network
-from tb.report.draw.profile import profile
-from tb.report.draw.svg import own_ids
-from tb.report.draw.swing import RUN, follow, swing, without_past
-from tb.report.draw.swing_animation import swing_animation
-from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
-from tb.report.draw.waveforms import Row, waveforms
-from tb.report.measure.simulated_frame import simulate_frame
-from tb.report.measure.table import Table
-from tb.report.measure.tanh_words import tanh_words
+from golden.numbers.precision import SIGNAL
+from tactus.core.fingerprint import ROOT
+from tactus.core.table import read_table
+from tactus.report.draw.animation import animation
+from tactus.report.draw.area import area, designs
+from tactus.report.draw.axes import Axes
+from tactus.report.draw.datapath import datapath
+from tactus.report.draw.drawing import ACCENT, FAINT, text_width
+from tactus.report.draw.load import beam, has_load
+from tactus.report.draw.named import SIZE, Named, front
+from tactus.report.draw.network import network
+from tactus.report.draw.profile import profile
+from tactus.report.draw.svg import own_ids
+from tactus.report.draw.swing import RUN, follow, swing, without_past
+from tactus.report.draw.swing_animation import swing_animation
+from tactus.report.draw.tanh_words import tanh_words as draw_tanh_words
+from tactus.report.draw.waveforms import Row, waveforms
+from tactus.report.measure.simulated_frame import simulate_frame
+from tactus.report.measure.table import Table
+from tactus.report.measure.tanh_words import tanh_words
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene.scale import Scale
+from tactus.verify.benches.collected import CASES
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40

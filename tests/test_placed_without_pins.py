@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from hdl.synth import timing
+from tactus.synth import timing
 
 # One register between many inputs and one output.
 WIDE = """

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.special import zeta
 
 from golden.input_error import InputError
-from golden.physics.plate import Plate, _clamping, _supported
-from golden.physics.plate_grid import grid_influence, natural_frequency
+from tactus.physics.plate import Plate, _clamping, _supported
+from tactus.physics.plate_grid import grid_influence, natural_frequency
 
 PLATE = Plate()
 A, B = PLATE.length, PLATE.width

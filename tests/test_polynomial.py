@@ -1,19 +1,18 @@
 """Compares the constants of the Polynomial scheme with the thesis, and tests its widths."""
 
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from golden.activation import polynomial
 from golden.activation.polynomial import normalised, polynomial_for
-from golden.fixed import cut
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.fixed import cut
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
+from tactus.scene.reference import NUMBERS
 
-DATA = Path(polynomial.__file__).parents[1] / "data" / "thesis_numbers.toml"
-TABLE_4_2 = tomllib.loads(DATA.read_text())["activation"]["polynomial"]
+TABLE_4_2 = tomllib.loads(NUMBERS.read_text())["activation"]["polynomial"]
 
 # A_n2 and A_n1 of Table 4.4 for Q = 3. A_n0 is printed as a_n0 / a_11.
 TABLE_4_4 = [(-0.2905, 0.333, -0.0013), (-0.0238, 0.0502, 0.6890)]

@@ -10,7 +10,7 @@ from golden.activation.precise import Precise
 from golden.activation.precise_table import BLOCK_RAM, LOGIC, curve_table
 from golden.activation.schemes import SCHEMES, forms
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
 
 FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from golden import progress as module
-from golden.progress import PAUSE, Progress, duration, stage
-from tb import set_up
+from tactus.cli import set_up
+from tactus.core import progress as module
+from tactus.core.progress import PAUSE, Progress, duration, stage
 
 
 class Terminal(io.StringIO):
@@ -211,7 +211,7 @@ if [ "$2" = pip ]; then echo "Collecting numpy ($*)"; fi
 def test_setting_up_needs_nothing_that_is_not_there_yet() -> None:
     """A Python that only has its standard library can import it."""
     root = Path(__file__).parents[1]
-    words = [sys.executable, "-S", "-E", "-c", "import tb.set_up"]
+    words = [sys.executable, "-S", "-E", "-c", "import tactus.cli.set_up"]
     subprocess.run(words, cwd=root, check=True)
 
 

@@ -8,17 +8,17 @@ import pytest
 from shared import Shared
 
 from golden.input_error import InputError
-from golden.scene import load_scene
+from tactus.scene import load_scene
+from tactus.verify.benches.collected import BENCHES
+from tactus.verify.benches.runner import Job, jobs
+from tactus.verify.benches.runner import export as run_export
+from tactus.verify.sign_off import record
+from tactus.verify.sign_off.proofs import PROOFS, properties_of
+from tactus.verify.sign_off.prove import check_record, command, entities, settle
+from tactus.verify.sign_off.solver import Answer, Inquiry
+from tactus.verify.sign_off.subject import chosen_blocks
 from tb.common.cases import random_mlp, write_scene
-from tb.common.collected import BENCHES
-from tb.common.runner import Job, jobs
-from tb.common.runner import export as run_export
-from tb.sign_off import record
-from tb.sign_off.proofs import PROOFS, properties_of
-from tb.sign_off.properties import Property
-from tb.sign_off.prove import check_record, command, entities, settle
-from tb.sign_off.solver import Answer, Inquiry
-from tb.sign_off.subject import chosen_blocks
+from tb.common.properties import Property
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -18,19 +18,19 @@ from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
-from golden.dense import DenseNetwork
 from golden.engine.graph import Graph
 from golden.engine.neurons import graph_of
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
-from golden.network_files.network_file import load_network, write_network
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene
-from golden.scene.quantised import file_codes, quantised_lines
-from golden.scene.scale import Scale, on_signals
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import DenseNetwork
+from tactus.network_files.network_file import load_network, write_network
+from tactus.scene import Scene, load_scene
+from tactus.scene.quantised import file_codes, quantised_lines
+from tactus.scene.scale import Scale, on_signals
 from tb.common.cases import random_network, write_scene
 
 QONNX = "qonnx.custom_op.general"

@@ -10,24 +10,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.commands.predict import main as predict_main
-from golden.dense import Dense, DenseNetwork, network_of
 from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, met_by
-from golden.finding import OK, WARNING
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.rig.check import everything
-from golden.scene import Scene, load_scene
-from golden.scene.saturation import hidden_saturations, range_lines, saturating
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Dense, DenseNetwork, network_of
+from tactus.cli.predict import main as predict_main
+from tactus.core.finding import OK, WARNING
+from tactus.report.page.summary import built
+from tactus.rig.check import everything
+from tactus.scene import Scene, load_scene
+from tactus.scene.saturation import hidden_saturations, range_lines, saturating
 from tb.common.cases import random_network, write_scene
-from tb.report.page.summary import built
 
 KINDS = ("relu", "leaky_relu", "linear")
 

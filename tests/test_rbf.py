@@ -9,7 +9,6 @@ import pytest
 from scipy.cluster.vq import kmeans2
 
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.networks.operations import (
     Operations,
     mlp_operations,
@@ -17,8 +16,9 @@ from golden.networks.operations import (
     rbf_operations_drawn,
 )
 from golden.networks.rbf import Rbf
-from tb.report.measure.rbf import printed_figures, recorded
-from tb.report.measure.rbf_training import mixture_centres, squared_distances, train_rbf
+from golden.trained.mlp import Mlp
+from tactus.report.measure.rbf import printed_figures, recorded
+from tactus.report.measure.rbf_training import mixture_centres, squared_distances, train_rbf
 
 
 def random_rbf(inputs: int, hidden: int, outputs: int, seed: int = 1) -> Rbf:

@@ -14,23 +14,23 @@ import numpy as np
 import pytest
 from copied import movable
 
-from golden.commands.recalibrate import main
-from golden.disturbance import Disturbance
 from golden.input_error import InputError
-from golden.network_files.network_file import provenance_path
-from golden.precision import SIGNAL
-from golden.recalibration.choice import LEAST_PLACEMENTS, plan, proposed
-from golden.recalibration.fit import Fit, fit, left_out, misses
-from golden.recalibration.folder import now_read
-from golden.recalibration.outlook import helps, outlook, planned
-from golden.recalibration.placements import LEAST_FREE, Placements, grouped, noise_of_repeats
-from golden.recalibration.sensitivity import NEAREST, Sensitivity, outputs_and_slopes
-from golden.scene import Scene, Vectors, load_scene, scene_path
-from golden.scene.image import scene_image
-from golden.scene.scale import Scale, readings, signals
-from golden.scene.write_image import hardware_of
-from golden.table import read_table, write_table
-from hdl.export.exporter import export
+from golden.numbers.precision import SIGNAL
+from tactus.cli.recalibrate import main
+from tactus.core.table import read_table, write_table
+from tactus.export.exporter import export
+from tactus.network_files.network_file import provenance_path
+from tactus.recalibration.choice import LEAST_PLACEMENTS, plan, proposed
+from tactus.recalibration.fit import Fit, fit, left_out, misses
+from tactus.recalibration.folder import now_read
+from tactus.recalibration.outlook import helps, outlook, planned
+from tactus.recalibration.placements import LEAST_FREE, Placements, grouped, noise_of_repeats
+from tactus.recalibration.sensitivity import NEAREST, Sensitivity, outputs_and_slopes
+from tactus.scene import Scene, Vectors, load_scene, scene_path
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.image import scene_image
+from tactus.scene.scale import Scale, readings, signals
+from tactus.scene.write_image import hardware_of
 
 DRIFT = Disturbance(gain=0.03, offset=0.02)
 
@@ -142,7 +142,7 @@ def test_a_start_from_none_alone_would_end_elsewhere(monkeypatch: pytest.MonkeyP
     for _ in range(2):
         found = fit(recorded, at(scene, np.arange(0, 143, 7), drifted))
         worst.append(mean_errors(scene, corrected(recorded, drifted, found)).max())
-        name = "golden.recalibration.fit._towards_recorded"
+        name = "tactus.recalibration.fit._towards_recorded"
         monkeypatch.setattr(name, lambda *_: np.zeros(8))
     assert worst[0] < 1 < worst[1]
 

@@ -17,28 +17,28 @@ import pytest
 from shared import Shared
 
 from golden.activation.schemes import forms
-from golden.fingerprint import ROOT
-from golden.scene import load_scene
-from golden.scene.reading import scene_path
-from golden.scene_errors import UNKNOWN
-from golden.store import VARIABLE
-from tb.commands import BY_NAME
-from tb.common.runner import BUILD
-from tb.report.draw import findings, looks
-from tb.report.draw.plots import Plot
-from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.registry import TABLES
-from tb.report.measure.simulators import compare_simulators
-from tb.report.measure.store import once, part_key
-from tb.report.measure.table import Cell, Table
-from tb.report.measure.table_records import TIMED
-from tb.report.page import build
-from tb.report.page.content import content
-from tb.report.page.page import Page, Picture, Section
+from tactus.cli.commands import BY_NAME
+from tactus.core.fingerprint import ROOT
+from tactus.core.store import VARIABLE
+from tactus.errors.scene_errors import UNKNOWN
+from tactus.report.draw import findings, looks
+from tactus.report.draw.plots import Plot
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.registry import TABLES
+from tactus.report.measure.simulators import compare_simulators
+from tactus.report.measure.store import once, part_key
+from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table_records import TIMED
+from tactus.report.page import build
+from tactus.report.page.content import content
+from tactus.report.page.page import Page, Picture, Section
+from tactus.scene import load_scene
+from tactus.scene.reading import scene_path
+from tactus.verify.benches.runner import BUILD
 
 SCENE = "digit-load"
 OWN = "reported"
-DATA = ROOT / "golden" / "data" / "appendix2.csv"
+DATA = ROOT / "scenes" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
 
 
@@ -73,7 +73,7 @@ def own(shared: Shared) -> Path:
         shutil.copy(scene_path("digit-single").with_suffix(".npz"), folder / f"{OWN}.npz")
         shutil.copy(DATA, folder)
         text = scene_path("digit-single").read_text().replace("digit-single", OWN)
-        text = re.sub(r"reference = .*\n", "", text).replace("../../data/", "")
+        text = re.sub(r"reference = .*\n", "", text).replace("../data/", "")
         (folder / f"{OWN}.toml").write_text(text)
         build.build_report(load_scene(str(folder / f"{OWN}.toml")))
 
@@ -236,7 +236,7 @@ def test_every_simulator_ran_the_same_frames(data: dict) -> None:
 
 def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "tb.report.measure.simulators.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
+        "tactus.report.measure.simulators.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
     )
     with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
         compare_simulators(load_scene(SCENE))

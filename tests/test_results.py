@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from golden import store
-from golden.block import walk
+from golden.common.block import walk
 from golden.networks.network import Network
-from golden.scene import Scene, load_scene
-from tb.common import kept, results
-from tb.common.runner import Job, Outcome, scene_argument
-from tb.common.tools import SIMULATORS
+from tactus.core import store
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches import kept, results
+from tactus.verify.benches.runner import Job, Outcome, scene_argument
+from tactus.verify.benches.tools import SIMULATORS
 
 FILE = "exported.v"
 

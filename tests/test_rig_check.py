@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from refused import Desk
 
-from golden.finding import FAULT, NOTE, OK, WARNING, Finding, faults
 from golden.layers import constant_matrix
-from golden.rig.check import before_training, everything
-from golden.scene import load_scene, scene_names
-from golden.table import read_table, write_table
-from tb.check import check, tools
+from tactus.core.finding import FAULT, NOTE, OK, WARNING, Finding, faults
+from tactus.core.table import read_table, write_table
+from tactus.rig.check import before_training, everything
+from tactus.scene import load_scene, scene_names
+from tactus.verify.check import check, tools
 from tb.common.cases import random_mlp, write_scene
 
 NAMES = ["x0", "x1", "x2", "y0", "y1"]

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from golden.network_files.network_file import save_network
-from golden.precision import SIGNAL
-from golden.rig.predict import check_place, predict, readings_of, write_prediction
-from golden.rig.trained_on import UNLIKE, TrainedOn, learnt, stretches_of, trained_on
-from golden.scene import Scene, load_scene
-from golden.scene.vectors import read_recorded
-from golden.table import read_csv_file, read_table, write_table
-from golden.training.split import split_of, split_story
+from golden.numbers.precision import SIGNAL
+from tactus.core.table import read_csv_file, read_table, write_table
+from tactus.network_files.network_file import save_network
+from tactus.rig.predict import check_place, predict, readings_of, write_prediction
+from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, stretches_of, trained_on
+from tactus.scene import Scene, load_scene
+from tactus.scene.vectors import read_recorded
+from tactus.train.descent.split import split_of, split_story
 from tb.common.cases import random_mlp, write_scene
 
 ROOT = Path(__file__).parents[1]
@@ -287,7 +287,7 @@ def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "golden.commands.predict", *words]
+    command = [sys.executable, "-m", "tactus.cli.predict", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

@@ -14,22 +14,22 @@ import pytest
 from jsonschema import Draft7Validator
 from onnx import TensorProto, helper, numpy_helper
 
-from golden.dense import Quantiser, layers_of, network_of
-from golden.finding import FAULT
-from golden.function import Function
 from golden.input_error import InputError
-from golden.network_files.held import Held
-from golden.network_files.network_file import write_network
-from golden.rig import readings
-from golden.rig.brought import Brought, brought
-from golden.rig.draft import draft, weights
-from golden.rig.survey import Survey, survey
-from golden.rig.write_scene import names_of, write_scene
-from golden.scene import Scene, load_scene
-from golden.scene.saturation import saturating as scene_saturating
-from golden.scene.schema import EDITOR_SCHEMA
-from golden.table import read_csv_file, read_table
-from golden.training.scaling import scaled
+from golden.trained.dense import Quantiser, layers_of, network_of
+from golden.trained.function import Function
+from tactus.core.finding import FAULT
+from tactus.core.table import read_csv_file, read_table
+from tactus.network_files.held import Held
+from tactus.network_files.network_file import write_network
+from tactus.rig import readings
+from tactus.rig.brought import Brought, brought
+from tactus.rig.draft import draft, weights
+from tactus.rig.survey import Survey, survey
+from tactus.rig.write_scene import names_of, write_scene
+from tactus.scene import Scene, load_scene
+from tactus.scene.saturation import saturating as scene_saturating
+from tactus.scene.schema import EDITOR_SCHEMA
+from tactus.train.descent.scaling import scaled
 from tb.common.cases import random_network
 
 ROOT = Path(__file__).parents[1]
@@ -465,7 +465,7 @@ def test_the_csv_may_stand_elsewhere(tmp_path: Path) -> None:
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "golden.commands.scene", *words]
+    command = [sys.executable, "-m", "tactus.cli.scene", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

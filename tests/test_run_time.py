@@ -8,19 +8,19 @@ import pytest
 from pages import ROUNDING, SEARCHED
 
 from golden.activation.pade import RHO
-from golden.physics.plate import TERMS
-from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
-from golden.precision import EXACT
-from golden.scene import load_scene
-from golden.scene.schema import TRAINING
-from golden.scene_errors import scene_errors
-from tb.report.draw.findings import number, rows_of
-from tb.report.draw.run_time import SETTLING, network_rows, rounded
-from tb.report.measure import table_records
-from tb.report.measure.costs import with_activation_cells, with_network_cells
-from tb.report.measure.simulators import SCENE
-from tb.report.measure.table import Cell, Table
-from tb.report.page import run_time
+from golden.numbers.precision import EXACT
+from tactus.errors.scene_errors import scene_errors
+from tactus.physics.plate import TERMS
+from tactus.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
+from tactus.report.draw.findings import number, rows_of
+from tactus.report.draw.run_time import SETTLING, network_rows, rounded
+from tactus.report.measure import table_records
+from tactus.report.measure.costs import with_activation_cells, with_network_cells
+from tactus.report.measure.simulators import SCENE
+from tactus.report.measure.table import Cell, Table
+from tactus.report.page import run_time
+from tactus.scene import load_scene
+from tactus.scene.schema import TRAINING
 
 SVG = "{http://www.w3.org/2000/svg}"
 # These records are measured again in every run, and end alike on every machine.

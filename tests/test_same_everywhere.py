@@ -15,21 +15,21 @@ import pytest
 from conftest import tiered
 from myhdl.conversion import _toVerilog
 
-import hdl.export.elaborate
-from golden import transcendental
+import tactus.export.elaborate
 from golden.activation.lut import lut_for
 from golden.activation.pade import pade_for
 from golden.activation.polynomial import COEFFICIENTS, polynomial_for
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import COEFF_WIDTH_LIMIT, GRADIENT, coefficient_codes
-from golden.fixed import Fix
 from golden.input_error import InputError
-from golden.machine import possible_settings
 from golden.networks.constants import quantised
-from golden.precision import EXACT, PRECISIONS, THESIS, Precision
-from golden.scene import load_scene, scene_names
-from golden.transcendental import exp_floors, tanh_floors
+from golden.numbers import transcendental
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import EXACT, PRECISIONS, THESIS, Precision
+from golden.numbers.transcendental import exp_floors, tanh_floors
 from golden.visualisation.exp_memory import exp_memory
+from tactus.core.machine import possible_settings
+from tactus.scene import load_scene, scene_names
 
 ROOT = Path(__file__).parents[1]
 
@@ -85,8 +85,8 @@ def test_an_export_calls_none_either(tmp_path: Path) -> None:
 import myhdl, exported_constants
 exported_constants.refuse_undefined()
 from pathlib import Path
-from golden.scene import load_scene
-from hdl.export.exporter import export
+from tactus.scene import load_scene
+from tactus.export.exporter import export
 for language in ("vhdl", "verilog"):
     print(len(export(load_scene("digit-load"), language, Path({str(tmp_path)!r}) / language)) > 5)
 """
@@ -96,7 +96,7 @@ for language in ("vhdl", "verilog"):
 @pytest.mark.parametrize("bits", range(31, 63))
 def test_a_large_literal_is_sized_by_its_bits(bits: int) -> None:
     """A sign bit is added. A logarithm would give 2**31 - 1 one bit more on some machines."""
-    assert hdl.export.elaborate
+    assert tactus.export.elaborate
     ones = (1 << bits) - 1
     assert _toVerilog._intRepr(ones) == f"{bits + 1}'h{ones:x}"
     assert _toVerilog._intRepr(ones - 1) == f"{bits + 1}'h{ones - 1:x}"

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.finding import WARNING
-from golden.mlp import Mlp
-from golden.network_files.network_file import save_network
-from golden.precision import SIGNAL
-from golden.rig.check import everything
-from golden.scene import Scene, load_scene, scene_names
-from golden.scene.saturation import saturating
-from hdl.export.__main__ import export_scene
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp
+from tactus.core.finding import WARNING
+from tactus.export.__main__ import export_scene
+from tactus.network_files.network_file import save_network
+from tactus.rig.check import everything
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene.saturation import saturating
 from tb.common.cases import random_mlp, write_scene
 
 RIGHT = random_mlp((3, 5, 2), 1.0, 2)

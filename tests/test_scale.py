@@ -9,22 +9,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.commands import train as command
 from golden.input_error import InputError, MissingFileError
-from golden.network_files.network_file import load_network, provenance_path, save_network
-from golden.precision import SIGNAL
-from golden.scene import Scene, comparison_names, load_scene, scene_names
-from golden.scene.ranges import ranges
-from golden.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
-from golden.scene.vectors import warn_outside
-from golden.scene_errors import scene_errors, unit_errors
-from golden.training import search
-from golden.training.scaling import scaled
-from golden.training.split import split_rows
-from golden.training.task import task_for
-from hdl.export import __main__ as export
+from golden.numbers.precision import SIGNAL
+from tactus.cli import train as command
+from tactus.cli.demo import length_lines
+from tactus.errors.scene_errors import scene_errors, unit_errors
+from tactus.export import __main__ as export
+from tactus.network_files.network_file import load_network, provenance_path, save_network
+from tactus.scene import Scene, comparison_names, load_scene, scene_names
+from tactus.scene.ranges import ranges
+from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
+from tactus.scene.vectors import warn_outside
+from tactus.train.descent import search
+from tactus.train.descent.scaling import scaled
+from tactus.train.descent.split import split_rows
+from tactus.train.descent.task import task_for
 from tb.common.cases import random_mlp, write_scene
-from tb.demo import length_lines
 
 # The scales of x0, x1, x2, y0, y1. An output with a relative error keeps its 0.
 SCALES = [Scale(2.5, 2.5), Scale(), Scale(-300.0, 40.0), Scale(0.0, 25.0), Scale(60.0, 70.0)]
@@ -119,7 +119,7 @@ def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
 
 def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, monkeypatch, capsys) -> None:
     scene = in_units(tmp_path)
-    words = ["hdl.export", str(scene.path), "verilog", "--build", str(tmp_path / "build")]
+    words = ["tactus.export", str(scene.path), "verilog", "--build", str(tmp_path / "build")]
     monkeypatch.setattr("sys.argv", words)
     export.main()
     printed = capsys.readouterr().out.splitlines()

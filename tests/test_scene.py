@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError, MissingFileError
-from golden.network_files.network_file import load_network, provenance_path, save_network
-from golden.precision import SIGNAL
-from golden.scene import Scene, comparison_names, load_scene, scene_names
-from golden.scene.reading import class_names
-from tb.report.page.summary import built
+from golden.numbers.precision import SIGNAL
+from tactus.network_files.network_file import load_network, provenance_path, save_network
+from tactus.report.page.summary import built
+from tactus.scene import Scene, comparison_names, load_scene, scene_names
+from tactus.scene.reading import class_names
 
 
 def edited(scene: Scene, old: str, new: str) -> str:

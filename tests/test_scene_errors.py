@@ -7,13 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.disturbance import Disturbance
 from golden.input_error import InputError
-from golden.network_files.network_file import provenance_path, save_network, write_network
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene, scene_path
-from golden.scene.scale import Scale, on_readings
-from golden.scene_errors import (
+from golden.numbers.precision import SIGNAL
+from tactus.cli.demo import error_table
+from tactus.errors.scene_errors import (
     HELD_OUT,
     NOISE,
     UNKNOWN,
@@ -24,11 +21,14 @@ from golden.scene_errors import (
     noises_of,
     scene_errors,
 )
-from golden.training.split import split_of, split_story
+from tactus.network_files.network_file import provenance_path, save_network, write_network
+from tactus.report.measure.disturbance import KINDS, NONE, noise_and_drift
+from tactus.report.measure.networks import scenes
+from tactus.scene import Scene, load_scene, scene_path
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.scale import Scale, on_readings
+from tactus.train.descent.split import split_of, split_story
 from tb.common.cases import random_mlp
-from tb.demo import error_table
-from tb.report.measure.disturbance import KINDS, NONE, noise_and_drift
-from tb.report.measure.networks import scenes
 
 
 @pytest.fixture
@@ -37,9 +37,9 @@ def scene(tmp_path: Path) -> Path:
     folder = scene_path("digit-single").parent
     for path in folder.glob("digit-single*"):
         shutil.copy(path, tmp_path)
-    data = folder / "../../data/appendix2.csv"
+    data = folder / "../data/appendix2.csv"
     shutil.copy(data, tmp_path)
-    text = (tmp_path / "digit-single.toml").read_text().replace("../../data/", "")
+    text = (tmp_path / "digit-single.toml").read_text().replace("../data/", "")
     path = tmp_path / "digit-single.toml"
     path.write_text(f"{text.partition('[training]')[0]}[training]\nseed = 1\n")
     write_provenance(path)

@@ -11,21 +11,28 @@ import pytest
 from jsonschema import Draft7Validator
 from refused import Desk
 
-from golden.boards import load_board
-from golden.boards.board import BOARD
-from golden.boards.board import FOLDER as BOARDS
-from golden.cli import BETWEEN
 from golden.input_error import InputError
-from golden.physics.gauge_rig import FOLDER as RIGS
-from golden.physics.gauge_rig import RIG, load_rig
-from golden.scene import FOLDER, load_scene
-from golden.scene.schema import EDITOR_SCHEMA, SCENE
-from golden.schema import REQUIRED, Key, KeyTable, Span, json_schema
-from tb.report.page import lists
+from tactus.boards import load_board
+from tactus.boards.board import BOARD
+from tactus.boards.board import FOLDER as BOARDS
+from tactus.core.cli import BETWEEN
+from tactus.core.schema import REQUIRED, Key, KeyTable, Span, json_schema
+from tactus.physics.gauge_rig import FOLDER as RIGS
+from tactus.physics.gauge_rig import RIG, load_rig
+from tactus.report.page import lists
+from tactus.scene import (
+    FOLDER,
+    class_names,
+    comparison_names,
+    load_scene,
+    scene_names,
+    scene_path,
+)
+from tactus.scene.schema import EDITOR_SCHEMA, SCENE
 
 SCHEMA = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
 JUDGE = Draft7Validator(SCHEMA)
-SCENES = sorted(p for p in FOLDER.rglob("*.toml") if not p.name.endswith(".provenance.toml"))
+SCENES = [scene_path(name) for name in (*scene_names(), *class_names(), *comparison_names())]
 DIGIT = FOLDER / "digit" / "digit.toml"
 FILES = [
     *((SCENE, path) for path in SCENES),

@@ -6,7 +6,7 @@ import pytest
 from golden.activation.left_out import left_out
 from golden.activation.schemes import forms
 from golden.input_error import InputError
-from golden.precision import SIGNAL, THESIS
+from golden.numbers.precision import SIGNAL, THESIS
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.

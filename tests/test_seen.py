@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from golden.activation.gradient import Gradient
-from golden.block import around, walk
-from golden.fixed import Codes
+from golden.common.block import around, walk
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
+from golden.instruments.seen import seen
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.network import Network
-from golden.scene import Scene, load_scene
-from golden.seen import seen
+from golden.numbers.fixed import Codes
 from golden.visualisation.load_profile import LoadProfile
+from tactus.scene import Scene, load_scene
 
 
 def part_of(design: Network, kind: type) -> list:

@@ -2,7 +2,6 @@
 
 import tomllib
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +10,10 @@ from golden.activation import segments
 from golden.activation.gradient import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL, THESIS
+from golden.numbers.precision import EXACT, SIGNAL, THESIS
+from tactus.scene.reference import NUMBERS
 
-DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
-THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["gradient"]
+THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["gradient"]
 FACTORS = [1, 2, 3, 5, 8, 16, 17, 18, 32, 100, 128, 511, 512]
 
 # The first and the tenth row of Table 5.2 of the thesis, headed g_n Q_j.
@@ -96,7 +95,7 @@ def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
         for g, p in zip(exact, points, strict=True)
     ]
     assert coefficient_codes(24, 14, 13) == (words, common)
-    page = (DATA.parents[2] / "docs" / "blocks" / "g_memory.md").read_text()
+    page = (NUMBERS.parents[2] / "docs" / "blocks" / "g_memory.md").read_text()
     assert f"{', '.join(map(str, words[:4]))}, ... with {common} fraction" in page
 
 

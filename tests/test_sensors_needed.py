@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden.disturbance import Disturbance
 from golden.input_error import InputError
-from golden.rig.sensors_needed import (
+from tactus.report.measure import sensors_dropped, sensors_shipped, table_records
+from tactus.report.measure.table import Table
+from tactus.report.page import left_out as page
+from tactus.rig.sensors_needed import (
     Effort,
     Recording,
     held_out,
@@ -16,11 +18,9 @@ from golden.rig.sensors_needed import (
     splits_of,
     without_each,
 )
-from golden.scene import load_scene
-from golden.training.split import Split, split_rows
-from tb.report.measure import sensors_dropped, sensors_shipped, table_records
-from tb.report.measure.table import Table
-from tb.report.page import left_out as page
+from tactus.scene import load_scene
+from tactus.scene.disturbance import Disturbance
+from tactus.train.descent.split import Split, split_rows
 
 QUICK = Effort(hidden=3, starts=2, steps=60, patience=20)
 ROWS = 120

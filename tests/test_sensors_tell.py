@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.finding import OK, WARNING
-from golden.fingerprint import ROOT
-from golden.rig.sensors_needed import Recording, recording_of
-from golden.rig.sensors_tell import Telling, findings, measured, telling_of
-from golden.rig.survey import survey
-from golden.rig.write_scene import write_scene
-from golden.scene import Scene, load_scene
-from golden.table import read_csv_file, read_table, write_table
-from golden.training.scaling import scaled
-from golden.training.split import split_of, split_rows
-from tb.report.measure.outcome import telling
+from tactus.core.finding import OK, WARNING
+from tactus.core.fingerprint import ROOT
+from tactus.core.table import read_csv_file, read_table, write_table
+from tactus.report.measure.outcome import telling
+from tactus.rig.sensors_needed import Recording, recording_of
+from tactus.rig.sensors_tell import Telling, findings, measured, telling_of
+from tactus.rig.survey import survey
+from tactus.rig.write_scene import write_scene
+from tactus.scene import Scene, load_scene
+from tactus.train.descent.scaling import scaled
+from tactus.train.descent.split import split_of, split_rows
 
 RAIL = ROOT / "docs" / "tutorial" / "readings.csv"
 SENSORS = ("s1", "s2", "s3", "s4", "s5")
@@ -150,8 +150,8 @@ def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None
     again = tmp_path / "again.toml"
     words = [str(tmp_path / "rig.csv"), ",".join(OUTPUTS), "--to", str(again)]
     for command in (
-        ["golden.commands.scene", *words],
-        ["tb.check", str(scene.path), "--build", str(tmp_path / "build")],
+        ["tactus.cli.scene", *words],
+        ["tactus.verify.check", str(scene.path), "--build", str(tmp_path / "build")],
     ):
         done = subprocess.run(
             [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, check=True

@@ -19,8 +19,8 @@ from golden.engine.serial_program import BEFORE, NOTHING
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
-from golden.scene import load_scene
+from golden.numbers.precision import SIGNAL
+from tactus.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
 from tb.common.small import ENGINES
 

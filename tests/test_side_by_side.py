@@ -10,15 +10,15 @@ from pages import ROUNDING, shows
 from refused import Desk
 
 from golden.input_error import InputError
-from golden.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
-from golden.scene_errors import held_out_means, scene_errors
-from hdl.synth.budget import budget_path, read_budget
-from tb import demo
-from tb.common import results
-from tb.common.runner import Job
-from tb.common.tools import SIMULATORS
-from tb.report.measure.clocks import clocks_per_frame
-from tb.report.side_by_side import KINDS, side_by_side
+from tactus.cli import demo
+from tactus.errors.scene_errors import held_out_means, scene_errors
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.side_by_side import KINDS, side_by_side
+from tactus.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
+from tactus.synth.budget import budget_path, read_budget
+from tactus.verify.benches import results
+from tactus.verify.benches.runner import Job
+from tactus.verify.benches.tools import SIMULATORS
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
+from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
 
 
 @given(st.integers())

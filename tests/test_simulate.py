@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from shared import Shared, copied_job
 
-from golden.fingerprint import ROOT
+from tactus.core.fingerprint import ROOT
+from tactus.verify.benches.runner import run_job
+from tactus.verify.benches.simulate import Run, analyse, simulate
+from tactus.verify.benches.tools import SIMULATORS
 from tb.common.bench import CONFIGURATION
-from tb.common.runner import run_job
-from tb.common.simulate import Run, analyse, simulate
-from tb.common.tools import SIMULATORS
 
 VHDL = """\
 entity wire is
@@ -178,8 +178,8 @@ def test_a_bench_imports_nothing_heavy(
     assert {"golden", "numpy", "cocotb"} <= found
     assert not found & (HEAVY | {"myhdl", "_pytest"})
     # Whoever reads a scene imports the twins of all designs.
-    assert re.search(r"\| +golden\.block$", log, re.M)
-    assert not re.search(r"\| +golden\.scene$", log, re.M)
+    assert re.search(r"\| +golden\.common\.block$", log, re.M)
+    assert not re.search(r"\| +tactus(\.\w+)*$", log, re.M)
 
 
 def test_pytest_begins_with_nothing_heavy() -> None:

@@ -10,27 +10,27 @@ import numpy as np
 import pytest
 from refused import Desk
 
-from golden.block import walk
+from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.lanes import Lanes
-from golden.precision import SIGNAL
-from golden.rig.check import everything
-from golden.scene import Scene, load_scene
-from golden.scene.comparison import compared
-from golden.sizing.candidates import Sized, front
-from golden.sizing.exact import block_rams, multipliers
-from golden.sizing.features import columns, tree_bits
-from golden.sizing.model import Held, held_out, recorded, size_of
-from golden.sizing.price import Price, shares_of
-from golden.sizing.routed import clock_of, placed
-from golden.sizing.table_luts import bit_columns, luts_of
-from hdl.synth.sizing import EXTRAS, networks, rows_of
-from hdl.synth.timing import read_timing, timing_path
+from golden.numbers.precision import SIGNAL
+from tactus.report.draw.designs import spots
+from tactus.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
+from tactus.report.page.summary import built
+from tactus.rig.check import everything
+from tactus.scene import Scene, load_scene
+from tactus.scene.comparison import compared
+from tactus.sizing.candidates import Sized, front
+from tactus.sizing.exact import block_rams, multipliers
+from tactus.sizing.features import columns, tree_bits
+from tactus.sizing.model import Held, held_out, recorded, size_of
+from tactus.sizing.price import Price, shares_of
+from tactus.sizing.routed import clock_of, placed
+from tactus.sizing.table_luts import bit_columns, luts_of
+from tactus.synth.sizing import EXTRAS, networks, rows_of
+from tactus.synth.timing import read_timing, timing_path
 from tb.common.cases import random_mlp, write_scene
 from tb.common.small import TABLE_GRAPHS
-from tb.report.draw.designs import spots
-from tb.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
-from tb.report.page.summary import built
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from golden.fixed import Fix
-from golden.mlp import Mlp
-from golden.precision import normalisation
-from golden.scene import load_scene
-from golden.scene.reference import thesis_table
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import normalisation
 from golden.sensing.scan_sequencer import ScanSequencer
+from golden.trained.mlp import Mlp
+from tactus.scene import load_scene
+from tactus.scene.reference import thesis_table
 
 DIGIT = thesis_table("digit")
 

@@ -7,19 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden import spline_training
-from golden.commands import train as command
-from golden.decisions import decisions_of
-from golden.dense import passed
-from golden.function import HIGH
-from golden.function_network import SAMPLE_SCALE
 from golden.input_error import InputError
-from golden.network_files.network_file import provenance_path
 from golden.networks.designs import DESIGNS
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene
-from golden.spline_layers import FILLED_WORD, LARGER, function_network
-from golden.spline_training import (
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import passed
+from golden.trained.function import HIGH
+from golden.trained.function_network import SAMPLE_SCALE
+from tactus.cli import train as command
+from tactus.errors.decisions import decisions_of
+from tactus.network_files.network_file import provenance_path
+from tactus.scene import Scene, load_scene
+from tactus.train import spline_training
+from tactus.train.descent.objective import Rows
+from tactus.train.descent.search import bit_true_error
+from tactus.train.spline_layers import FILLED_WORD, LARGER, function_network
+from tactus.train.spline_training import (
     SplineStages,
     as_layers,
     candidates,
@@ -27,12 +29,10 @@ from golden.spline_training import (
     measured,
     train,
 )
-from golden.splines import training as splines
-from golden.splines.edges import CURVED, FLAT, STRAIGHT
-from golden.splines.training import Learned, SplineSettings
-from golden.task_errors import as_read
-from golden.training.objective import Rows
-from golden.training.search import bit_true_error
+from tactus.train.splines import training as splines
+from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT
+from tactus.train.splines.training import Learned, SplineSettings
+from tactus.train.task_errors import as_read
 
 ROWS = 60
 

@@ -6,15 +6,15 @@ from derivatives import differences
 from scipy.interpolate import BSpline
 
 from golden.input_error import InputError
-from golden.real import Real
-from golden.spline_basis import Basis
-from golden.splines.descent import descend, stopped_early
-from golden.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
-from golden.splines.loss import CrossEntropy, Squares
-from golden.splines.network import SplineNetwork, starting
-from golden.splines.objective import Penalty, SplineObjective
-from golden.splines.training import Learned, SplineSettings, pruned, refitted, trained
-from golden.training.objective import Rows
+from golden.numbers.real import Real
+from golden.trained.spline_basis import Basis
+from tactus.train.descent.objective import Rows
+from tactus.train.splines.descent import descend, stopped_early
+from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
+from tactus.train.splines.loss import CrossEntropy, Squares
+from tactus.train.splines.network import SplineNetwork, starting
+from tactus.train.splines.objective import Penalty, SplineObjective
+from tactus.train.splines.training import Learned, SplineSettings, pruned, refitted, trained
 
 BASIS = Basis(-0.5, 1.5, 4)
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from golden.scene import Scene, load_scene
-from golden.scene.vectors import place_names
-from golden.training.split import Split, split_blocks, split_groups, split_of, split_rows
+from tactus.report.draw.outcome import along_plot
+from tactus.report.measure.outcome import along, outcome, worst_rows
+from tactus.scene import Scene, load_scene
+from tactus.scene.vectors import place_names
+from tactus.train.descent.split import Split, split_blocks, split_groups, split_of, split_rows
 from tb.common.cases import random_mlp, write_scene
-from tb.report.draw.outcome import along_plot
-from tb.report.measure.outcome import along, outcome, worst_rows
 
 SAME = ("load", "width", "shape")
 

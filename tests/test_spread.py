@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from golden.input_error import InputError
-from tb.report.measure import spread
+from tactus.report.measure import spread
 
 ROOT = Path(__file__).parents[1]
 
@@ -55,7 +55,7 @@ def test_the_settings_reach_numpy() -> None:
 
 @pytest.mark.all_only
 def test_the_command_measures_tables_under_settings() -> None:
-    command = [sys.executable, "-m", "tb.report.measure.spread", "operations"]
+    command = [sys.executable, "-m", "tactus.report.measure.spread", "operations"]
     for name in ("as it is", "one-thread"):
         command += ["--setting", name]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
@@ -66,9 +66,9 @@ def test_the_command_measures_tables_under_settings() -> None:
 
 def test_what_fails_says_why() -> None:
     with pytest.raises(
-        InputError, match=r"golden\.commands\.train nowhere: error: scene 'nowhere'"
+        InputError, match=r"tactus\.cli\.train nowhere: error: scene 'nowhere'"
     ):
-        spread.finished([sys.executable, "-m", "golden.commands.train", "nowhere"], {})
+        spread.finished([sys.executable, "-m", "tactus.cli.train", "nowhere"], {})
 
 
 def test_a_processor_without_the_instructions_is_no_fault() -> None:

@@ -15,22 +15,20 @@ from golden.activation.sign_retriever import SignRetriever
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Graph
 from golden.engine.program import Program
-from golden.fixed import Fix
 from golden.layers import input_integral
 from golden.layers.weighted_sum import WeightedSum
 from golden.networks import engine
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
-from golden.physics.plate import Plate
-from golden.physics.swing import Swing, swing_motion
-from golden.recalibration import fit
-from golden.scene import scene_names
-from golden.training import levenberg_marquardt
+from golden.numbers.fixed import Fix
 from golden.visualisation.power_fold import PowerFold
-from tb.report.draw.margins import LEFT, RIGHT, margins
-from tb.report.measure import table_records
-from tb.report.measure.reference_swing import reference_swing
-from tb.report.measure.stability import (
+from tactus.physics.plate import Plate
+from tactus.physics.swing import Swing, swing_motion
+from tactus.recalibration import fit
+from tactus.report.draw.margins import LEFT, RIGHT, margins
+from tactus.report.measure import table_records
+from tactus.report.measure.reference_swing import reference_swing
+from tactus.report.measure.stability import (
     activations,
     conditioned,
     layered,
@@ -39,12 +37,14 @@ from tb.report.measure.stability import (
     table,
     visualisation,
 )
-from tb.report.measure.stability.case import Row, accepted, largest
-from tb.report.measure.stability.digits import deflection
-from tb.report.measure.stability.margins import Case, closest
-from tb.report.measure.stability.margins import cases as margins_of
-from tb.report.measure.table import Table
-from tb.report.page import stability as page
+from tactus.report.measure.stability.case import Row, accepted, largest
+from tactus.report.measure.stability.digits import deflection
+from tactus.report.measure.stability.margins import Case, closest
+from tactus.report.measure.stability.margins import cases as margins_of
+from tactus.report.measure.table import Table
+from tactus.report.page import stability as page
+from tactus.scene import scene_names
+from tactus.train.descent import levenberg_marquardt
 
 # A smaller error only consists of last bits.
 UNSEEN = 1e-9

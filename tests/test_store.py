@@ -8,19 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from golden import closure, store
-from golden.block import walk
-from golden.closure import code, code_of
-from golden.fingerprint import ROOT
-from golden.folders import ROOMS
+from golden.common.block import walk
 from golden.input_error import InputError
-from golden.scene import load_scene
-from tb.common import kept
-from tb.common.runner import Job
-from tb.report.measure import store as parts
-from tb.report.measure.registry import TABLES
-from tb.report.measure.steps import table_key
-from tb.sign_off.mutate.score import score_state
+from tactus.core import closure, store
+from tactus.core.closure import code, code_of
+from tactus.core.fingerprint import ROOT
+from tactus.core.folders import ROOMS
+from tactus.report.measure import store as parts
+from tactus.report.measure.registry import TABLES
+from tactus.report.measure.steps import table_key
+from tactus.scene import load_scene
+from tactus.verify.benches import kept
+from tactus.verify.benches.runner import Job
+from tactus.verify.sign_off.mutate.score import score_state
 
 ANSWER = {"compared": 7, "facts": [1.5, "word"]}
 COMMENT = "\n# Said otherwise.\n"
@@ -80,7 +80,7 @@ def test_a_damaged_file_is_made_anew(tmp_path: Path, damage: bytes) -> None:
 WRITER = """
 import sys
 from pathlib import Path
-from golden import store
+from tactus.core import store
 for _ in range(100):
     store.write(store.key("test", seed=1), list(range(20000)), Path(sys.argv[1]))
 """
@@ -132,7 +132,7 @@ def test_what_no_module_is_has_no_code() -> None:
 
 def test_modules_that_are_found_by_name_are_listed() -> None:
     """Others import by text, which ``closure`` reads, or stand in no key."""
-    named = ("golden", "hdl")
+    named = ("golden", "hdl", "tactus/network_files", "tactus/scene")
     found = {
         ".".join(file.relative_to(ROOT).with_suffix("").parts)
         for room in named
@@ -201,16 +201,16 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
         TWIN,
         "tb/engine/tb_round_saturate.py",
         "tb/common/bench.py",
-        "tb/report/measure/networks.py",
-        "tb/sign_off/mutate/same.py",
+        "tactus/report/measure/networks.py",
+        "tactus/verify/sign_off/mutate/same.py",
     ):
         sources.add(file, COMMENT)
-    sources.add("tb/report/page/content.py", CODE)
-    sources.add("tb/report/draw/plots.py", CODE)
+    sources.add("tactus/report/page/content.py", CODE)
+    sources.add("tactus/report/draw/plots.py", CODE)
     assert changed(benches, sources.benches()) == set()
     assert changed(tables, sources.tables()) == set()
     assert score_state("netlists", "trace", [], []) == score
-    sources.add("tb/sign_off/mutate/same.py", CODE)
+    sources.add("tactus/verify/sign_off/mutate/same.py", CODE)
     Copy.forget()
     assert score_state("netlists", "trace", [], []) != score
 
@@ -241,7 +241,7 @@ def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
 
 def test_a_change_of_what_measures_a_table_measures_that_table(sources: Copy) -> None:
     tables = sources.tables()
-    sources.add("tb/report/measure/tanh_words.py", CODE)
+    sources.add("tactus/report/measure/tanh_words.py", CODE)
     found = changed(tables, sources.tables())
     assert "tanh_words" in found
     assert "widths" not in found

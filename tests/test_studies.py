@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from golden.input_error import InputError, MissingFileError
-from golden.scene import load_scene
 from studies.__main__ import FOLDER, differences, measured, names, recorded, same
 from studies.beans import study as beans
-from tb.report.measure.table import Table
+from tactus.report.measure.table import Table
+from tactus.scene import load_scene
 
 # Studies whose first row takes long, or needs what a computer without a network does not have.
 NOT_BEGUN = {"peers"}

@@ -10,8 +10,8 @@ from scipy.signal import find_peaks
 from scipy.special import ellipk
 
 from golden.input_error import InputError
-from golden.physics import GRAVITY
-from golden.physics.swing import (
+from tactus.physics import GRAVITY
+from tactus.physics.swing import (
     METHODS,
     STRONG_DAMPING,
     Motion,
@@ -21,7 +21,7 @@ from golden.physics.swing import (
     swing_motion,
     undamped_angle,
 )
-from golden.physics.wobble import Wobble
+from tactus.physics.wobble import Wobble
 
 FREE = Swing(damping=0)
 PERIOD = 2 * math.pi / FREE.natural_frequency

@@ -12,9 +12,11 @@ import pytest
 from scipy.signal import find_peaks
 
 from golden.input_error import InputError
-from golden.physics.rig import Rig
-from golden.physics.swing import Swing, swing_motion
-from golden.physics.swing_data import (
+from golden.numbers.precision import SIGNAL
+from tactus.core.table import read_table
+from tactus.physics.rig import Rig
+from tactus.physics.swing import Swing, swing_motion
+from tactus.physics.swing_data import (
     ANGLES,
     BOUND,
     COLUMNS,
@@ -25,12 +27,10 @@ from golden.physics.swing_data import (
     record,
     write_recordings,
 )
-from golden.physics.wobble import Wobble
-from golden.precision import SIGNAL
-from golden.table import read_table
+from tactus.physics.wobble import Wobble
 
 ROOT = Path(__file__).parents[1]
-DATA = ROOT / "golden" / "data"
+DATA = ROOT / "scenes" / "data"
 STORY = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))
 NAMES = ("swing-train", *(f"swing-test-{n}" for n in range(1, 5)))
 SWING = Swing(frame_mass=FRAME_MASS)
@@ -183,7 +183,7 @@ def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
 
 
 def test_the_command(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "golden.physics.swing_data", str(tmp_path)]
+    command = [sys.executable, "-m", "tactus.physics.swing_data", str(tmp_path)]
     result = subprocess.run(
         [*command, "--angles", "20", "--seed", "9"], cwd=ROOT, capture_output=True, text=True
     )

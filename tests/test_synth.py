@@ -11,16 +11,17 @@ import pytest
 from conftest import tiered
 from shared import Shared
 
-from golden.block import walk
-from golden.fingerprint import ROOT
-from golden.fixed import Fix
+from golden.common.block import walk
 from golden.input_error import InputError, MissingFileError
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.scene import load_scene, scene_names
-from hdl.synth.absorb import absorb
-from hdl.synth.activations import cells
-from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
-from hdl.synth.cells import (
+from golden.numbers.fixed import Fix
+from tactus.core.fingerprint import ROOT
+from tactus.report.page.datasheets import COMPARED
+from tactus.scene import load_scene, scene_names
+from tactus.synth.absorb import absorb
+from tactus.synth.activations import cells
+from tactus.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
+from tactus.synth.cells import (
     DEPTH,
     FAMILIES,
     FLAT,
@@ -28,11 +29,10 @@ from hdl.synth.cells import (
     synthesise,
     synthesise_flat,
 )
-from hdl.synth.netlist import KINDS, count, depth, total
-from hdl.synth.timing import read_timing, timing_path
-from hdl.synth.tools import digest, run_tool
+from tactus.synth.netlist import KINDS, count, depth, total
+from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.tools import digest, run_tool
 from tb.common.cases import random_mlp, write_scene
-from tb.report.page.datasheets import COMPARED
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -366,7 +366,7 @@ def test_the_command(tmp_path: Path) -> None:
     """CI calls the command for two shipped scenes on every push, and places and routes them."""
     mlp = random_mlp((1, 1, 1), 1.0, 1)
     scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp], activation="precise")))
-    command = [sys.executable, "-m", "hdl.synth", str(scene.path), "--build", str(tmp_path)]
+    command = [sys.executable, "-m", "tactus.synth", str(scene.path), "--build", str(tmp_path)]
 
     def call(*more: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run([*command, *more], cwd=ROOT, capture_output=True, text=True)

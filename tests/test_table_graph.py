@@ -10,9 +10,6 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.decisions import decisions_of, held_out_or_all
-from golden.dense import Dense, DenseNetwork
-from golden.function_network import FunctionNetwork
 from golden.input_error import InputError
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.networks.designs import DESIGNS
@@ -22,10 +19,13 @@ from golden.networks.oracle import error_bounds, exact, hidden_weights
 from golden.networks.settings import Settings
 from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import GUARD, TableGraph
-from golden.precision import EXACT, SIGNAL
-from golden.scene import load_scene
-from golden.scene_errors import provenances
-from hdl.synth.budget import budget_path, read_budget
+from golden.numbers.precision import EXACT, SIGNAL
+from golden.trained.dense import Dense, DenseNetwork
+from golden.trained.function_network import FunctionNetwork
+from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.errors.scene_errors import provenances
+from tactus.scene import load_scene
+from tactus.synth.budget import budget_path, read_budget
 from tb.common.cases import random_learned
 from tb.common.small import TABLE_GRAPHS
 

@@ -17,12 +17,12 @@ from golden.engine.program_memory import ProgramMemory
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import ENDS, tanh_table
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.precision import SIGNAL
-from golden.transcendental import tanh_floors
-from tb.report.measure.tanh_rounding import cut, rounded, slopes, with_line, with_words
-from tb.report.measure.tanh_words import tanh_words
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.numbers.transcendental import tanh_floors
+from tactus.report.measure.tanh_rounding import cut, rounded, slopes, with_line, with_words
+from tactus.report.measure.tanh_words import tanh_words
 
 WIDTHS = (7, 8, 9)
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)

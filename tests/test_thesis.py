@@ -9,24 +9,24 @@ import numpy as np
 import pytest
 from pages import same_picture
 
-from golden.disturbance import Disturbance
-from golden.fingerprint import ROOT
-from golden.metrics import summarise
-from golden.physics import GRAVITY
-from golden.physics.beam import Beam
-from golden.physics.conditioning import LOW_PASS, SCAN_RATE
-from golden.precision import EXACT, THESIS, normalisation
-from golden.real import Real
-from golden.scene import load_scene, thesis_table
-from golden.scene_errors import disturbed_rows, scene_errors
-from hdl.synth.budget import budget_path, read_budget
-from tb.report.draw import along, profiles, rigs
-from tb.report.draw.convergence import convergence_plot
-from tb.report.measure import printed, table_records
-from tb.report.measure.camera import camera
-from tb.report.measure.low_pass import low_pass
-from tb.report.measure.table import Cell, Table
-from tb.report.page import thesis
+from golden.numbers.precision import EXACT, THESIS, normalisation
+from golden.numbers.real import Real
+from tactus.core.fingerprint import ROOT
+from tactus.errors.scene_errors import disturbed_rows, scene_errors
+from tactus.physics import GRAVITY
+from tactus.physics.beam import Beam
+from tactus.physics.conditioning import LOW_PASS, SCAN_RATE
+from tactus.report.draw import along, profiles, rigs
+from tactus.report.draw.convergence import convergence_plot
+from tactus.report.measure import printed, table_records
+from tactus.report.measure.camera import camera
+from tactus.report.measure.low_pass import low_pass
+from tactus.report.measure.table import Cell, Table
+from tactus.report.page import thesis
+from tactus.scene import load_scene, thesis_table
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.metrics import summarise
+from tactus.synth.budget import budget_path, read_budget
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

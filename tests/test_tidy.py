@@ -5,10 +5,10 @@ from textwrap import dedent
 
 import pytest
 
-from golden.fixed import Fix
 from golden.layers.output_controller import OutputController
-from hdl.export import tidy
-from hdl.export.describe import describe
+from golden.numbers.fixed import Fix
+from tactus.export import tidy
+from tactus.export.describe import describe
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from conftest import long_first, tiered
 
-from tb.common.collected import ROOT
+from tactus.verify.benches.collected import ROOT
 
 # A test of the second tier that takes less than a second.
 LEFT = "tests/test_bench_planning.py::test_the_benches_of_a_drawn_scene_have_a_plan[20]"

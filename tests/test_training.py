@@ -9,20 +9,20 @@ import pytest
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
-from golden.commands import train as command
-from golden.disturbance import Disturbance
-from golden.fingerprint import fingerprint
 from golden.input_error import InputError
-from golden.metrics import percent_errors
-from golden.mlp import tanh
-from golden.network_files.network_file import provenance_path, save_network, save_networks
 from golden.networks.cascade import Cascade
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene, scene_names
-from golden.scene.scale import Scale
-from golden.training.objective import Objective, Rows, pack, unpack
-from golden.training.scg import minimise
-from golden.training.search import (
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import tanh
+from tactus.cli import train as command
+from tactus.core.fingerprint import fingerprint
+from tactus.network_files.network_file import provenance_path, save_network, save_networks
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.metrics import percent_errors
+from tactus.scene.scale import Scale
+from tactus.train.descent.objective import Objective, Rows, pack, unpack
+from tactus.train.descent.scg import minimise
+from tactus.train.descent.search import (
     OPTIMISERS,
     Result,
     bit_true_error,
@@ -31,9 +31,9 @@ from golden.training.search import (
     signed_errors,
     train,
 )
-from golden.training.split import split_of, split_rows
-from golden.training.stages import Stages
-from golden.training.task import LEAST_ROWS, PARTS, REFITTED_ROWS, Task, task_for
+from tactus.train.descent.split import split_of, split_rows
+from tactus.train.descent.stages import Stages
+from tactus.train.descent.task import LEAST_ROWS, PARTS, REFITTED_ROWS, Task, task_for
 from tb.common.cases import random_mlp
 
 SHAPE = (3, 4, 2)
@@ -245,7 +245,7 @@ def test_an_interrupted_search_goes_on(small_scene: Scene, tmp_path: Path, monke
     lines = record.read_text().splitlines(keepends=True)
     record.write_text("".join(lines[:3]) + lines[3][:10])
     computed = []
-    from golden.training import search as module
+    from tactus.train.descent import search as module
 
     original = module.measure
     monkeypatch.setattr(module, "measure", lambda *a: computed.append(a[1:]) or original(*a))
@@ -445,7 +445,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
     moved.write_text("\n".join(",".join(line) for line in lines))
     again = Stages(replace(scene, data_paths=(moved,)))
     # Blocks end where the load changes, which would now be elsewhere.
-    monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
+    monkeypatch.setattr("tactus.train.descent.task.split_of", lambda _: split)
     again.add(5, 0)
     same = {
         name: np.array_equal(pack(getattr(stages, name)[0]), pack(getattr(again, name)[0]))

@@ -13,9 +13,9 @@ import pytest
 from pages import cells
 from shared import Shared
 
-from golden.scene import load_scene
-from golden.scene_errors import scene_errors
-from tb.report.measure import outside
+from tactus.errors.scene_errors import scene_errors
+from tactus.report.measure import outside
+from tactus.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "tutorial.md").read_text()
@@ -46,9 +46,9 @@ def scene(shared: Shared) -> Path:
             shutil.copy(FILES / name, folder)
         readings = str(folder / "readings.csv")
         for name, words in {
-            "scene": ("golden.commands.scene", readings, "force,place", "--to", str(path)),
-            "check": ("tb.check", str(path), "--build", str(folder / "build")),
-            "train": ("golden.commands.train", str(path), "--build", str(folder / "build")),
+            "scene": ("tactus.cli.scene", readings, "force,place", "--to", str(path)),
+            "check": ("tactus.verify.check", str(path), "--build", str(folder / "build")),
+            "train": ("tactus.cli.train", str(path), "--build", str(folder / "build")),
         }.items():
             done = run(*words)
             assert done.returncode == 0, done.stderr
@@ -93,7 +93,7 @@ def test_make_train_says_what_is_shown(scene: Path) -> None:
 
 def test_new_readings_get_what_is_shown(scene: Path) -> None:
     out = scene.with_name("out.csv")
-    done = run("golden.commands.predict", str(scene), str(scene.with_name("new.csv")), str(out))
+    done = run("tactus.cli.predict", str(scene), str(scene.with_name("new.csv")), str(out))
     assert done.returncode == 0, done.stderr
     with out.open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -143,13 +143,13 @@ def test_the_errors_are_about_those_shown(scene: Path) -> None:
 
 
 def test_it_simulates(scene: Path) -> None:
-    simulated = run("tb.sim", str(scene), "--block", "engine", "--sim", "icarus")
+    simulated = run("tactus.verify.sim", str(scene), "--block", "engine", "--sim", "icarus")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "1 benches, 0 failed" in simulated.stdout
 
 
 def test_it_exports(scene: Path, tmp_path: Path) -> None:
-    exported = run("hdl.export", str(scene), "vhdl", "--build", str(tmp_path))
+    exported = run("tactus.export", str(scene), "vhdl", "--build", str(tmp_path))
     assert exported.returncode == 0, exported.stderr
     assert (tmp_path / "rig" / "vhdl" / "engine.vhd").is_file()
     assert (tmp_path / "rig" / "vhdl" / "engine_tb.vhd").is_file()

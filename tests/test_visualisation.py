@@ -9,14 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.block import walk
-from golden.fixed import Fix
+from golden.common.block import walk
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
-from golden.precision import SIGNAL
-from golden.scene import load_scene
-from golden.table import read_table
-from golden.units import POSITION_MM, WIDTH_MM
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import SIGNAL
+from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.exp_memory import exp_memory
 from golden.visualisation.load_profile import (
     RECTANGLE,
@@ -27,10 +25,12 @@ from golden.visualisation.load_profile import (
 )
 from golden.visualisation.power_fold import PowerFold
 from golden.visualisation.ramp import Ramp, ramp
+from tactus.core.table import read_table
+from tactus.report.measure.visualisation import quotient_error
+from tactus.scene import load_scene
 from tb.common.cases import LENGTHS, VISUALISATION, random_mlp, write_scene
-from tb.report.measure.visualisation import quotient_error
 
-APPENDIX_2 = Path(__file__).parents[1] / "golden" / "data" / "appendix2.csv"
+APPENDIX_2 = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
 PROFILE = load_profile()
 LSB = 2.0**-13
 CODES = st.integers(SIGNAL.low, SIGNAL.high)

@@ -5,9 +5,9 @@ from functools import cache
 import pytest
 
 from golden.input_error import InputError
-from golden.scene import DEFAULT_SCENES, load_scene, scene_names
-from tb.common.collected import BENCHES, CASES_OF
-from tb.common.where import block_names, blocks_in, places
+from tactus.scene import DEFAULT_SCENES, load_scene, scene_names
+from tactus.verify.benches.collected import BENCHES, CASES_OF
+from tactus.verify.benches.where import block_names, blocks_in, places
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

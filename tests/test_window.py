@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from golden.window import Tap, Window
+from golden.trained.window import Tap, Window
 
 
 def test_taps_are_the_newest_first_then_by_sensor() -> None:

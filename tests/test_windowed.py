@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from golden.fixed import Fix
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.network import CHUNK, Network
 from golden.networks.windowed import Windowed
+from golden.numbers.fixed import Fix
 from golden.sensing.frame_window import FrameWindow
-from golden.window import Window
+from golden.trained.window import Window
+from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.myhdl_simulation import simulate
 from tb.common.cases import Case
-from tb.common.collected import CASES
-from tb.common.myhdl_simulation import simulate
 from tb.common.small import PAST, WINDOW
 
 FMT = Fix(14, 13)

@@ -1,22 +1,38 @@
-"""Writes into the pages what programs know, as the site is built: ``tb.report.page.made``.
+"""Writes into the pages what programs know, as the site is built: ``tactus.report.page.made``.
 
 In the place of ``<!-- made: name -->`` stands the text of this name. Behind the hand-written part
 of a block's page follow its ports, clocks, cells and sign-off.
 """
 
+import re
 from pathlib import Path
 
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
-from tb.report.page.blocks import sections
-from tb.report.page.made import MARK, made
+from tactus.cli.commands import CLOSING, COMMANDS
+from tactus.report.page.blocks import sections
+from tactus.report.page.made import MARK, made
 
 FOLDER = "blocks/"
 
 
+def commands() -> str:
+    """Every command of make, with all of its variables."""
+    lines = ["| command | what it does |", "|---|---|"]
+    for command in COMMANDS:
+        # A text between < and > would be read as HTML.
+        purpose = re.sub(r"\S*<\w+>[\w/]*", r"`\g<0>`", command.purpose)
+        lines.append(f"| `{command.usage.replace('|', ' or ')}` | {purpose} |")
+    return "\n".join([*lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
+
+
+def text_of(name: str) -> str:
+    return commands() if name == "commands" else made(name)
+
+
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
-    source[0] = MARK.sub(lambda mark: made(mark[1]), source[0])
+    source[0] = MARK.sub(lambda mark: text_of(mark[1]), source[0])
     if page.startswith(FOLDER):
         source[0] += f"\n{sections()[page.removeprefix(FOLDER)]}\n"
 

@@ -17,11 +17,11 @@ from sphinx.config import Config
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.typing import stringify_annotation
 
-from golden.fixed import Codes
-from golden.real import Real
+from golden.numbers.fixed import Codes
+from golden.numbers.real import Real
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("golden", "hdl", "tb")
+ROOMS = ("golden", "hdl", "tactus", "tb")
 SHORT = {
     f"PosixPath('{ROOT}/": "Path('",
     stringify_annotation(ArrayLike, "smart"): "ArrayLike",

@@ -1,8 +1,8 @@
 """Links that leave ``docs/``: what they lead to becomes a page of the site.
 
-The guides link to files as GitHub needs it, ``../golden/fixed.py``. Here such a link leads to
-``files/golden/fixed.py.html``, which shows the file. A link to a package leads to its page under
-``api``, one to another folder to a list of its files.
+The guides link to files as GitHub needs it, ``../golden/numbers/fixed.py``. Here such a link leads
+to ``files/golden/numbers/fixed.py.html``, which shows the file. A link to a package leads to its
+page under ``api``, one to another folder to a list of its files.
 """
 
 import html

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes, Fix
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.border import Border, border_among
-from golden.fixed import Codes, Fix
-from golden.port import CLOCKED, Port, input_port, output_port
+from golden.common.block import Block
+from golden.common.border import Border, border_among
+from golden.common.port import CLOCKED, Port, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,10 @@ from golden.activation.bipartite_table import (
     bipartite_table,
 )
 from golden.activation.scheme import Option, Scheme
-from golden.fixed import Codes, Fix
 from golden.input_error import InputError
-from golden.mlp import tanh
-from golden.precision import EXACT, Precision
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import EXACT, Precision
+from golden.trained.mlp import tanh
 
 # The default of where the tables are stored.
 MEMORY = "block_ram"

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.activation.bipartite import Bipartite
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, group, input_port, output_port
+from golden.numbers.fixed import Codes
 
 NODES = 2
 

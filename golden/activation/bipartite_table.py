@@ -17,9 +17,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from golden.fixed import Codes, Fix, real_texts
-from golden.precision import EXACT
-from golden.transcendental import tanh_floors
+from golden.numbers.fixed import Codes, Fix, real_texts
+from golden.numbers.precision import EXACT
+from golden.numbers.transcendental import tanh_floors
 
 # One place more than a sample has. With those of a sample, rounding r would be most of the error of
 # a network.

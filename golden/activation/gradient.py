@@ -9,9 +9,9 @@ from golden.activation.i_memory import IMemory
 from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import SegmentTable, gradient_real, segment_table
-from golden.block import Block
-from golden.fixed import Codes, Rounding
-from golden.precision import SIGNAL, Precision
+from golden.common.block import Block
+from golden.numbers.fixed import Codes, Rounding
+from golden.numbers.precision import SIGNAL, Precision
 
 
 @dataclass(frozen=True)

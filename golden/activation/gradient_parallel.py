@@ -8,8 +8,8 @@ import numpy as np
 from golden.activation.gradient import Gradient, gradient_for
 from golden.activation.scheme import Scheme
 from golden.activation.segments import UPPER, gradient_real
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below
-from golden.block import Block
-from golden.fixed import Codes, Rounding, cut
+from golden.common.block import Block
 from golden.input_error import InputError
-from golden.precision import SIGNAL, Precision
-from golden.transcendental import tanh_floors
+from golden.numbers.fixed import Codes, Rounding, cut
+from golden.numbers.precision import SIGNAL, Precision
+from golden.numbers.transcendental import tanh_floors
 
 DEPTH = 128
 UPPER = 3.5

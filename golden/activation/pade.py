@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Option, Scheme
-from golden.block import Block
-from golden.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
+from golden.common.block import Block
 from golden.input_error import InputError
-from golden.precision import SIGNAL, Precision
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
+from golden.numbers.precision import SIGNAL, Precision
 
 # Equation 4.6: coefficients of q**2 and q**4.
 NUMERATOR = (1 / 9, 1 / 945)

@@ -10,10 +10,10 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.odd_activation import OddActivation
 from golden.activation.scheme import Scheme
 from golden.activation.segments import last_below, nearest
-from golden.block import Block
-from golden.fixed import Codes, Fix, Rounding, cut, signed_width
+from golden.common.block import Block
 from golden.input_error import InputError
-from golden.precision import SIGNAL, Precision
+from golden.numbers.fixed import Codes, Fix, Rounding, cut, signed_width
+from golden.numbers.precision import SIGNAL, Precision
 
 # Thesis Table 4.2: upper bound of each quadratic, and a_n2, a_n1, a_n0.
 UPPER = (1.75, 3.5)

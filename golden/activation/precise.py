@@ -7,11 +7,11 @@ import numpy as np
 from golden.activation.odd_activation import OddActivation
 from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
 from golden.activation.scheme import Option, Scheme
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
 from golden.input_error import InputError
-from golden.mlp import tanh
-from golden.precision import EXACT, SIGNAL, Precision
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import EXACT, SIGNAL, Precision
+from golden.trained.mlp import tanh
 
 # The default of where the coefficients are stored.
 COEFFICIENTS = "logic"

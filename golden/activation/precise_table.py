@@ -15,10 +15,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from golden.fixed import Codes, real_texts
 from golden.input_error import InputError
-from golden.precision import EXACT, SIGNAL
-from golden.transcendental import tanh_floors
+from golden.numbers.fixed import Codes, real_texts
+from golden.numbers.precision import EXACT, SIGNAL
+from golden.numbers.transcendental import tanh_floors
 
 # How far from the least-squares fit the search goes, in units of the last place.
 _NEAR_GRADIENT = 5

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from golden.activation.pade import DENOMINATOR, fraction
 from golden.input_error import InputError
-from golden.real import Real
+from golden.numbers.real import Real
 
 
 def taylor(q: ArrayLike) -> Real:

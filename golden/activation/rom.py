@@ -6,10 +6,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes, check_unsigned, real_texts
+from golden.common.block import Block
+from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.port import Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, check_unsigned, real_texts
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,9 @@ from functools import partial
 from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
-from golden.input_error import InputError
-from golden.mlp import Activation
-from golden.precision import PRECISIONS, Precision
-from golden.table import suggest
+from golden.input_error import InputError, suggest
+from golden.numbers.precision import PRECISIONS, Precision
+from golden.trained.mlp import Activation
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.fixed import Fix, Rounding
 from golden.input_error import InputError
+from golden.numbers.fixed import Fix, Rounding
 
 UPPER = (0.5, 1.0, 1.2, 1.5, 1.8, 2.05, 2.45, 3.15, 4.0)
 GRADIENT = (0.93046, 0.59805, 0.35986, 0.23741, 0.1381, 0.082, 0.0441, 0.0154, 0.0034)

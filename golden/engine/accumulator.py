@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from golden.block import Block
+from golden.common.block import Block
 from golden.engine.formats import PRODUCT_WIDTH
-from golden.fixed import Fix
 from golden.input_error import InputError
+from golden.numbers.fixed import Fix
 
 _MOST_WIDTH = 48
 

@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from golden.dense import Trained
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -19,10 +18,11 @@ from golden.engine.line_table import LineTable
 from golden.engine.operand_select import OperandSelect
 from golden.engine.quantise import first_values, planned
 from golden.engine.table_address import TableAddress
-from golden.fixed import Codes, Overflow, Rounding, requantise
-from golden.function import Function
-from golden.precision import SIGNAL
-from golden.real import Real
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.dense import Trained
+from golden.trained.function import Function
 
 
 def error_bounds(

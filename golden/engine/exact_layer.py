@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from golden.engine.grid import Grid
-from golden.fixed import Fix
-from golden.function import Function
+from golden.numbers.fixed import Fix
+from golden.trained.function import Function
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from typing import TypeVar
 
 from golden.engine.formats import WIDTH
-from golden.fixed import Codes
+from golden.numbers.fixed import Codes
 
 Bits = TypeVar("Bits", int, Codes)
 

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from golden.engine.formats import DROPPED
 from golden.engine.operand_memory import WORD
-from golden.fixed import Codes
+from golden.numbers.fixed import Codes
 
 
 def word_of(sums: ArrayLike, relu: ArrayLike, cut: int = 0, even: bool = False) -> Codes:

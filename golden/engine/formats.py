@@ -1,7 +1,7 @@
 """The formats of the engine. They are the same for every scene, so the hardware is too."""
 
-from golden.fixed import Fix
-from golden.precision import EXACT, SIGNAL
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import EXACT, SIGNAL
 
 # The width of both inputs of one multiplier. The binary point of a weight follows from those of its
 # operand and of the sum that it belongs to.

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.pipeline import Pipeline
-from golden.fixed import Codes
 from golden.layers.frame_judge import JUDGED
-from golden.port import Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

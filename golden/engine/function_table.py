@@ -30,10 +30,10 @@ import numpy as np
 from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
 from golden.engine.line_table import LineTable
 from golden.engine.tanh_table import ENDS, tanh_table
-from golden.fixed import Codes, Fix
-from golden.function import TANH, Function
 from golden.input_error import InputError
-from golden.real import Real
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.real import Real
+from golden.trained.function import TANH, Function
 
 # Bits of q within a segment, where hardware chooses none. The binary point of a function is always
 # chosen with this width, so that it does not depend on what hardware chooses.

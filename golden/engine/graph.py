@@ -9,9 +9,9 @@ from enum import IntEnum
 from golden.engine.formats import DROPPED, HIDDEN, OUTPUT_SHIFT, SAMPLE, WIDTH
 from golden.engine.line_table import LineTable
 from golden.engine.ranges import Range
-from golden.fixed import Fix
-from golden.function import TANH, Function
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import SIGNAL
+from golden.trained.function import TANH, Function
 
 
 class Kind(IntEnum):

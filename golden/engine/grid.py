@@ -13,11 +13,11 @@ only the ratio of the scales of a sum and of the quantiser behind it matters.
 from dataclasses import dataclass
 from fractions import Fraction
 
-from golden.dense import Dense
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import LayerRounding
-from golden.fixed import Fix
 from golden.input_error import InputError
+from golden.numbers.fixed import Fix
+from golden.trained.dense import Dense
 
 # At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2

@@ -19,8 +19,8 @@ from golden.engine.line_table import LineTable
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program, assemble
 from golden.engine.tanh_table import tanh_table
-from golden.function import TANH, Function
 from golden.input_error import InputError
+from golden.trained.function import TANH, Function
 
 # Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
 # more products of a trained network, which are smaller. An image whose sums need more bits is

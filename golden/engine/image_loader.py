@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.border import State
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.engine.image import BEFORE_LAST, CHECK_BYTES, LAST_ADDR, WORD_BYTES
 from golden.engine.program import WORD_WIDTH
-from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

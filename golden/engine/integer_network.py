@@ -18,8 +18,8 @@ import numpy as np
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.function_table import table_of
 from golden.engine.ranges import Range
-from golden.fixed import Codes, Fix
-from golden.function import Function
+from golden.numbers.fixed import Codes, Fix
+from golden.trained.function import Function
 
 
 class LayerRounding(Enum):

@@ -7,7 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.border import Border
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
 from golden.engine.accumulator import Accumulator
 from golden.engine.fields import signed_code
 from golden.engine.formats import DROPPED, WIDTH
@@ -15,8 +16,7 @@ from golden.engine.lane_groups import partners
 from golden.engine.lane_program import OPENS, start_of
 from golden.engine.operand_memory import WORD
 from golden.engine.operand_select import OperandSelect
-from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

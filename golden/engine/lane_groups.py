@@ -24,7 +24,7 @@ from functools import cached_property
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Plan, Ready, Step, one_by_one, schedule
-from golden.function import Function
+from golden.trained.function import Function
 
 # Up to so many lanes, each adds the sum of one other lane at most.
 CHAIN = 4

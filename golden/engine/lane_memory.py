@@ -6,13 +6,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import HIDDEN, WIDTH
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
-from golden.fixed import Codes
-from golden.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from golden.engine.line_table import LineTable
 from golden.engine.listing import operand_text
 from golden.engine.program import Program, weight_of
 from golden.engine.schedule import Step
-from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.numbers.fixed import Codes
 
 # The fields of a word of the program: lowest bit, and number of bits. The weights are not in it,
 # but in the memory of each lane, all at the same place. In a step that looks up a function, the

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import CLOCK, Port, input_port, output_port
 from golden.engine.finish import word_of
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
-from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from golden.engine.formats import RESULT
-from golden.fixed import Fix
+from golden.numbers.fixed import Fix
 
 
 @dataclass(frozen=True)

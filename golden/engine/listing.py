@@ -9,7 +9,7 @@ from golden.engine.formats import HIDDEN, ONE, coeff_frac
 from golden.engine.function_table import codes_of, table_of
 from golden.engine.graph import Graph, Kind
 from golden.engine.schedule import Step
-from golden.function import TANH
+from golden.trained.function import TANH
 
 if TYPE_CHECKING:
     from golden.engine.program import Program

@@ -34,8 +34,8 @@ from golden.engine.loop_schedule import (
 )
 from golden.engine.program import WORD_WIDTH, weight_of
 from golden.engine.schedule import WAIT, Step
-from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.numbers.fixed import Codes
 
 Field = tuple[int, int]
 

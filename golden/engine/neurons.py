@@ -8,8 +8,8 @@ from golden.engine.function_table import format_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term, start_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
-from golden.function import Function
 from golden.input_error import InputError
+from golden.trained.function import Function
 
 _MOST = (1 << (WIDTH - 1)) - 1
 # The term of a sum that has no other.

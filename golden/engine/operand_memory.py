@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import WIDTH
-from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 WORD = Fix(WIDTH, 0)
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import WIDTH
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from golden.engine.replay import CLEAR, SIGN
-from golden.fixed import Codes
-from golden.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from golden.engine.line_table import LineTable
 from golden.engine.listing import text_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
-from golden.fixed import Codes
-from golden.function import Function
 from golden.input_error import InputError
+from golden.numbers.fixed import Codes
+from golden.trained.function import Function
 
 WORD_WIDTH = 36
 # The fields of a word: lowest bit, and number of bits. A word of the table holds a slope and an

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.border import State
+from golden.common.border import State
+from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import ProgramWords, Stepped, counters, later
-from golden.fixed import Codes
-from golden.port import Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, input_port
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, Unsigned, input_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

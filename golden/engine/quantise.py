@@ -19,8 +19,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from golden.cli import naming
-from golden.dense import Trained, layers_of
 from golden.engine.exact_layer import Exact, Value
 from golden.engine.formats import (
     DROPPED,
@@ -37,10 +35,11 @@ from golden.engine.grid import OR_NEAREST, Grid, grid_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.engine.sums_of_functions import added_up
-from golden.fixed import Fix
-from golden.function import TANH
-from golden.input_error import InputError
-from golden.precision import SIGNAL
+from golden.input_error import InputError, naming
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Trained, layers_of
+from golden.trained.function import TANH
 
 # The least and the largest word.
 _LOW, _HIGH = RESULT.low, RESULT.high

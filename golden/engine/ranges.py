@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.dense import Trained, layers_of, passed
-from golden.fixed import Fix
-from golden.real import Real
+from golden.numbers.fixed import Fix
+from golden.numbers.real import Real
+from golden.trained.dense import Trained, layers_of, passed
 
 # The bits that the largest word of the recorded frames must have, beside its sign, for the bounds
 # to be good enough. A word is rounded by half a unit. The rounding of a weight moves the word by up

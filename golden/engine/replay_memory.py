@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.border import State
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.engine.fields import get
 from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import ProgramWords
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import ALL, DEEP, END, WIDE
-from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.accumulator import Accumulator
 from golden.engine.fields import signed_code
 from golden.engine.formats import WIDTH
 from golden.engine.replay import CLEAR, HALF_OUTPUT_PLANE, HALF_PLANE
-from golden.fixed import Codes, Fix
-from golden.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

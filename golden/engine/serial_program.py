@@ -26,7 +26,7 @@ from golden.engine.program import (
 )
 from golden.engine.replay import Replay, replay_of, replayed
 from golden.engine.schedule import Step, schedule
-from golden.fixed import Codes
+from golden.numbers.fixed import Codes
 
 # Marks the last word of a pass: of those that read only deep words, of those that read wide words
 # too, or of the pass that reads all.

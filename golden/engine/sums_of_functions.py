@@ -15,8 +15,8 @@ from fractions import Fraction
 from golden.engine.exact_layer import Exact, Value
 from golden.engine.formats import HIDDEN, RESULT
 from golden.engine.function_table import fits
-from golden.function import ITSELF, TANH
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
+from golden.trained.function import ITSELF, TANH
 
 # A function that is larger than a word is added in parts, so often at most.
 MOST_TIMES = 8

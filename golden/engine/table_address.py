@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import HIDDEN
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from itertools import pairwise
 from golden.engine.formats import HIDDEN, RESULT, WIDTH
 from golden.engine.line_table import LineTable
 from golden.input_error import InputError
-from golden.transcendental import tanh_floors
+from golden.numbers.transcendental import tanh_floors
 
 # For each w, the bits of the distance within a segment, where the table ends. The word of the last
 # segment also serves every q beyond, where its error is no larger than that of the lines before.

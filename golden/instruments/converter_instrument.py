@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port
 from golden.instruments.scanned import Scanned
-from golden.port import CLOCKED, Port
+from golden.numbers.fixed import Codes
 from golden.sensing.converter_reader import ConverterReader
 
 

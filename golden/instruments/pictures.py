@@ -1,11 +1,11 @@
 """How data flow through the blocks around a network, for the picture of the datapath."""
 
-from golden.flow import Carried, Flow, Step
+from golden.common.flow import Carried, Flow, Step
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.networks.pictures import flow_of
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
 __all__ = ["flow_of"]

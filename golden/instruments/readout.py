@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.port import Port, group, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
-from golden.port import Port, group, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
 

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, field
 
+from golden.common.port import Port
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network
-from golden.port import Port
 
 
 @dataclass(frozen=True)

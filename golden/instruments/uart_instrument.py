@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.port import Port, input_port, output_port
 from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
@@ -19,8 +19,8 @@ from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
-from golden.port import Port, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from golden.visualisation.pulse_density import PulseDensity
 
 # How long the line must be idle before a packet counts as cut off, in bytes.

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, group, input_port
 from golden.layers.argmax import Argmax
-from golden.port import CLOCK, Port, group, input_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

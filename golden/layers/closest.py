@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from golden.fixed import Codes
 from golden.layers.shift_add import Ends
+from golden.numbers.fixed import Codes
 
 # How often all samples but two are chosen at random. Each choice leaves 2**28 pairs for the other
 # two samples, so that few sums are missed.

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes, Fix, signed_width
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.closest import closest
 from golden.layers.kept_graph import graph_of
 from golden.layers.sharing import Matrix
 from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
-from golden.port import CLOCK, Port, group, input_port, output_port
-from golden.precision import FACTOR_LIMIT
+from golden.numbers.fixed import Codes, Fix, signed_width
+from golden.numbers.precision import FACTOR_LIMIT
 
 # Dropped bits move a result by a unit or so, so a sum in the middle between two results may still
 # miss the wanted one.

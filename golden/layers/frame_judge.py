@@ -6,8 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.fixed import Codes
-from golden.port import CLOCKED, input_port, output_port
+from golden.common.port import CLOCKED, input_port, output_port
+from golden.numbers.fixed import Codes
 
 # The ports of the stream that is judged, and the port that reports a wrong frame.
 JUDGED = (

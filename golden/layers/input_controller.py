@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border, State
+from golden.common.block import Block
+from golden.common.border import Border, State
+from golden.common.port import Port, Unsigned, output_port
 from golden.input_error import InputError
 from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
-from golden.port import Port, Unsigned, output_port
 
 
 @dataclass(frozen=True)

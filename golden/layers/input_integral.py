@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes, Overflow, Rounding, requantise
+from golden.common.block import Block
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
 from golden.layers.input_node import InputNode
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import WeightedSum
-from golden.port import CLOCK, Port, Unsigned, group, input_port, output_port
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.border import Border
-from golden.fixed import Codes, Overflow, Rounding, requantise
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum
-from golden.port import CLOCK, Port, input_port, output_port
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 
 
 @dataclass(frozen=True)

@@ -1,39 +1,37 @@
-"""Graphs of searches for shared terms, which are kept in the store where a search is long."""
+"""Graphs of searches for shared terms, which are kept where a search is long."""
 
+from collections.abc import Callable
 from typing import Any
 
-from golden import store
-from golden.closure import code
 from golden.layers import sharing
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Constant, Input, Node, Operand, Row, ShiftAdd, Sum
 
 # The search for a matrix with fewer weights takes about as long as reading what was kept.
 LEAST_WEIGHTS = 32
+# Takes what a graph depends on, whether it must be kept, and the search; gives the data of the
+# graph. Whoever has a place for files sets it. Without it every graph is searched anew.
+keeper: Callable[[dict[str, Any], bool, Callable[[], Any]], Any] | None = None
 
 
 def graph_of(matrix: Matrix, levels: int, spare: int, operands: int, runs: int) -> ShiftAdd:
-    """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once.
-
-    A command that only checks a scene leaves nothing behind. So without a number of runs a graph is
-    kept only once another command has written something.
-    """
+    """The graph of ``shared``. For a large matrix, or a given number of runs, it is found once."""
     small = sum(map(len, matrix.weights)) < LEAST_WEIGHTS
-    if not runs and (small or not store.is_there()):
-        return shared(matrix, levels, spare, operands)
+    if keeper is None or (small and not runs):
+        return shared(matrix, levels, spare, operands, runs)
     # Tests set other limits, which the code does not show.
-    asked = store.key(
-        "shared_terms",
-        code=code([sharing.__name__]),
-        limits=(sharing.RUNS, sharing.PAIRS),
-        matrix=repr(matrix),
-        levels=levels,
-        spare=spare,
-        operands=operands,
-        runs=runs,
+    parts = {
+        "limits": (sharing.RUNS, sharing.PAIRS),
+        "matrix": repr(matrix),
+        "levels": levels,
+        "spare": spare,
+        "operands": operands,
+        "runs": runs,
+    }
+    return of_data(
+        matrix,
+        keeper(parts, bool(runs), lambda: as_data(shared(matrix, levels, spare, operands, runs))),
     )
-    found = store.once(asked, lambda: as_data(shared(matrix, levels, spare, operands, runs)))
-    return of_data(matrix, found)
 
 
 def as_data(graph: ShiftAdd) -> dict[str, list[object]]:

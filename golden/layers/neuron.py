@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.border import Border
-from golden.fixed import Codes
+from golden.common.border import Border
+from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import tree_depth
-from golden.port import CLOCK, Port, group, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

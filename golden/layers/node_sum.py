@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
 from golden.layers.weighted_sum import WeightedSum
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise, signed_width
 
 
 @dataclass(frozen=True)

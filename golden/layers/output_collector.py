@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, group, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.border import Border
-from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
+from golden.common.border import Border
+from golden.common.port import CLOCKED, Port, Unsigned, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum, tree_depth
-from golden.port import CLOCKED, Port, Unsigned, group, input_port, output_port
+from golden.numbers.fixed import Codes, Overflow, Rounding, requantise, signed_width
 
 
 @dataclass(frozen=True)

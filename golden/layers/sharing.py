@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from random import Random
 
-from golden.fixed import signed_width
 from golden.layers.shift_add import (
     Constant,
     Ends,
@@ -32,7 +31,8 @@ from golden.layers.shift_add import (
     weights_of,
 )
 from golden.layers.three_operands import fused
-from golden.signed_digits import short_forms, signed_digits
+from golden.numbers.fixed import signed_width
+from golden.numbers.signed_digits import short_forms, signed_digits
 
 # A term of a row: a node, and the number of places by which it is shifted left.
 Term = tuple[int, int]

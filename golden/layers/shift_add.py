@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from golden.fixed import Codes, signed_width
+from golden.numbers.fixed import Codes, signed_width
 
 # For each input its least and its largest value.
 Ends = tuple[tuple[int, int], ...]

@@ -6,11 +6,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.border import Border
 from golden.input_error import InputError
 from golden.layers.closest import closest
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

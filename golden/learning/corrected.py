@@ -48,12 +48,12 @@ from golden.engine.formats import (
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork
 from golden.engine.quantise import integer_networks
 from golden.engine.tanh_table import tanh_table
-from golden.fixed import Codes, Fix
-from golden.function import TANH
 from golden.input_error import InputError
 from golden.learning.unit import Unit, coefficient
-from golden.mlp import Mlp
-from golden.real import Real
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.real import Real
+from golden.trained.function import TANH
+from golden.trained.mlp import Mlp
 
 THETA = Fix(18, 14)
 GAIN = Fix(18, 17)

@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.engine.formats import DROPPED
-from golden.fixed import Codes, Fix
 from golden.learning.corrected import THETA, Corrected
 from golden.learning.lesson import ERROR, ROW, Equation, Lesson, bounded, equation, start
 from golden.learning.unit import SHORT, WAIT, Unit, coefficient
+from golden.numbers.fixed import Codes, Fix
 
 _MOVED = Fix(18, THETA.frac + DROPPED - (ROW.frac - SHORT))
 STEP = Fix(18, _MOVED.frac + DROPPED - ERROR.frac)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE, SAMPLE_SHIFT
-from golden.fixed import Codes, Fix
 from golden.learning.corrected import GAIN_WEIGHT, HALF, OFFSET_WEIGHT, SLOPE, THETA, Corrected
 from golden.learning.unit import SHORT, Unit, coefficient
+from golden.numbers.fixed import Codes, Fix
 
 # The format of an error, and of a derivative by theta, of which those of ``digit`` stay below 0.09.
 ERROR = Fix(18, 17)

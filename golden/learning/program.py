@@ -30,7 +30,6 @@ from golden.engine.program import (
     table_words,
 )
 from golden.engine.schedule import Step
-from golden.fixed import Codes
 from golden.learning import steps
 from golden.learning.corrected import Corrected
 from golden.learning.places import Places
@@ -44,6 +43,7 @@ from golden.learning.segments import (
     waiting,
 )
 from golden.learning.unit import SHORT
+from golden.numbers.fixed import Codes
 
 # In the place of the bit for the intercept, which follows from the kind: the coefficient is a
 # second word, whose address is in the field of the weight.

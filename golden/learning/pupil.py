@@ -10,11 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from golden.engine.formats import OUTPUT_SHIFT
-from golden.fixed import Codes
 from golden.learning.corrected import Corrected
 from golden.learning.gradient import Gradient
 from golden.learning.lesson import Lesson
 from golden.learning.unit import Unit
+from golden.numbers.fixed import Codes
 
 
 class Pupil:

@@ -23,11 +23,11 @@ from enum import Enum
 
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.integer_network import line_at
-from golden.fixed import Fix
-from golden.function import TANH
 from golden.learning.corrected import Corrected
 from golden.learning.lesson import Lesson, row_weights
 from golden.learning.unit import SHORT
+from golden.numbers.fixed import Fix
+from golden.trained.function import TANH
 
 _WORD = Fix(WIDTH, 0)
 _HALF = 1 << (DROPPED - 1)

@@ -12,9 +12,9 @@ import numpy as np
 
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
-from golden.fixed import Codes
 from golden.learning.program import EQUATIONS, FRAME, KEEP, LessonProgram
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 
 INPUTS = (
     "in_valid",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
 from golden.engine.pipeline import Pipeline
-from golden.fixed import Codes, Fix
+from golden.numbers.fixed import Codes, Fix
 
 # The lowest bits of a word that are dropped when it takes the place of a weight.
 SHORT = SAMPLE_SHIFT

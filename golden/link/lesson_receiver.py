@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.link.packets import CHECK_BYTES, CODE_BYTES, LESSON, SYNC, check_of, kind_byte
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 
 # The bytes before the codes: SYNC, the kind, the length, and the bits.
 HEAD_BYTES = 4

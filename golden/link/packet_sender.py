@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.link.packets import COUNT_BYTES, FLAGS, STATES, Frame, FrameLayout
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 
 # The number of a point has one byte.
 MOST_POINTS = 256

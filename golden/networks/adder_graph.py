@@ -10,15 +10,12 @@ from golden.activation.activation_block import ActivationBlock
 from golden.activation.bipartite import MEMORY, Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
-from golden.block import Block
-from golden.dense import Trained
+from golden.common.block import Block
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
-from golden.fixed import Codes, Fix, signed_width
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
-from golden.mlp import Mlp
 from golden.networks.at_once import AtOnce
 from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.network import CHUNK
@@ -31,7 +28,10 @@ from golden.networks.whole_layers import (
     tabled,
     whole_layers,
 )
-from golden.precision import EXACT, SIGNAL
+from golden.numbers.fixed import Codes, Fix, signed_width
+from golden.numbers.precision import EXACT, SIGNAL
+from golden.trained.dense import Trained
+from golden.trained.mlp import Mlp
 
 # The options of a scene that does not set them: the most adders between two registers, the most
 # operands of an adder, the bits of a word, which are then those of ``whole_layers``, and the runs

@@ -7,15 +7,15 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.dense import Trained
 from golden.input_error import InputError
-from golden.mlp import Activation
 from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
 from golden.networks.settings import DEFAULTS, Settings
-from golden.real import Real
+from golden.numbers.real import Real
+from golden.trained.dense import Trained
+from golden.trained.mlp import Activation
 
 ARRANGEMENTS = ("single", "multiple", "cascade")
 

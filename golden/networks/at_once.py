@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass, field
 
+from golden.common.port import Port
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.networks.design import Design
-from golden.port import Port
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 
 
 @dataclass(frozen=True)

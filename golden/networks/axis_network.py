@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax, argmax_of_signals
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
-from golden.port import CLOCK, RESET, Port, Unsigned, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL
 
 # AXI4-Stream carries whole bytes.
 BYTES = (SIGNAL.width + 7) // 8

@@ -6,14 +6,14 @@ from functools import lru_cache
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.dense import DenseNetwork
 from golden.engine.formats import ONE, coeff_frac
 from golden.engine.quantise import first_values, planned
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.mlp import Mlp
 from golden.networks.constants import Layer, quantised, used_nodes
-from golden.precision import SIGNAL, Precision
-from golden.real import Real
+from golden.numbers.precision import SIGNAL, Precision
+from golden.numbers.real import Real
+from golden.trained.dense import DenseNetwork
+from golden.trained.mlp import Mlp
 
 
 def two_layer_bounds(

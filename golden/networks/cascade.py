@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
+from golden.common.port import Port
 from golden.layers.input_controller import InputController
 from golden.layers.output_collector import OutputCollector
 from golden.networks.network import serial_ports
 from golden.networks.several import Several
-from golden.port import Port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from golden.sensing.stream_multiplexer import StreamMultiplexer
 
 

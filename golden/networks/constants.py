@@ -9,13 +9,13 @@ import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import SCHEMES
-from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
-from golden.mlp import Mlp
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL, Precision, normalisation
-from golden.real import Real
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL, Precision, normalisation
+from golden.numbers.real import Real
+from golden.trained.mlp import Mlp
 
 
 @dataclass(frozen=True)

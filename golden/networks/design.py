@@ -7,13 +7,13 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from golden.dense import Trained, layers_of
-from golden.function import table_names
 from golden.input_error import InputError
-from golden.mlp import Mlp
 from golden.networks.network import Network
 from golden.networks.settings import DEFAULTS, Settings
-from golden.precision import PRECISIONS
+from golden.numbers.precision import PRECISIONS
+from golden.trained.dense import Trained, layers_of
+from golden.trained.function import table_names
+from golden.trained.mlp import Mlp
 
 # The words of the largest program, each for a weight. Nothing larger was ever exported.
 MOST_WEIGHTS = 1 << 18

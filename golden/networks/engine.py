@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from golden.block import Block
-from golden.dense import Trained
+from golden.common.block import Block
+from golden.common.port import Port, Unsigned, input_port, output_port
 from golden.engine.formats import DROPPED, HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
@@ -33,14 +33,14 @@ from golden.engine.round_saturate import RoundSaturate
 from golden.engine.serial_accumulate import SerialAccumulate
 from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
-from golden.fixed import Codes
-from golden.function import TANH
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.network import CHUNK
 from golden.networks.settings import Settings
-from golden.port import Port, Unsigned, input_port, output_port
-from golden.precision import EXACT
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import EXACT
+from golden.trained.dense import Trained
+from golden.trained.function import TANH
 
 # The kinds of multiplier, the smallest hardware first.
 KINDS = ("serial", "dsp")

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.fixed import Codes
 from golden.layers.weighted_sum import WeightedSum
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

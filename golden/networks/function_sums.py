@@ -9,11 +9,11 @@ from itertools import chain
 
 import numpy as np
 
-from golden.dense import Dense, DenseNetwork, Trained
-from golden.function import FMT, LARGEST, Function
 from golden.input_error import InputError
-from golden.real import Real
-from golden.spline_basis import DEGREE
+from golden.numbers.real import Real
+from golden.trained.dense import Dense, DenseNetwork, Trained
+from golden.trained.function import FMT, LARGEST, Function
+from golden.trained.spline_basis import DEGREE
 
 HIDDEN_LAYERS = 2
 # A hidden word reaches beyond both ends of what its sum was on recorded frames by this part of it.

@@ -7,9 +7,7 @@ from typing import Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.block import Block
-from golden.dense import Trained
-from golden.fixed import Codes
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
@@ -18,7 +16,9 @@ from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Trained
 
 
 @dataclass(frozen=True)

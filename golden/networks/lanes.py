@@ -6,8 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from golden.block import Block
-from golden.dense import Trained
+from golden.common.block import Block
 from golden.engine.frame_check import FrameCheck
 from golden.engine.function_table import SEGMENT_WIDTH, joined
 from golden.engine.graph import Graph
@@ -26,10 +25,11 @@ from golden.engine.operand_memory import OperandMemory
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, WHOLE_ACC_WIDTH, Engine
 from golden.networks.settings import Settings
+from golden.numbers.fixed import Codes
+from golden.trained.dense import Trained
 
 LANES = 2
 MOST_LANES = 16

@@ -6,7 +6,8 @@ from typing import Self
 
 import numpy as np
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import Port, input_port, output_port
 from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
@@ -15,14 +16,13 @@ from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.table_address import TableAddress
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.learning.corrected import Corrected
 from golden.learning.program import EQUATIONS, FRAME, LessonProgram, lesson_program
 from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, Engine
 from golden.networks.network import Network
-from golden.port import Port, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ from functools import singledispatch
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.left_out import left_out as left_out_of
-from golden.block import Block
+from golden.common.block import Block
 from golden.engine.function_table import joined
-from golden.function import TANH
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.cascade import Cascade
@@ -20,6 +19,7 @@ from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.several import Several
 from golden.networks.windowed import Windowed
+from golden.trained.function import TANH
 
 
 @singledispatch

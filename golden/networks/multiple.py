@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.frame_judge import FrameJudge
 from golden.networks.several import Several
+from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.engine.ranges import Range
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.layers.frame_judge import FrameJudge
-from golden.port import CLOCKED, Port, group, input_port, output_port
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 # Number of frames that are computed at a time: 4096 x 16 nodes x 8 bytes fit in a second-level

@@ -8,13 +8,10 @@ from functools import singledispatch
 
 import numpy as np
 
-from golden.block import Block, walk
-from golden.dense import DenseNetwork, Trained
+from golden.common.block import Block, walk
 from golden.engine import bounds as of_engine
 from golden.engine.integer_network import evaluate
-from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.mlp import Mlp
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.bounds import activation_error, built_nodes, layered_bounds, two_layer_bounds
 from golden.networks.constants import Layer, quantised
@@ -24,8 +21,11 @@ from golden.networks.exact import ExactLayers, ExactSum
 from golden.networks.hybrid import Hybrid
 from golden.networks.learning_engine import LearningEngine
 from golden.networks.parallel import Parallel
-from golden.precision import Precision
-from golden.real import Real
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import Precision
+from golden.numbers.real import Real
+from golden.trained.dense import DenseNetwork, Trained
+from golden.trained.mlp import Mlp
 
 
 def designs_in(network: Block) -> list[Design]:

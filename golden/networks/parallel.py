@@ -7,16 +7,16 @@ from typing import Self
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
-from golden.block import Block
-from golden.dense import Trained
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import Trained
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 from functools import singledispatch
 
 from golden.activation.bipartite_table import RESULT
-from golden.block import Block
+from golden.common.block import Block
+from golden.common.flow import Alike, Beside, Carried, Controlled, Flow, Step
 from golden.engine.operand_memory import WORD
-from golden.flow import Alike, Beside, Carried, Controlled, Flow, Step
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.networks.cascade import Cascade
@@ -15,7 +15,7 @@ from golden.networks.lanes import Lanes
 from golden.networks.multiple import Multiple
 from golden.networks.parallel import Parallel
 from golden.networks.windowed import Windowed
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 
 
 @singledispatch

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.input_error import InputError
-from golden.real import Real
+from golden.numbers.real import Real
 
 
 @dataclass(frozen=True)

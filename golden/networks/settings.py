@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from golden.precision import EXACT, Precision
+from golden.numbers.precision import EXACT, Precision
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from golden.input_error import InputError
 from golden.layers.output_collector import OutputCollector
 from golden.networks.design import Design
 from golden.networks.network import Network
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from itertools import accumulate, pairwise, product
 
 import numpy as np
 
-from golden.fixed import Codes, Fix, signed_width
+from golden.numbers.fixed import Codes, Fix, signed_width
 
 # Values that are fitted have so many bits below the last place of a word.
 FINE = 8

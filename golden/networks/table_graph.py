@@ -7,10 +7,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from golden.block import Block
-from golden.dense import Trained
-from golden.fixed import Codes, Fix
-from golden.flow import Carried, Flow
+from golden.common.block import Block
+from golden.common.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
@@ -22,8 +20,10 @@ from golden.networks.pictures import flow_of
 from golden.networks.settings import Settings
 from golden.networks.small_tables import SmallTable, TablePart
 from golden.networks.table_sums import TOLERANCE, Grid, TableSum, table_sum
-from golden.precision import EXACT, SIGNAL, Precision
-from golden.real import Real
+from golden.numbers.fixed import Codes, Fix
+from golden.numbers.precision import EXACT, SIGNAL, Precision
+from golden.numbers.real import Real
+from golden.trained.dense import Trained
 
 # The options of a scene that does not set them: the bits of a sample and of a hidden sum that
 # tables read, those of an output, and the adders, as in ``AdderGraph``.

@@ -6,10 +6,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from golden.fixed import Fix
 from golden.networks.function_sums import FunctionSum
 from golden.networks.small_tables import FINE, SmallTable, tables_of
-from golden.real import Real
+from golden.numbers.fixed import Fix
+from golden.numbers.real import Real
 
 _ONE = 1 << FINE
 # How far the tables of a function may be from it in the square mean, in units of a last place of

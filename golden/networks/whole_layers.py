@@ -12,16 +12,15 @@ from operator import or_
 from golden.activation.bipartite import Bipartite, bipartite_for
 from golden.activation.bipartite_pair import NODES
 from golden.activation.bipartite_table import RESULT as TANH_RESULT
-from golden.cli import naming
 from golden.engine.formats import OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import Range
-from golden.fixed import Fix, signed_width
-from golden.function import TANH
-from golden.input_error import InputError
+from golden.input_error import InputError, naming
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.shift_add import Ends, sum_ends
-from golden.precision import EXACT, SIGNAL
+from golden.numbers.fixed import Fix, signed_width
+from golden.numbers.precision import EXACT, SIGNAL
+from golden.trained.function import TANH
 
 # Bits of a word from layer to layer, where neither a quantiser nor the scene says how many there
 # are: as many as tanh has. An engine keeps more, which cost it nothing.

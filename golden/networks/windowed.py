@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
-from golden.block import Block
-from golden.fixed import Codes
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from golden.sensing.frame_window import FrameWindow
-from golden.window import Window
+from golden.trained.window import Window
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.border import Border, State
-from golden.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
+from golden.common.border import Border, State
+from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, input_port, output_port
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
 

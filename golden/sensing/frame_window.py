@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
-from golden.port import CLOCKED, Port, input_port, output_port
-from golden.window import Window
+from golden.numbers.fixed import Codes, Fix
+from golden.trained.window import Window
 
 
 @dataclass(frozen=True)

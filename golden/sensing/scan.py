@@ -1,6 +1,6 @@
 """What blocks that read sensors in turn have in common: a counter of turns, and a pause."""
 
-from golden.block import Block
+from golden.common.block import Block
 from golden.input_error import InputError
 
 # A counter of 24 bits makes a scan of 0.26 s at 64 MHz, which is slower than any contact bounces.

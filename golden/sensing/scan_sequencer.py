@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.border import State
-from golden.fixed import Codes, Fix
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
 

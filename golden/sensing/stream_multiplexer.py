@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)

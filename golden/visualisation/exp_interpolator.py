@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes, check_unsigned
-from golden.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.block import Block
+from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.numbers.fixed import Codes, check_unsigned
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 from fractions import Fraction
 
 from golden.activation.rom import Rom
-from golden.fixed import Rounding, cut
-from golden.port import CLOCK, Port
-from golden.transcendental import exp_floors
+from golden.common.port import CLOCK, Port
+from golden.numbers.fixed import Rounding, cut
+from golden.numbers.transcendental import exp_floors
 
 
 class ExpMemory(Rom):

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.domain import checked
 from golden.input_error import InputError
-from golden.real import Real
+from golden.numbers.domain import checked
+from golden.numbers.real import Real
 
 # Number of values in one chunk of the series, which is small enough for a cache and large enough
 # for numpy.

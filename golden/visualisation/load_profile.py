@@ -6,14 +6,14 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.border import Border, State
-from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.common.block import Block
+from golden.common.border import Border, State
+from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, input_port, output_port
-from golden.precision import SIGNAL
-from golden.real import Real
-from golden.units import POSITION_MM, WIDTH_MM
+from golden.numbers.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.numbers.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
 from golden.visualisation.exp_interpolator import ExpInterpolator
 from golden.visualisation.exp_memory import ExpMemory, exp_memory

@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Codes, Fix
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, input_port, output_port
+from golden.numbers.fixed import Codes, Fix
 
 # The ramp's constants stay below 2**30, from where on MyHDL converts them wrongly.
 ACC_LIMIT = 30

@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, block
 
 from golden.activation.grad_eqn import GradEqn
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, unsigned
 

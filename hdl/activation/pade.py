@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.activation.pade import Horner, Pade
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever

@@ -2,7 +2,7 @@
 
 import importlib
 
-from golden.block import Block
+from golden.common.block import Block
 
 
 def hardware(spec: Block):

@@ -2,7 +2,7 @@
 
 from myhdl import always_comb, block
 
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from hdl.common.signals import signed
 
 

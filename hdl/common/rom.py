@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from myhdl import always, always_comb, block, intbv
 from myhdl._Signal import Constant
 
-from golden.fixed import Codes
+from golden.numbers.fixed import Codes
 
 
 def padded(words: Codes, size: int) -> tuple[int, ...]:

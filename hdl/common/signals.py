@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from myhdl import ResetSignal, Signal, intbv
 
-from golden.fixed import Fix
+from golden.numbers.fixed import Fix
 
 
 def flag():

@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.instruments.converter_instrument import ConverterInstrument
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.signals import Stream, fixed, flag
 from hdl.instruments.readout import readout
 from hdl.sensing.converter_reader import converter_reader

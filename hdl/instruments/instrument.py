@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.instruments.instrument import Instrument
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.signals import Stream, fixed, flag
 from hdl.instruments.readout import readout
 from hdl.sensing.scan_sequencer import scan_sequencer

@@ -3,7 +3,7 @@
 from myhdl import always_comb, always_seq, block
 
 from golden.instruments.readout import Readout
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag, unsigned
 from hdl.common.stream import catch_word, position

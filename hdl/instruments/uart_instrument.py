@@ -3,7 +3,7 @@
 from myhdl import always_comb, always_seq, block
 
 from golden.instruments.uart_instrument import UartInstrument
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.next_point import next_point
 from hdl.common.signals import Group, Stream, fixed, flag, unsigned
 from hdl.instruments.readout import readout

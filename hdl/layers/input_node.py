@@ -2,8 +2,8 @@
 
 from myhdl import always, always_comb, block
 
-from golden.fixed import Rounding
 from golden.layers.input_node import InputNode
+from golden.numbers.fixed import Rounding
 from hdl.common.requantise import requantise
 from hdl.common.signals import fixed, signed
 

@@ -2,9 +2,9 @@
 
 from myhdl import always, always_comb, block
 
-from golden.fixed import Rounding
 from golden.layers.neuron import Neuron
 from golden.layers.weighted_sum import tree_depth
+from golden.numbers.fixed import Rounding
 from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise

@@ -4,7 +4,7 @@ from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv
 
 from golden.link.lesson_receiver import HEAD_BYTES, LessonReceiver
 from golden.link.packets import CHECK_PRESET, LESSON, SYNC, kind_byte
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.check_byte import check_byte
 from hdl.common.signals import Stream, fixed, flag, unsigned
 

@@ -11,7 +11,7 @@ from golden.link.packets import (
     SYNC,
     kind_byte,
 )
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.check_byte import check_byte
 from hdl.common.next_point import next_point
 from hdl.common.signals import Stream, fixed, flag, unsigned

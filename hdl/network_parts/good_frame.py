@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.layers.input_controller import InputController
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.signals import Stream, fixed, flag, unsigned
 from hdl.common.stream import catch, late_stream
 from hdl.layers.input_controller import input_controller

@@ -4,7 +4,7 @@ from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
 from golden.engine.operand_memory import WORD
 from golden.networks.lanes import Lanes
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.signals import Stream, fixed, flag, unsigned
 from hdl.engine.frame_check import frame_check

@@ -5,7 +5,7 @@ from myhdl import always, block
 from golden.activation.bipartite_pair import NODES
 from golden.activation.bipartite_table import RESULT
 from golden.networks.adder_graph import AdderGraph
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.activation.bipartite import bipartite
 from hdl.activation.bipartite_pair import bipartite_pair
 from hdl.common.delay import connect, delay

@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, always_seq, block, concat
 
 from golden.networks.axis_network import TUSER_HALF, AxisNetwork
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.fifo import fifo, turn
 from hdl.common.lookup import hardware

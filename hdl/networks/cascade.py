@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.networks.cascade import Cascade
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag
 from hdl.common.stream import catch, late_stream, window

@@ -7,7 +7,7 @@ from golden.engine.lane_groups import partners
 from golden.engine.operand_memory import WORD
 from golden.engine.program import WORD_WIDTH
 from golden.networks.lanes import Lanes
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard

@@ -17,7 +17,7 @@ from golden.engine.program import (
 from golden.learning.program import PRODUCT
 from golden.learning.unit import SHORT
 from golden.networks.learning_engine import LearningEngine
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check

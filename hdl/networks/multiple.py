@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.networks.multiple import Multiple
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, Words, fixed, flag

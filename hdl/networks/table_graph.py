@@ -4,7 +4,7 @@ from myhdl import always, always_comb, block, concat
 
 from golden.networks.small_tables import SmallTable
 from golden.networks.table_graph import TableGraph
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.rom import rom
 from hdl.common.signals import Stream, Words, fixed, flag, unsigned

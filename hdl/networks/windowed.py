@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.networks.windowed import Windowed
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from hdl.common.lookup import hardware
 from hdl.common.signals import Stream, fixed, flag
 from hdl.sensing.frame_window import frame_window

@@ -3,7 +3,7 @@
 import numpy as np
 from myhdl import always, always_comb, always_seq, block, concat
 
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from golden.sensing.converter_parts import STRAIGHT
 from golden.sensing.converter_reader import ConverterReader
 from hdl.common.requantise import requantise

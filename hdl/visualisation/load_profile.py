@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, always_seq, block
 
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from golden.visualisation.load_profile import DISTANCE_CLOCKS, RECTANGLE, TRIANGLE, LoadProfile
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise

@@ -2,7 +2,7 @@
 
 from myhdl import always, always_comb, always_seq, block
 
-from golden.fixed import Rounding
+from golden.numbers.fixed import Rounding
 from golden.visualisation.power_fold import PowerFold
 from hdl.common.requantise import requantise
 from hdl.common.signals import Stream, flag, signed, unsigned

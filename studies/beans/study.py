@@ -6,10 +6,10 @@ import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
-from golden.decisions import decisions_of, held_out_or_all
-from golden.files import replace_file
 from golden.input_error import InputError
-from golden.scene import load_scene
+from tactus.core.files import replace_file
+from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.scene import load_scene
 
 FOLDER = Path(__file__).parent
 SCENE, DATA = FOLDER / "beans-tables.toml", FOLDER / "beans.csv"

@@ -11,17 +11,17 @@ from typing import Protocol
 
 import numpy as np
 
-from golden.mlp import Mlp, tanh
-from golden.precision import SIGNAL
-from golden.real import Real
-from golden.scene import load_scene
-from golden.splines import training as splines
-from golden.splines.training import Learned, SplineSettings
-from golden.training import levenberg_marquardt
-from golden.training.objective import Objective, Rows, pack, unpack
-from golden.training.search import starting_weights
-from golden.training.task import task_for
-from tb.report.measure.table import Cell
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.mlp import Mlp, tanh
+from tactus.report.measure.table import Cell
+from tactus.scene import load_scene
+from tactus.train.descent import levenberg_marquardt
+from tactus.train.descent.objective import Objective, Rows, pack, unpack
+from tactus.train.descent.search import starting_weights
+from tactus.train.descent.task import task_for
+from tactus.train.splines import training as splines
+from tactus.train.splines.training import Learned, SplineSettings
 
 SCENE = load_scene("digit")
 # The networks of each arrangement, by the outputs that each of them has.

@@ -8,34 +8,34 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.disturbance import Disturbance
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
-from golden.fixed import Codes
 from golden.learning.corrected import Corrected
 from golden.learning.gradient import Gradient, constants
 from golden.learning.lesson import Lesson
 from golden.learning.unit import Unit
-from golden.physics.beam import Beam
-from golden.physics.digit_data import RECORDED, SENSORS
-from golden.physics.strain_sensor import (
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.numbers.units import FULL_SCALE, LOAD_G, WIDTH_MM
+from tactus.core.table import read_table
+from tactus.physics.beam import Beam
+from tactus.physics.digit_data import RECORDED, SENSORS
+from tactus.physics.strain_sensor import (
     COLUMNS,
     StrainSensor,
     fit_sensors,
     loads_from_codes,
     read_sensors,
 )
-from golden.precision import SIGNAL
-from golden.real import Real
-from golden.recalibration.choice import proposed
-from golden.recalibration.fit import fit
-from golden.recalibration.folder import corrected
-from golden.recalibration.placements import Placements
-from golden.recalibration.sensitivity import Sensitivity
-from golden.scene import Vectors, load_scene
-from golden.table import read_table
-from golden.units import FULL_SCALE, LOAD_G, WIDTH_MM
-from tb.report.measure.table import Cell
+from tactus.recalibration.choice import proposed
+from tactus.recalibration.fit import fit
+from tactus.recalibration.folder import corrected
+from tactus.recalibration.placements import Placements
+from tactus.recalibration.sensitivity import Sensitivity
+from tactus.report.measure.table import Cell
+from tactus.scene import Vectors, load_scene
+from tactus.scene.disturbance import Disturbance
 
 SEED = 1
 SCENE = load_scene("digit")

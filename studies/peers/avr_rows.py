@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.numbers.fixed import Codes
 from studies.peers.comparison import MAIN, Row, Task
 from studies.peers.installed import run
 from studies.peers.program import HERE, SOURCE, model, timed, written

@@ -5,8 +5,8 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from golden.files import replace_folder
 from studies.peers.installed import run
+from tactus.core.files import replace_folder
 
 
 def cloned(folder: Path, repository: str, commit: str, files: Mapping[str, str]) -> Path:

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from golden.fixed import Codes
-from golden.mlp import Mlp, tanh
 from golden.networks.constants import Constants, constants_of
-from golden.precision import SIGNAL
-from golden.scene import Scene
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp, tanh
 from studies.peers.cells import Cells
-from tb.report.measure.one_network import mean_error, random_frames
+from tactus.report.measure.one_network import mean_error, random_frames
+from tactus.scene import Scene
 
 # The scene whose network every peer computes that takes ours at all, with weights of 18 bits, and
 # one whose weights have few signed digits.
@@ -90,7 +90,8 @@ class Row:
     """One design.
 
     network: The network that it computes.
-    cells: The count of each kind of ``hdl.synth.netlist.KINDS``, in each family; None for a design
+    cells: The count of each kind of ``tactus.synth.netlist.KINDS``, in each family; None for a
+    design
         that is not in an FPGA.
     clocks: The clocks from the last sample of a frame to its last output.
     interval: The clocks from one frame to the next.

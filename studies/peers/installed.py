@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from golden.files import replace_file
-from golden.fingerprint import fingerprint
 from golden.input_error import InputError
+from tactus.core.files import replace_file
+from tactus.core.fingerprint import fingerprint
 
 REQUIREMENTS = Path(__file__).with_name("requirements.txt")
 READY = ".ready"

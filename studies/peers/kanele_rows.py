@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.fixed import Codes
+from golden.numbers.fixed import Codes
 from studies.peers.cells import in_one_piece
 from studies.peers.cloned import cloned
 from studies.peers.comparison import BEANS, JETS, WINE, Row, Task

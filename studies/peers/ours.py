@@ -5,17 +5,17 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from golden.decisions import decisions_of, held_out_or_all
 from golden.input_error import MissingFileError
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.settings import Settings
 from golden.networks.table_graph import TableGraph
-from golden.scene import Scene, load_scene
-from hdl.export.elaborate import elaborate
-from hdl.export.hierarchy import convert_hierarchy
 from studies.peers.cells import in_one_piece
 from studies.peers.comparison import BEANS, FEW, WINE, Row, Task
+from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.export.elaborate import elaborate
+from tactus.export.hierarchy import convert_hierarchy
+from tactus.scene import Scene, load_scene
 
 # This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"

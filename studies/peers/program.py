@@ -11,8 +11,8 @@ import numpy as np
 
 from golden.activation.bipartite import bipartite_for
 from golden.activation.bipartite_table import BLOCK_RAM, RESULT, bipartite_table
-from golden.fixed import Codes
-from golden.precision import EXACT, SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import EXACT, SIGNAL
 from studies.peers.comparison import Task
 
 HERE = Path(__file__).parent

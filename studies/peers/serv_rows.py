@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from studies.peers.cells import in_one_piece
 from studies.peers.comparison import MAIN, Row, Task
 from studies.peers.installed import installed, run

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from studies.peers.installed import run
 
 BENCH = """`timescale 1ns / 1ps

@@ -8,12 +8,12 @@ a folder, and ``rows`` yields its rows.
 import shutil
 from collections.abc import Iterator
 
-from golden.folders import BUILD
 from golden.input_error import InputError
-from golden.scene import load_scene
 from studies.peers import alkaid_rows, avr_rows, kanele_rows, ours, serv_rows
 from studies.peers.comparison import COLUMNS, FEW, MAIN, task_of
-from tb.report.measure.table import Cell
+from tactus.core.folders import BUILD
+from tactus.report.measure.table import Cell
+from tactus.scene import load_scene
 
 PEERS = {
     "ours": ours,

@@ -1,7 +1,7 @@
 """Proved properties of bipartite, whatever drives it."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, pipeline
+from tb.common.properties import Property
+from tb.common.watch import ago, pipeline
 
 # In one copy the valid flag skips its last register, in the other a register has no reset.
 LATE = (

@@ -1,7 +1,7 @@
 """Proved properties of bipartite_pair, whatever drives it."""
 
 from tb.activation.prove_bipartite import EARLY_SIGN, LATE, sign
-from tb.sign_off.watch import pipeline
+from tb.common.watch import pipeline
 
 # Only the sign of the second node is wrong.
 SECOND = tuple(part.replace(r"(\w+)negative_late", "(node1_)negative_late") for part in EARLY_SIGN)

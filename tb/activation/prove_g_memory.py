@@ -1,6 +1,6 @@
 """Proved properties of g_memory, at every address."""
 
-from tb.sign_off.watch import read_only
+from tb.common.watch import read_only
 
 
 def properties(twin):

@@ -1,6 +1,6 @@
 """Proved properties of grad_eqn, whatever drives it."""
 
-from tb.sign_off.watch import pipeline
+from tb.common.watch import pipeline
 
 
 def properties(twin):

@@ -1,7 +1,7 @@
 """Proved properties of pade, whatever drives it."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago
+from tb.common.properties import Property
+from tb.common.watch import ago
 
 
 def properties(twin):

@@ -11,7 +11,7 @@ Does not prove: that the thresholds are the right ones (tests/test_segments.py d
 import cocotb
 import numpy as np
 
-from golden.fixed import Fix
+from golden.numbers.fixed import Fix
 from tb.common.bench import Bench
 from tb.common.recorded_frames import check_recorded
 from tb.common.small import PARTS

@@ -1,1 +1,1 @@
-"""What all benches share: driving, recording, comparing, and running a simulator."""
+"""What benches and properties share: driving, recording and comparing inside the simulator."""

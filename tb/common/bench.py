@@ -21,8 +21,8 @@ import numpy as np
 from cocotb.handle import LogicObject, _GPISetAction
 from cocotb.triggers import Timer
 
-from golden.block import Block, around, walk
-from golden.border import State
+from golden.common.block import Block, around, walk
+from golden.common.border import State
 from tb.common.coverage import Coverage
 from tb.common.given import Given, read
 

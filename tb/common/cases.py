@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from golden.dense import Dense, Quantiser, Trained, network_of
-from golden.function import Function, by_name, functions_of
-from golden.function_network import Edge, FunctionNetwork
-from golden.mlp import Mlp
-from golden.window import Window
+from golden.trained.dense import Dense, Quantiser, Trained, network_of
+from golden.trained.function import Function, by_name, functions_of
+from golden.trained.function_network import Edge, FunctionNetwork
+from golden.trained.mlp import Mlp
+from golden.trained.window import Window
 
 if TYPE_CHECKING:
-    from golden.scene import Scene
+    from tactus.scene import Scene
 
 TEMPLATE = """
 [data]
@@ -161,7 +161,7 @@ def write_scene(
     ``functions`` are expressions, which the networks name.
     """
     # It is imported only here, because every bench imports this module.
-    from golden.network_files.network_file import save_network
+    from tactus.network_files.network_file import save_network
 
     inputs = len(window.delays) if window else networks[0].shape[0]
     rows += window.past if window else 0
@@ -271,7 +271,7 @@ class Case:
 
     def scene(self, folder: Path, name: str) -> Scene:
         # It is imported only here, because every bench imports this module.
-        from golden.scene import load_scene
+        from tactus.scene import load_scene
 
         path = write_scene(
             folder,

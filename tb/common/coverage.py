@@ -5,10 +5,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from golden.block import Block
-from golden.border import State
-from golden.fixed import Fix
-from golden.port import Port
+from golden.common.block import Block
+from golden.common.border import State
+from golden.common.port import Port
+from golden.numbers.fixed import Fix
 
 # Every value of a port with at most so many bits is counted, and both ends of a wider one.
 SMALL = 6

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.fixed import Codes
 from golden.networks.network import Network
-from golden.window import Window
+from golden.numbers.fixed import Codes
+from golden.trained.window import Window
 
 
 @dataclass(frozen=True)

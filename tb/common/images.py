@@ -4,11 +4,11 @@ from binascii import crc_hqx
 from collections.abc import Iterable
 from contextlib import suppress
 
-from golden.dense import Quantiser, Trained
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
-from golden.function import Function
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from golden.trained.dense import Quantiser, Trained
+from golden.trained.function import Function
 from tb.common.cases import random_mlp, random_network
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from golden.fixed import Codes
 from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
-from golden.precision import SIGNAL
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.framing import random_lengths
 from tb.common.network import random_elements

@@ -7,7 +7,7 @@ from itertools import chain, repeat
 
 import numpy as np
 
-from golden.block import Block
+from golden.common.block import Block
 from golden.engine.image import Image
 from tb.common.bench import (
     RESET_CLOCKS,

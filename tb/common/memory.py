@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 
 

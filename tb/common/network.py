@@ -7,10 +7,10 @@ cascade, slots whose contents have no effect, so they are driven at random.
 import cocotb
 import numpy as np
 
-from golden.block import walk
+from golden.common.block import walk
 from golden.networks.oracle import designs_in, hidden_weights
 from golden.networks.windowed import Windowed
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import begun, random_lengths, scan, yielding
 from tb.common.loading import after_loading, untaught

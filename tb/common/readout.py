@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench, Recording
 from tb.common.profile import check_profile
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from golden.block import Block
-from golden.fixed import Codes
-from golden.seen import seen
+from golden.common.block import Block
+from golden.instruments.seen import seen
+from golden.numbers.fixed import Codes
 from tb.common.bench import Bench
 from tb.common.stream import check_stream
 

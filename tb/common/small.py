@@ -6,9 +6,9 @@ effect there.
 
 from dataclasses import replace
 
-from golden.dense import Quantiser
-from golden.precision import PRECISIONS
-from golden.window import Window
+from golden.numbers.precision import PRECISIONS
+from golden.trained.dense import Quantiser
+from golden.trained.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 RAILS = Case([(3, 4, 3)], "exact", spread=20.0, seed=2)

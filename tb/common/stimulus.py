@@ -6,9 +6,9 @@ import numpy as np
 
 from golden.engine.formats import DROPPED
 from golden.engine.operand_memory import WORD
-from golden.fixed import Fix
 from golden.layers.weighted_sum import WeightedSum
-from golden.window import Window
+from golden.numbers.fixed import Fix
+from golden.trained.window import Window
 
 EXHAUSTIVE_WIDTH = 14
 STRATA = 16384

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from tb.common.bench import Bench, Recording
 from tb.common.stimulus import random_resets, spread
 

@@ -1,7 +1,7 @@
 """Proved properties of frame_check, whatever comes on its stream and whenever results are ready."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
+from tb.common.properties import Property
+from tb.common.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
 
 FINISHED = {"The last output leaves only while a frame is computed.": "run || !finish"}
 

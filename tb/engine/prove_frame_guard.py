@@ -1,7 +1,7 @@
 """Proved properties of frame_guard, whatever comes on its stream and whenever images are loaded."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
+from tb.common.properties import Property
+from tb.common.watch import COMPUTED, MISPLACED, ago, opened, opening, operands
 
 
 def properties(twin):

@@ -5,8 +5,8 @@ Here all bits of the count in the header are used, and the check is computed bit
 
 from golden.engine.image import LAST_ADDR, WORD_BYTES
 from golden.engine.program import WORD_WIDTH
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import check_byte
+from tb.common.properties import Property
+from tb.common.watch import check_byte
 
 
 def properties(twin):

@@ -3,8 +3,8 @@
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe
+from tb.common.properties import Property
+from tb.common.watch import pipe
 
 # It adds the sums of three lanes, and has no table.
 ALSO = ("relu-lanes",)

@@ -5,8 +5,8 @@ minutes for so large a memory.
 """
 
 from golden.engine.formats import WIDTH
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe, table
+from tb.common.properties import Property
+from tb.common.watch import pipe, table
 
 # With weights alone, with smaller segments, with several blocks, and with words that are written.
 ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes", "tables-lanes-reload")

@@ -2,7 +2,7 @@
 
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 # With ReLU, and of quantised networks.
 ALSO = ("relu-lanes", "exact-lanes", "floor-lanes")

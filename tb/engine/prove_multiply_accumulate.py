@@ -2,8 +2,8 @@
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import exact_sum, pipe
+from tb.common.properties import Property
+from tb.common.watch import exact_sum, pipe
 
 
 def properties(twin):

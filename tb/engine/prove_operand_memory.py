@@ -1,7 +1,7 @@
 """Proved properties of operand_memory, whatever is written and read."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe
+from tb.common.properties import Property
+from tb.common.watch import pipe
 
 
 def properties(twin):

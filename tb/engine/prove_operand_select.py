@@ -2,8 +2,8 @@
 
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe
+from tb.common.properties import Property
+from tb.common.watch import pipe
 
 
 def properties(twin):

@@ -2,7 +2,7 @@
 
 from golden.engine.graph import Kind
 from golden.engine.replay import SIGN
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 
 def properties(twin):

@@ -1,8 +1,8 @@
 """Proved properties of program_memory, whatever controls it."""
 
 from golden.engine.program import WORD_WIDTH
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import past, pipe, table
+from tb.common.properties import Property
+from tb.common.watch import past, pipe, table
 
 
 def properties(twin):

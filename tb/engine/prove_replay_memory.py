@@ -4,8 +4,8 @@ from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import ALL, DEEP, END, WIDE
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe, table
+from tb.common.properties import Property
+from tb.common.watch import pipe, table
 
 
 def properties(twin):

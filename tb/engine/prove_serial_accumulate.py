@@ -3,8 +3,8 @@
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
 from golden.engine.replay import CLEAR, HALF_OUTPUT_PLANE, HALF_PLANE
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import exact_sum, pipe
+from tb.common.properties import Property
+from tb.common.watch import exact_sum, pipe
 
 
 def properties(twin):

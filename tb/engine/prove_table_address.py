@@ -1,6 +1,6 @@
 """Proved properties of table_address, for every sum."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 # With several blocks of the table; the second case has two, of few segments.
 ALSO = ("tables-engine", "deep-tables-engine")

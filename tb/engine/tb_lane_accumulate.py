@@ -16,7 +16,7 @@ from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.graph import Kind
 from golden.engine.lane_accumulate import beyond
 from golden.engine.operand_memory import WORD
-from golden.fixed import Fix
+from golden.numbers.fixed import Fix
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LANES
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from golden.engine.lane_accumulate import beyond
 from golden.engine.operand_memory import WORD
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LANES
 from tb.common.stimulus import sums_to_round

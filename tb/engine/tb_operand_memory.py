@@ -11,7 +11,7 @@ Does not prove: what a word is before it is written.
 import cocotb
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES

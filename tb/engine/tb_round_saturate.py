@@ -12,7 +12,7 @@ Does not prove: that every sum is right.
 import cocotb
 import numpy as np
 
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES, LAYERED
 from tb.common.stimulus import sums_to_round

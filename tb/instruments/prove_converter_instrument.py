@@ -1,8 +1,8 @@
 """Proved properties of converter_instrument: its frames are those that its network takes."""
 
+from tb.common.properties import Property
+from tb.common.watch import sent
 from tb.sensing.prove_converter_reader import turns, verdict_clock
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import sent
 
 
 def properties(twin):

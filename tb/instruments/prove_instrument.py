@@ -1,7 +1,7 @@
 """Proved properties of instrument: its scans are frames that its network takes."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import sent
+from tb.common.properties import Property
+from tb.common.watch import sent
 
 
 def properties(twin):

@@ -1,7 +1,7 @@
 """Proved properties of readout, whatever its network gives."""
 
-from golden.precision import SIGNAL
-from tb.sign_off.properties import Property
+from golden.numbers.precision import SIGNAL
+from tb.common.properties import Property
 
 
 def properties(twin):

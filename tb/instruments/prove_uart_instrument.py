@@ -6,9 +6,9 @@ profile.
 """
 
 from golden.link.uart_transmitter import BYTE_BITS
+from tb.common.properties import Property
+from tb.common.watch import busy_of, since
 from tb.instruments import prove_converter_instrument
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import busy_of, since
 
 ALSO = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"

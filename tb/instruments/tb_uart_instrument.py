@@ -24,13 +24,13 @@ from typing import Any
 import cocotb
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from golden.engine.image import Image
 from golden.learning import timeline as learning
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte, lesson_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
-from golden.mlp import Mlp
+from golden.trained.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.images import longest_image

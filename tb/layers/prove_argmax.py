@@ -1,6 +1,6 @@
 """Proved properties of argmax, whatever drives it."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 
 def properties(twin):

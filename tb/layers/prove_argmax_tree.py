@@ -1,6 +1,6 @@
 """Proved properties of argmax_tree, whatever the outputs are."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 
 def largest(twin):

@@ -1,8 +1,8 @@
 """Proved properties of constant_matrix, for all samples: no sum of its graph overflows."""
 
-from golden.fixed import signed_width
 from golden.layers.shift_add import Constant, Input, Sum
-from tb.sign_off.properties import Property
+from golden.numbers.fixed import signed_width
+from tb.common.properties import Property
 
 # ReLUs, and halves that go to the even code; sums of three operands.
 ALSO = ("exact-graph", "operands-graph")

@@ -1,7 +1,7 @@
 """Proved properties of input_controller, whatever drives it."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, frames
+from tb.common.properties import Property
+from tb.common.watch import ago, frames
 
 # A case in which the least distance of frames is more than their length.
 ALSO = ("drawn",)

@@ -1,6 +1,6 @@
 """Proved properties of input_integral, for all samples."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 # A case in which products are truncated.
 ALSO = ("wide-thesis",)

@@ -3,8 +3,8 @@
 That no sum of a layer overflows is proved of input_integral, which knows the weights.
 """
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import exact_sum, pipe
+from tb.common.properties import Property
+from tb.common.watch import exact_sum, pipe
 
 # A case in which products are truncated.
 ALSO = ("wide-thesis",)

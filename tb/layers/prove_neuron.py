@@ -1,8 +1,8 @@
 """Proved properties of neuron, for every frame."""
 
 from golden.layers.weighted_sum import tree_depth
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipe
+from tb.common.properties import Property
+from tb.common.watch import pipe
 
 # A case in which products are exact and sums are rounded.
 ALSO = ("wide-parallel",)

@@ -1,8 +1,8 @@
 """Proved properties of output_integral, whatever drives it."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.tree import tree
-from tb.sign_off.watch import pipeline
+from tb.common.properties import Property
+from tb.common.tree import tree
+from tb.common.watch import pipeline
 
 
 def properties(twin):

@@ -12,7 +12,7 @@ prevents it.
 import cocotb
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from tb.common.bench import Bench
 from tb.common.recorded_frames import recorded_frames
 from tb.common.small import PARTS

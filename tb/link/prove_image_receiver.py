@@ -1,8 +1,8 @@
 """Proved properties of image_receiver, for any bytes."""
 
 from golden.link.packets import IMAGE, SYNC, kind_byte
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import since
+from tb.common.properties import Property
+from tb.common.watch import since
 
 
 def properties(twin):

@@ -2,8 +2,8 @@
 
 from golden.link.lesson_receiver import HEAD_BYTES
 from golden.link.packets import CHECK_PRESET, LESSON, SYNC, kind_byte
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import check_byte
+from tb.common.properties import Property
+from tb.common.watch import check_byte
 
 
 def properties(twin):

@@ -1,9 +1,9 @@
 """Proved properties of packet_sender, whatever comes and whenever the line takes a byte."""
 
 from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
-from golden.precision import SIGNAL
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import check_byte
+from golden.numbers.precision import SIGNAL
+from tb.common.properties import Property
+from tb.common.watch import check_byte
 
 # Packets with the flags of an engine that learns.
 ALSO = ("learn-uart",)

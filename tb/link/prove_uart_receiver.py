@@ -1,7 +1,7 @@
 """Proved properties of uart_receiver, whatever the line does."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import since
+from tb.common.properties import Property
+from tb.common.watch import since
 
 
 def properties(twin):

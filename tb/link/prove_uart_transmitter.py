@@ -1,7 +1,7 @@
 """Proved properties of uart_transmitter."""
 
 from golden.link.uart_transmitter import BYTE_BITS
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 
 def properties(twin):

@@ -20,7 +20,7 @@ import cocotb
 import numpy as np
 
 from golden.link.packets import IMAGE, LESSON, SYNC, check_of, kind_byte, lesson_packet
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LEARN_UART
 from tb.common.stimulus import random_resets

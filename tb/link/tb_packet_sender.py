@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 
 from golden.link.packets import FRAME_HEADER, SYNC, check_of
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import LEARN_UART, UARTS, WINNER_UART
 

@@ -1,7 +1,7 @@
 """Proved properties of adder_graph, whatever comes on its ports."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, pipeline
+from tb.common.properties import Property
+from tb.common.watch import ago, pipeline
 
 # A network without tables that finds its largest output.
 ALSO = ("exact-graph",)

@@ -6,8 +6,8 @@ its own cases, but not of cascade. The cases here hold no networks with past sam
 take no sample while they compute.
 """
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, frames
+from tb.common.properties import Property
+from tb.common.watch import ago, frames
 
 # Cases with a least distance of frames, without slots and with them.
 ALSO = ("axis", "slow-axis-cascade")

@@ -4,7 +4,7 @@ Nothing is proved of its outputs. They depend on the frame checks of all parts, 
 later than the one before, and no induction over few clocks covers that.
 """
 
-from tb.sign_off.watch import network
+from tb.common.watch import network
 
 
 def properties(twin):

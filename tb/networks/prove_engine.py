@@ -13,8 +13,8 @@ from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import BEFORE, LEAVES, NOTHING
 from golden.engine.serial_program import ENDS as ENDS_FRAME
 from golden.engine.tanh_table import ENDS
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import busy_of, frames_computed, table
+from tb.common.properties import Property
+from tb.common.watch import busy_of, frames_computed, table
 
 # These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
 # case is loaded.

@@ -1,7 +1,7 @@
 """Proved properties of hybrid, whatever comes on its stream."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import network
+from tb.common.properties import Property
+from tb.common.watch import network
 
 # A case in which the least distance of frames is more than their length.
 ALSO = ("drawn",)

@@ -5,8 +5,8 @@ the same for every frame.
 """
 
 from golden.engine.loop_program import LoopProgram
+from tb.common.properties import Property
 from tb.networks.prove_engine import built_in, loaded
-from tb.sign_off.properties import Property
 
 # The first has ReLU, eight lanes and no table. In the second frames overlap. Into the third images
 # are loaded.

@@ -5,9 +5,9 @@ frames have none, so the clocks of every frame are the same.
 """
 
 from golden.learning.program import FRAME
-from golden.precision import SIGNAL
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import frames_computed
+from golden.numbers.precision import SIGNAL
+from tb.common.properties import Property
+from tb.common.watch import frames_computed
 
 # This has one output, and so one equation.
 ALSO = ("least-lesson",)

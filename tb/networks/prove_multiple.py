@@ -1,7 +1,7 @@
 """Proved properties of multiple, whatever comes on its stream."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, frames, network
+from tb.common.properties import Property
+from tb.common.watch import ago, frames, network
 
 # A case in which the least distance of frames is more than their length.
 ALSO = ("wide-multiple",)

@@ -1,7 +1,7 @@
 """Proved properties of parallel, whatever comes on its ports."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, frames
+from tb.common.properties import Property
+from tb.common.watch import ago, frames
 
 # A case whose activation takes a frame only every few clocks.
 ALSO = ("pade-parallel",)

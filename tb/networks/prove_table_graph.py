@@ -1,8 +1,8 @@
 """Proved properties of table_graph, whatever comes on its ports."""
 
+from tb.common.properties import Property
+from tb.common.watch import pipeline
 from tb.networks.prove_adder_graph import winner
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipeline
 
 # A network that finds its largest output.
 ALSO = ("argmax-tables",)

@@ -14,7 +14,7 @@ import cocotb
 import numpy as np
 
 from golden.networks.oracle import hidden_weights
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.readout import WINNER
 from tb.common.small import ADDER_GRAPHS

@@ -21,8 +21,8 @@ from cocotb.triggers import ClockCycles, Timer, with_timeout
 from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
 
 from golden.networks.axis_network import TDATA
-from golden.precision import SIGNAL
-from golden.window import Window
+from golden.numbers.precision import SIGNAL
+from golden.trained.window import Window
 from tb.common.bench import Bench
 from tb.common.cases import Case
 from tb.common.framing import random_lengths

@@ -21,12 +21,12 @@ from contextlib import suppress
 
 import numpy as np
 
-from golden.dense import layers_of
 from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.input_error import InputError
-from golden.precision import SIGNAL
-from golden.scene import load_scene
-from golden.scene.image import scene_image
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import layers_of
+from tactus.scene import load_scene
+from tactus.scene.image import scene_image
 from tb.common.bench import Bench, test_of
 from tb.common.cases import random_mlp
 from tb.common.framing import random_lengths

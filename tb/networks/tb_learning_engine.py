@@ -17,7 +17,7 @@ Does not prove: how much of a drift the rule takes away (docs/learning.md).
 
 import cocotb
 
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.lessons import Player, near, refusals, traffic
 from tb.common.network import random_elements, recorded_frames

@@ -12,7 +12,7 @@ Does not prove: how accurate the network is (the report of `make demo` shows tha
 import cocotb
 import numpy as np
 
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import scan
 from tb.common.small import PARALLEL

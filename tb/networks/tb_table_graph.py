@@ -15,7 +15,7 @@ word of the tables behind a hidden sum has been read.
 import cocotb
 import numpy as np
 
-from golden.precision import SIGNAL
+from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.small import TABLE_GRAPHS
 from tb.common.stimulus import corner_frames

@@ -1,7 +1,7 @@
 """Proved properties of converter_reader."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, results
+from tb.common.properties import Property
+from tb.common.watch import ago, results
 
 
 def verdict_clock(twin):

@@ -1,7 +1,7 @@
 """Proved properties of frame_window, whatever comes on its stream."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago, frames, results
+from tb.common.properties import Property
+from tb.common.watch import ago, frames, results
 
 # A case without a least distance of frames, and with slots after the samples.
 ALSO = ("chain-past",)

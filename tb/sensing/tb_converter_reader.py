@@ -14,7 +14,7 @@ Does not prove: that a converter keeps to its data sheet, and what the delays of
 import cocotb
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import CONVERTERS
 from tb.common.stimulus import random_resets

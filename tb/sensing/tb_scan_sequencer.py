@@ -13,7 +13,7 @@ end of a scan of more than 400000 clocks.
 import cocotb
 import numpy as np
 
-from golden.border import State
+from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets

@@ -1,6 +1,6 @@
 """Proved properties of load_profile, whatever its parts give."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 # For each result, the register that holds it while it is drawn.
 DRAWN = {"load": "load", "position": "centre", "width": "width", "shape": "shape"}

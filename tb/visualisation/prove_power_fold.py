@@ -1,6 +1,6 @@
 """Proved properties of power_fold."""
 
-from tb.sign_off.properties import Property
+from tb.common.properties import Property
 
 
 def properties(twin):

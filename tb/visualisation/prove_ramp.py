@@ -1,7 +1,7 @@
 """Proved properties of ramp, whatever drives it."""
 
-from tb.sign_off.properties import Property
-from tb.sign_off.watch import pipeline
+from tb.common.properties import Property
+from tb.common.watch import pipeline
 
 
 def properties(twin):

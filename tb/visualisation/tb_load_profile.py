@@ -17,8 +17,8 @@ from itertools import product
 import cocotb
 import numpy as np
 
-from golden.scene import load_scene
 from golden.visualisation.load_profile import POWER_FRAC
+from tactus.scene import load_scene
 from tb.common.bench import Bench
 from tb.common.profile import check_profile
 from tb.common.small import DRAWN

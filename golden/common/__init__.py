@@ -1,0 +1,1 @@
+"""What all twins share: block, port, border of registers, and flow of data."""

@@ -1,0 +1,53 @@
+"""The relations between the parts of a block, for the picture of its datapath."""
+
+from dataclasses import dataclass
+
+from golden.common.block import Block
+from golden.numbers.fixed import Fix
+
+
+@dataclass(frozen=True)
+class Carried:
+    """The data that goes from one step to the next, with its format or its number of bits."""
+
+    what: str
+    form: Fix | int
+
+
+@dataclass(frozen=True)
+class Alike:
+    """Blocks of one kind that work side by side and are drawn as one box."""
+
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Blocks that work side by side and are drawn as separate boxes."""
+
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class Controlled:
+    """A block through which data flows, and the block that controls it."""
+
+    controller: Block
+    block: Block
+
+
+# ``None`` is an arrow without a text.
+Step = Carried | Block | Alike | Beside | Controlled | None
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The steps of data through a block; parts that are no step are drawn below them.
+
+    across: Whether it is drawn from left to right; otherwise from top to bottom.
+    watcher: A part that observes the frames and is no part of the flow.
+    """
+
+    steps: tuple[Step, ...]
+    across: bool = False
+    watcher: Block | None = None

@@ -1,0 +1,1 @@
+"""Fixed-point formats, and real functions that are the same on every processor."""

@@ -1,0 +1,1 @@
+"""Networks in floating point: dense layers, functions of one variable, and past samples."""

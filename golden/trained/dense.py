@@ -1,0 +1,288 @@
+"""Networks of any depth in floating point, made of dense layers with an activation each."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.input_error import InputError
+from golden.numbers.real import Real
+from golden.trained.function import TABLE, Function
+from golden.trained.mlp import Activation, Mlp, tanh
+
+# The default slope of a leaky ReLU below 0, as in PyTorch.
+LEAK = 0.01
+
+
+def _sigmoid(q: Real) -> tuple[Real, Real]:
+    # It is computed from tanh, which does not overflow.
+    value = 0.5 + 0.5 * np.tanh(0.5 * q)
+    return value, value * (1 - value)
+
+
+def _hard_tanh(q: Real) -> tuple[Real, Real]:
+    return np.clip(q, -1.0, 1.0), (np.abs(q) < 1).astype(np.float64)
+
+
+def _linear(q: Real) -> tuple[Real, Real]:
+    return q, np.ones_like(q)
+
+
+def _relu(q: Real) -> tuple[Real, Real]:
+    return np.maximum(q, 0.0), (q > 0).astype(np.float64)
+
+
+# The activations by name. Each gives the value and the slope, which training needs.
+ACTIVATIONS: dict[str, Activation] = {
+    "tanh": tanh,
+    "sigmoid": _sigmoid,
+    "relu": _relu,
+    "leaky_relu": _relu,
+    "hard_tanh": _hard_tanh,
+    "linear": _linear,
+}
+
+
+@dataclass(frozen=True)
+class Quantiser:
+    """A quantiser, which rounds values to the grid ``(code - zero) * scale``.
+
+    low, high: The lowest and the highest code.
+    rounding: "even" rounds halves to the even code, "away" rounds halves away from 0, and "floor"
+        rounds down.
+    before_zero: Whether a value is rounded before the zero is added, as in ONNX, or after, as in
+        QONNX.
+    nearest: Whether hardware that cannot hold the weights of its layer exactly may round them.
+    """
+
+    scale: float
+    zero: int
+    low: int
+    high: int
+    rounding: str = "even"
+    before_zero: bool = False
+    nearest: bool = False
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.scale) and self.scale > 0):
+            raise InputError(f"scale: got {self.scale}, expected a number above 0")
+        if not self.low < self.high:
+            raise InputError(f"codes: got {self.low} to {self.high}, expected two or more")
+        if self.rounding not in ("even", "away", "floor"):
+            raise InputError(f"rounding: got {self.rounding!r}, expected even, away or floor")
+
+    def process(self, values: Real) -> Real:
+        """Round values to the grid."""
+        zero = 0 if self.before_zero else self.zero
+        scaled = values / self.scale + zero
+        if self.rounding == "even":
+            codes = np.rint(scaled)
+        elif self.rounding == "away":
+            codes = np.sign(scaled) * np.floor(np.abs(scaled) + 0.5)
+        else:
+            codes = np.floor(scaled)
+        found: Real = np.clip(codes + (self.zero - zero), self.low, self.high) - self.zero
+        return found * self.scale
+
+
+@dataclass(frozen=True)
+class Dense:
+    """One layer: ``activation(weights @ x + biases)``.
+
+    weights: shape (nodes, inputs).
+    biases: shape (nodes,).
+    activation: A name of ``ACTIVATIONS``, or "table:" and the names of ``functions``.
+    leak: The slope of "leaky_relu" below 0, from 0 to 1. Other activations ignore it.
+    quantiser: The quantiser behind the activation, in a quantised network.
+    functions: The function of each node, where the activation is a table.
+    """
+
+    weights: Real
+    biases: Real
+    activation: str = "linear"
+    leak: float = LEAK
+    quantiser: Quantiser | None = None
+    functions: tuple[Function, ...] = ()
+
+    def __post_init__(self) -> None:
+        shape, nodes = np.shape(self.weights), np.shape(self.biases)
+        if len(shape) != 2 or 0 in shape or nodes != shape[:1]:
+            raise InputError(
+                f"weights, biases: got shapes {shape} and {nodes}, expected (nodes, inputs) and "
+                "(nodes,)"
+            )
+        for name in ("weights", "biases"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise InputError(f"{name}: got NaN or infinity, expected finite numbers")
+        if self.activation.startswith(TABLE):
+            if len(self.functions) != self.nodes:
+                raise InputError(
+                    f"activation: got {self.activation!r} with {len(self.functions)} functions, "
+                    f"expected {self.nodes}, one for each node"
+                )
+        elif self.activation not in ACTIVATIONS:
+            raise InputError(
+                f"activation: got {self.activation!r}, expected one of {', '.join(ACTIVATIONS)}"
+            )
+        if not 0 <= self.leak <= 1:
+            raise InputError(f"leak: got {self.leak}, expected 0 to 1")
+
+    @property
+    def nodes(self) -> int:
+        return len(self.biases)
+
+    @property
+    def activation_text(self) -> str:
+        """The activation in words, with its slope where it has one."""
+        leaky = self.activation == "leaky_relu"
+        return f"leaky_relu ({self.leak:g})" if leaky else self.activation
+
+    def activate(self, q: Real, of_tanh: Activation = tanh) -> tuple[Real, Real]:
+        """The activation's value and slope at the sums ``q``.
+
+        ``of_tanh`` replaces tanh where the hardware approximates it.
+        """
+        if self.activation == "tanh":
+            return of_tanh(q)
+        if self.functions:
+            columns = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+            pairs = [
+                (function.value(column), function.slope(column))
+                for function, column in zip(self.functions, columns, strict=True)
+            ]
+            values, slopes = zip(*pairs, strict=True)
+            return np.stack(values, axis=-1), np.stack(slopes, axis=-1)
+        value, slope = ACTIVATIONS[self.activation](q)
+        if self.activation == "leaky_relu":
+            return value + self.leak * np.minimum(q, 0.0), np.where(q > 0, 1.0, self.leak)
+        return value, slope
+
+
+@dataclass(frozen=True)
+class DenseNetwork:
+    """A network of dense layers, the last of which is linear.
+
+    layers: One or more layers.
+    """
+
+    layers: tuple[Dense, ...]
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError("layers: got 0, expected 1 or more")
+        for n in range(1, len(self.layers)):
+            inputs, nodes = self.layers[n].weights.shape[1], self.layers[n - 1].nodes
+            if inputs != nodes:
+                raise InputError(
+                    f"layer {n + 1}: got weights of {inputs} inputs, expected {nodes}, as many as "
+                    f"layer {n} has nodes"
+                )
+        if self.layers[-1].activation != "linear" or self.layers[-1].quantiser:
+            raise InputError(
+                f"layer {len(self.layers)}: got {self.layers[-1].activation!r}, expected the last "
+                "layer to be 'linear'"
+            )
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Inputs, the hidden nodes of each layer, and outputs."""
+        return self.layers[0].weights.shape[1], *(layer.nodes for layer in self.layers)
+
+    @property
+    def quantised(self) -> bool:
+        """Whether a layer has a quantiser."""
+        return any(layer.quantiser for layer in self.layers)
+
+    @property
+    def activations(self) -> tuple[str, ...]:
+        """The activations of the hidden layers."""
+        return tuple(layer.activation for layer in self.layers[:-1])
+
+    def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:
+        """Outputs, shape (..., outputs), of frames, shape (..., inputs).
+
+        ``activation`` replaces tanh in the layers that have tanh.
+        """
+        outputs = np.asarray(frames, dtype=np.float64)
+        for found in passed(self, outputs, activation):
+            outputs = found.outputs
+        return outputs
+
+
+# A trained network: one hidden layer of tanh, or any other.
+Trained = Mlp | DenseNetwork
+Some = TypeVar("Some", bound=Trained)
+
+
+def network_of(layers: list[Dense]) -> Trained:
+    """Make a network of layers.
+
+    If there is one hidden layer of tanh, the result is an ``Mlp``, which every design takes. If the
+    last layer is not linear, a linear layer that does not change its values is added.
+    """
+    if layers[-1].activation != "linear" or layers[-1].quantiser:
+        nodes = layers[-1].nodes
+        layers = [*layers, Dense(np.eye(nodes), np.zeros(nodes))]
+    network = DenseNetwork(tuple(layers))
+    if network.activations == ("tanh",) and not layers[0].quantiser:
+        first, second = network.layers
+        return Mlp(first.weights, first.biases, second.weights, second.biases)
+    return network
+
+
+def layers_of(network: Trained) -> tuple[Dense, ...]:
+    """The layers of a network, also of one with a single hidden layer of tanh."""
+    if isinstance(network, DenseNetwork):
+        return network.layers
+    return Dense(network.w1, network.b1, "tanh"), Dense(network.w2, network.b2)
+
+
+@dataclass(frozen=True)
+class Pass:
+    """What frames become in one layer; every array has the shape (..., nodes).
+
+    values: The activation of the sums.
+    outputs: The values behind the quantiser, if the layer has one.
+    """
+
+    layer: Dense
+    sums: Real
+    values: Real
+    outputs: Real
+
+
+def passed(network: Trained, frames: ArrayLike, activation: Activation = tanh) -> Iterator[Pass]:
+    """Frames, shape (..., inputs), in each layer of a network, in double precision.
+
+    ``activation`` replaces tanh in the layers that have tanh.
+    """
+    outputs = np.asarray(frames, dtype=np.float64)
+    for layer in layers_of(network):
+        sums = outputs @ layer.weights.T + layer.biases
+        values, _ = layer.activate(sums, activation)
+        outputs = layer.quantiser.process(values) if layer.quantiser else values
+        yield Pass(layer, sums, values, outputs)
+
+
+def rebuilt(network: Some, layers: Sequence[Dense]) -> Some:
+    """A network of the same type with other layers that have the same activations."""
+    return cast(Some, network_of(list(layers)))
+
+
+def packed(network: Trained) -> Real:
+    """All weights and biases in one vector, layer by layer."""
+    parts = [p for layer in layers_of(network) for p in (layer.weights.ravel(), layer.biases)]
+    return np.concatenate(parts)
+
+
+def unpacked(vector: Real, like: Some) -> Some:
+    """The inverse of ``packed`` for a network with the layers of ``like``."""
+    layers, at = [], 0
+    for layer in layers_of(like):
+        end = at + layer.weights.size
+        weights = vector[at:end].reshape(layer.weights.shape)
+        at = end + layer.nodes
+        layers.append(replace(layer, weights=weights, biases=vector[end:at]))
+    return rebuilt(like, layers)

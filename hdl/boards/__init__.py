@@ -1,1 +1,0 @@
-"""Makes bitstreams, which put a scene on a board."""

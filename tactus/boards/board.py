@@ -1,0 +1,221 @@
+"""A board file: the device, its clock, and the pin for each port of a design."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError, MissingFileError, suggest
+from tactus.boards.devices import DEVICES, speeds_of
+from tactus.core.files import check_file
+from tactus.core.schema import (
+    Flag,
+    Key,
+    KeyTable,
+    List,
+    Map,
+    Number,
+    Span,
+    Text,
+    Whole,
+    read_checked,
+)
+
+FOLDER = Path(__file__).parent
+# Ports of an instrument that leave the device: wires, without which it is of no use, and lamps.
+WIRES = ("miso", "sclk", "cs_n", "mosi", "rx", "tx", "dac_x", "dac_y")
+LAMPS = ("converter_error",)
+PORTS = (*WIRES, *LAMPS)
+_TEXTS = List(Text(some=True), "a list of texts", "a list of texts")
+PIN = KeyTable(
+    {
+        "pin": Key(Text()),
+        "at": Key(Text()),
+        "pull_up": Key(Flag(), False),
+        "inverted": Key(Flag(), False),
+    }
+)
+BOARD = KeyTable(
+    {
+        "title": Key(Text()),
+        "sources": Key(_TEXTS),
+        "load": Key(Text(), ""),
+        "flash": Key(Text()),
+        "device": Key(
+            KeyTable(
+                {
+                    "family": Key(Text(tuple(DEVICES))),
+                    "names": Key(_TEXTS),
+                    "package": Key(Text()),
+                    "speed": Key(Whole(), None),
+                    "configuration": Key(Map(Text()), {}),
+                }
+            )
+        ),
+        "clock": Key(
+            KeyTable(
+                {
+                    "pin": Key(Text()),
+                    "mhz": Key(Number(Span(above=0))),
+                    "pll_pad": Key(Flag(), False),
+                }
+            )
+        ),
+        "pins": Key(KeyTable({port: Key(PIN, None) for port in PORTS}, noun="port ")),
+        "high": Key(Map(PIN), {}),
+    }
+)
+# The texts that are allowed in a pins file between quotes or in a command line, and as a name in
+# Verilog.
+PLAIN = re.compile(r"[A-Za-z0-9_.-]+")
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One pin of the device.
+
+    pin: Name of the pin in the package.
+    at: Where the pin is on the board.
+    pull_up: Whether the device's own resistor to its supply is switched on.
+    inverted: Whether the pin drives a lamp that is lit by a 0.
+    """
+
+    pin: str
+    at: str
+    pull_up: bool = False
+    inverted: bool = False
+
+
+@dataclass(frozen=True)
+class Board:
+    """The contents of a board file.
+
+    name: Name of the file.
+    sources: The documents in which the pins were found.
+    load, flash: Command, up to the bitstream's name, that programs the device until its supply is
+        cut (empty if there is none), and that which programs it permanently.
+    family: One of ``DEVICES``.
+    device: The device for which a design is built, one of ``devices``.
+    devices: The devices with which the board is sold.
+    speed: Speed grade; 0 where the file states none.
+    configuration: How the device must be configured, by the names that its pins file uses.
+    clock_mhz: Frequency of the oscillator.
+    pll_pad: Whether the clock's pin is the PLL's own input.
+    pins: Pins by the name of a design's port.
+    high: Outputs that must always be high, each with a name.
+    """
+
+    name: str
+    path: Path
+    title: str
+    sources: tuple[str, ...]
+    load: str
+    flash: str
+    family: str
+    device: str
+    devices: tuple[str, ...]
+    package: str
+    speed: int
+    configuration: dict[str, str]
+    clock_pin: str
+    clock_mhz: float
+    pll_pad: bool
+    pins: dict[str, Pin]
+    high: dict[str, Pin]
+
+
+def board_names() -> list[str]:
+    """The boards that tactus ships."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def load_board(name: str, device: str = "") -> Board:
+    """Read a board by its name, or by a path that ends in ``.toml``.
+
+    device: One of the devices with which the board is sold; by default the first.
+    """
+    known = board_names()
+    path = FOLDER / f"{name}.toml" if name in known else Path(name)
+    try:
+        if path.suffix != ".toml":
+            raise FileNotFoundError
+        check_file(path)
+    except FileNotFoundError:
+        raise MissingFileError(
+            f"board {name!r}: no such board, expected a path to a .toml file or one of "
+            f"{', '.join(known)}{suggest(name, known)}"
+        ) from None
+    return _board(read_checked(path, BOARD), path, device)
+
+
+def _board(values: dict[str, Any], path: Path, device: str) -> Board:
+    part, clock = values["device"], values["clock"]
+    family, names = part["family"], tuple(part["names"])
+    for name in names:
+        if name not in DEVICES[family]:
+            raise InputError(
+                f"{path}: device.names: got {name!r}, expected one of {', '.join(DEVICES[family])}"
+                f"{suggest(name, list(DEVICES[family]))}"
+            )
+    for name in names if "speed" in part else ():
+        speeds = speeds_of(family, name)
+        if part["speed"] not in speeds:
+            known = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
+            raise InputError(
+                f"{path}: device.speed: got {part['speed']} for {name}, expected {known}"
+            )
+    if device and device not in names:
+        raise InputError(
+            f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
+        )
+    pins = {name: Pin(**pin) for name, pin in values["pins"].items()}
+    high = {name: Pin(**PIN.filled(pin)) for name, pin in values["high"].items()}
+    for name in high:
+        if not NAME.fullmatch(name) or name in PORTS:
+            raise InputError(
+                f"{path}: high.{name}: expected a name of small letters, digits and _ that no port "
+                "has"
+            )
+    for name, pin in {**pins, **high}.items():
+        if pin.inverted and name not in LAMPS:
+            raise InputError(
+                f"{path}: pins.{name}.inverted: got true, expected false except for a lamp"
+            )
+    _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
+    for key, text in {**part["configuration"], "package": part["package"]}.items():
+        if not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
+            raise InputError(
+                f"{path}: device: {key}: got {text!r}, expected text of letters, digits, _, . and -"
+            )
+    return Board(
+        name=path.stem,
+        path=path,
+        title=values["title"],
+        sources=tuple(values["sources"]),
+        load=values["load"],
+        flash=values["flash"],
+        family=family,
+        device=device or names[0],
+        devices=names,
+        package=part["package"],
+        speed=part.get("speed", 0),
+        configuration=part["configuration"],
+        clock_pin=clock["pin"],
+        clock_mhz=clock["mhz"],
+        pll_pad=clock["pll_pad"],
+        pins=pins,
+        high=high,
+    )
+
+
+def _refuse_twice(pins: dict[str, str], path: Path) -> None:
+    seen: dict[str, str] = {}
+    for name, pin in pins.items():
+        if not PLAIN.fullmatch(pin):
+            raise InputError(
+                f"{path}: {name}: got pin {pin!r}, expected a name such as 'B11' or '4'"
+            )
+        if pin in seen:
+            raise InputError(f"{path}: {name}: got pin {pin}, which {seen[pin]} already has")
+        seen[pin] = name

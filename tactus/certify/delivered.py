@@ -1,0 +1,192 @@
+"""Writes what a certificate delivers: design, inputs, benches, proofs, script and digests."""
+
+import hashlib
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from golden.networks.network import Network
+from tactus.certify.benches import Benched, run_benches
+from tactus.certify.cells import write_cells
+from tactus.certify.equality import write_equality
+from tactus.certify.every_frame import write_every_frame
+from tactus.certify.formulas import write_formulas
+from tactus.certify.recordings import PlayedFrames, frames_of, write_recordings
+from tactus.certify.results import OUTPUT
+from tactus.export.exporter import compile_order
+from tactus.network_files.network_file import provenance_path
+from tactus.scene import Scene
+from tactus.verify.benches.runner import Job, jobs
+from tactus.verify.every_frame.netlist import READ
+from tb.common.properties import Property
+
+SCRIPT = "check.sh"
+DIGESTS = "SHA256SUMS"
+# The only step that need not be delivered.
+CELLS = "cells"
+EVERY_FRAME = "every_frame"
+STEPS = (
+    "digests",
+    "vhdl",
+    "verilog",
+    "netlist",
+    "equality",
+    "properties",
+    EVERY_FRAME,
+    CELLS,
+)
+LANGUAGES = ("vhdl", "verilog")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a user may ask of a certificate.
+
+    frames: The number of random frames; None for the usual one.
+    seed: The seed of random frames, and of the entities that are drawn.
+    families: The families on whose cells the frames are played.
+    recorded: The number of recorded frames; None for all.
+    parts: The number of entities whose benches run, drawn by ``seed``; None for all.
+    """
+
+    frames: int | None
+    seed: int
+    families: tuple[str, ...] = ()
+    recorded: int | None = None
+    parts: int | None = None
+
+
+@dataclass(frozen=True)
+class Delivered:
+    """What was written, beside the files.
+
+    jobs: The entities.
+    families: Those on whose cells the frames are played.
+    """
+
+    scene: Scene
+    design: Network
+    jobs: list[Job]
+    frames: PlayedFrames
+    properties: list[tuple[Job, Property]]
+    benches: list[Benched]
+    families: tuple[str, ...]
+
+
+def deliver(
+    scene: Scene, build: Path, folder: Path, wanted: Wanted, tell: Callable[[str], None]
+) -> Delivered:
+    """Write everything but the page into an empty folder.
+
+    scene: It is exported into ``build`` in both languages.
+    tell: Is called with the name of each part before it is made.
+    """
+    design = scene.twin()
+    for language in LANGUAGES:
+        shutil.copytree(build / scene.name / language, folder / "design" / language)
+    _write_inputs(scene, design, folder)
+    frames = frames_of(scene, design, wanted.frames, wanted.seed, wanted.recorded)
+    tell("frames")
+    write_recordings(scene, design, frames, folder)
+    tell("netlists of both languages")
+    write_equality(folder, design.entity)
+    entities = jobs(scene, "icarus", build=build)
+    tell("properties")
+    properties = write_formulas(entities, folder)
+    write_every_frame(scene, folder)
+    count = len(entities) if wanted.parts is None else min(wanted.parts, len(entities))
+    drawn = sorted(random.Random(wanted.seed).sample(range(len(entities)), count))
+    benches = run_benches(entities, [entities[place] for place in drawn], tell)
+    for family in wanted.families:
+        tell(f"cells of {family}")
+        write_cells(entities[0], family, folder)
+    _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
+    return Delivered(scene, design, entities, frames, properties, benches, wanted.families)
+
+
+def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:
+    """Copy what was exported: the scene, its networks and its data; and write the image."""
+    place = folder / "inputs"
+    place.mkdir()
+    stories = (provenance_path(path) for path in scene.weights_paths)
+    for file in dict.fromkeys([*scene.files, *(path for path in stories if path.is_file())]):
+        shutil.copy(file, place)
+    if design.image:
+        (place / "image.bin").write_bytes(design.image)
+
+
+def _write_script(
+    scene: Scene, design: Network, frames: PlayedFrames, proved: set[str], folder: Path
+) -> None:
+    environment = Environment(
+        loader=PackageLoader("tactus.certify", "."), undefined=StrictUndefined, autoescape=False
+    )
+    orders = {language: compile_order(folder / "design" / language) for language in LANGUAGES}
+    text = environment.get_template(f"{SCRIPT}.jinja").render(
+        scene=scene.name,
+        top=design.entity,
+        steps=STEPS,
+        read=READ.format(top=design.core.entity),
+        given=given_text(frames, design.past),
+        left=frames.left,
+        entities=len(proved),
+        **orders,
+    )
+    script = folder / SCRIPT
+    script.write_text(text + "\n", encoding="utf-8")
+    script.chmod(0o755)
+
+
+def given_text(frames: PlayedFrames, past: int) -> str:
+    """What the frames are that were compared, for a line of the script."""
+    kinds = f"{len(frames.recorded)} recorded and {len(frames.random)} random"
+    if not past:
+        return f"{kinds}, equal the model"
+    return (
+        f"equal the model; {kinds} frames were played, and the first {past} of each recording give "
+        "no output"
+    )
+
+
+def check(folder: Path, *steps: str, quiet: bool = False, **environment: str) -> int:
+    """Run the script of a certificate with the tools of this environment; its exit code.
+
+    *steps: The steps to run; all without any.
+    quiet: Whether nothing is printed.
+    **environment: Variables of the script.
+    """
+    path = f"{os.environ.get('PATH', '')}{os.pathsep}{sysconfig.get_path('scripts')}"
+    command = ["sh", str(folder / SCRIPT), *steps]
+    settings = {**os.environ, "PATH": path, "PYTHON": sys.executable, **environment}
+    printed = subprocess.DEVNULL if quiet else None
+    # In a session of its own the script can be ended together with the tools that it runs.
+    with subprocess.Popen(command, env=settings, stdout=printed, start_new_session=True) as script:
+        try:
+            return script.wait()
+        except BaseException:
+            with suppress(ProcessLookupError):
+                os.killpg(script.pid, signal.SIGKILL)
+            raise
+
+
+def write_digests(folder: Path) -> dict[str, str]:
+    """Write ``SHA256SUMS`` of every delivered file; the digests by name."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    found = {
+        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+        if file.relative_to(folder).parts[0] != OUTPUT and file.name != DIGESTS
+    }
+    text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
+    (folder / DIGESTS).write_text(text, encoding="utf-8")
+    return found

@@ -1,0 +1,60 @@
+"""``make listing``: prints the program of a scene's engine, with a line for every step.
+
+For a network without a program, whose products are made by adders, it prints every adder.
+"""
+
+import argparse
+import sys
+
+from golden.common.block import walk
+from golden.engine.lane_listing import lane_listing
+from golden.engine.lane_program import LaneProgram
+from golden.engine.listing import listing
+from golden.engine.loop_listing import loop_listing
+from golden.engine.loop_program import LoopProgram
+from golden.input_error import InputError
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.listing import listing as adders
+from golden.learning.listing import lesson_listing
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.engine import Engine
+from golden.networks.lanes import Lanes
+from golden.networks.learning_engine import LearningEngine
+from tactus.core.cli import run, would
+from tactus.scene import load_scene
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make listing", description=__doc__)
+    parser.add_argument("scene")
+    scene = load_scene(parser.parse_args().scene)
+    blocks = list(walk(scene.twin()))
+    matrices = [block for block in blocks if isinstance(block, ConstantMatrix)]
+    if matrices:
+        would(f"print the adders of {len(matrices)} matrices")
+        print("\n\n".join("\n".join(adders(matrix)) for matrix in matrices))
+        return
+    lessons = [block for block in blocks if isinstance(block, LearningEngine)]
+    if lessons:
+        would(f"print the program of {lessons[0].entity}")
+        print("\n".join(lesson_listing(lessons[0].program)))
+        return
+    engines = [block for block in blocks if isinstance(block, Engine)]
+    if not engines:
+        raise InputError(
+            f"{scene.path}: hardware.design: got {scene.design}, which has no program, expected "
+            f"{Engine.block}, {Lanes.block} or {AdderGraph.block}"
+        )
+    (engine,) = engines
+    would(f"print the program of {engine.entity}")
+    if isinstance(engine.program, LoopProgram):
+        lines = loop_listing(engine.graph, engine.program)
+    elif isinstance(engine.program, LaneProgram):
+        lines = lane_listing(engine.graph, engine.program)
+    else:
+        lines = listing(engine.graph, engine.program)
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

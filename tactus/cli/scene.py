@@ -1,0 +1,79 @@
+"""``make scene``: writes a scene for recorded readings, and prints what they show."""
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+
+from golden.input_error import InputError
+from tactus.core.cli import run, would
+from tactus.core.files import check_file, check_folder, check_writable
+from tactus.core.finding import refuse
+from tactus.core.table import read_csv_file
+from tactus.rig import class_counts, sensors_tell
+from tactus.rig.brought import brought
+from tactus.rig.survey import survey
+from tactus.rig.write_scene import check_sensors, names_of, write_scene
+from tactus.scene import load_scene
+from tactus.train.descent.scaling import scaled
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
+    parser.add_argument("csv")
+    parser.add_argument(
+        "outputs", nargs="?", help="columns to be computed from the others, comma-separated"
+    )
+    parser.add_argument("--classes", help="instead: a column of labels to be told apart")
+    parser.add_argument("--hardware", help="scene whose board recorded the readings")
+    parser.add_argument("--network", type=Path, help="trained network that the scene is for")
+    parser.add_argument("--to", type=Path, help="the scene's file; by default named as the CSV")
+    arguments = parser.parse_args()
+    if not arguments.csv:
+        raise InputError("CSV=: missing, expected a file of readings")
+    check_file(Path(arguments.csv))
+    path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
+    if path.suffix != ".toml":
+        raise InputError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
+    check_folder(path)
+    check_writable([path])
+    if path.exists():
+        raise InputError(f"{path}: is there already; choose another name with TO=")
+    recording = read_csv_file(Path(arguments.csv))
+    outputs = names_of(arguments.outputs or "")
+    if outputs and arguments.classes:
+        raise InputError(
+            f"CLASSES={arguments.classes}: got OUTPUTS={arguments.outputs} too, expected one of "
+            "both: columns of numbers, or a column of labels"
+        )
+    if arguments.network and arguments.hardware:
+        raise InputError(
+            f"NETWORK={arguments.network}: got HARDWARE={arguments.hardware} too, expected one of "
+            "both: the scale of the network, or that of the hardware"
+        )
+    found = survey(recording, outputs, arguments.classes or "")
+    print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
+    print("\n".join(found.lines()))
+    for finding in found.findings:
+        if finding.verdict != "fault":
+            print(finding)
+    refuse(found.findings)
+    hardware = load_scene(arguments.hardware) if arguments.hardware else None
+    if hardware:
+        check_sensors(found, hardware)
+    network = brought(arguments.network, found) if arguments.network else None
+    would(f"write {path}")
+    scene = write_scene(found, path, hardware, network)
+    for finding in class_counts.findings(scene):
+        print(finding)
+    count = len(scene.members)
+    networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
+    print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
+    print("\n".join(map(str, sensors_tell.findings(scaled(scene)))))
+    argument = f"SCENE={shlex.quote(str(path))}"
+    train = "" if network else f"make train {argument} and "
+    print(f"next: make check {argument}, then {train}make vhdl {argument}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

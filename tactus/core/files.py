@@ -1,0 +1,354 @@
+"""Reads files so that a fault names them, and writes them completely or not at all.
+
+Files and folders get the permissions that the umask leaves, as if they were written in place.
+"""
+
+import errno
+import json
+import os
+import re
+import secrets
+import shutil
+import stat
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+from golden.input_error import InputError, MissingFileError
+from tactus.core.cli import DISK
+from tactus.core.folders import refuse_installed
+
+Made = TypeVar("Made")
+# With less than this left on a disk, something may not have been written.
+ROOM = 1 << 20
+# A recorded object that is longer takes a line for each key.
+WIDTH = 100
+# No command takes so many seconds for one folder.
+LONGEST = 7 * 86400
+
+
+def check_file(path: Path, missing: str = "no such file") -> None:
+    """Refuse a path that is no file: nothing, a folder, a device, or an impossible name."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        raise MissingFileError(f"{path}: {missing}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read: {_reason(error)}") from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
+        raise InputError(f"{path}: got {kind}, expected a file")
+
+
+def same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, now or once both have been written.
+
+    Two paths may do so by links, by ``..`` in them, or by capitals if the file system ignores case.
+    It does if a folder of the path is also found by a name in another case.
+    """
+    try:
+        one, other = (Path(os.path.realpath(path)) for path in (one, other))
+    except ValueError:  # a NUL: no file has such a name
+        return False
+    if one == other:
+        return True
+    with suppress(OSError, ValueError):
+        if one.samefile(other):
+            return True
+    if str(one).casefold() != str(other).casefold():
+        return False
+    folders = [folder for folder in one.parents if folder.name.swapcase() != folder.name]
+    with suppress(OSError, ValueError):
+        there = next(folder for folder in folders if folder.is_dir())
+        return there.with_name(there.name.swapcase()).samefile(there)
+    return False
+
+
+@contextmanager
+def reading(path: Path, form: str) -> Iterator[None]:
+    """Surround one call that reads the file at ``path``; an error of it becomes a message.
+
+    The block must contain nothing else, because every error in it is taken as a fault of the file.
+
+    form: The expected contents of the file, such as "TOML".
+    """
+    try:
+        yield
+    except UnicodeDecodeError as error:
+        got = error.object[error.start]
+        raise InputError(
+            f"{path}: got the byte 0x{got:02x} at {error.start}, expected UTF-8 text"
+        ) from None
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno:
+            raise InputError(f"{path}: cannot be read:{_where(error, path)}") from None
+        raise InputError(f"{path}: not {form}: {_reason(error)}") from None
+
+
+def read_json(
+    path: Path,
+    form: str,
+    missing: str = "no such file",
+    make: Callable[[Any], Made] = lambda found: found,
+) -> Made:
+    """Read the contents of a recorded file.
+
+    form: The expected contents, such as "a recorded clock".
+    missing: Text of the message if there is no such file.
+    make: Turns the JSON value into the result.
+    """
+    check_file(path, missing)
+    with reading(path, form):
+        return make(json.loads(path.read_text(encoding="utf-8")))
+
+
+def write_json(path: Path, facts: Any, *, sort_keys: bool = False) -> None:
+    """Record ``facts``, each row of a table and each small object on a line of its own."""
+    with replace_file(path) as temporary:
+        temporary.write_text(_laid_out(facts, sort_keys) + "\n", encoding="utf-8")
+
+
+def _laid_out(facts: Any, sort_keys: bool, margin: str = "\n") -> str:
+    flat = json.dumps(facts, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    deeper = f"{margin} "
+    if isinstance(facts, dict) and len(flat) > WIDTH:
+        items = sorted(facts.items()) if sort_keys else facts.items()
+        lines = [
+            f"{json.dumps(str(key), ensure_ascii=False)}: {_laid_out(value, sort_keys, deeper)}"
+            for key, value in items
+        ]
+        return f"{{{deeper}{f',{deeper}'.join(lines)}{margin}}}"
+    if isinstance(facts, (list, tuple)) and any(isinstance(v, (dict, list, tuple)) for v in facts):
+        lines = [_laid_out(value, sort_keys, deeper) for value in facts]
+        return f"[{deeper}{f',{deeper}'.join(lines)}{margin}]"
+    return flat
+
+
+def write_kept(path: Path, answer: Any) -> None:
+    """Write a file for ``read_kept``."""
+    with replace_file(path) as temporary:
+        temporary.write_text(json.dumps(answer, allow_nan=False), encoding="utf-8")
+
+
+def read_kept(path: Path) -> Any:
+    """The JSON value in a file of an earlier command; None if it is missing or damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+
+
+@contextmanager
+def writing(path: Path, through: Path | None = None) -> Iterator[None]:
+    """Surround code that writes ``path``; an error of the machine becomes a message.
+
+    through: The temporary file that is written instead. In this case only errors of this file and
+        of the disk become messages, because the block may contain other work.
+    """
+    try:
+        yield
+    except OSError as error:
+        named = Path(str(error.filename)) if error.filename else None
+        if through and not (through in (named, *named.parents) if named else error.errno in DISK):
+            raise
+        raise InputError(f"{path}: cannot be written:{_where(error, path)}") from None
+    except ValueError as error:  # a NUL in the name
+        if through or "null" not in str(error):
+            raise
+        raise InputError(f"{path}: cannot be written: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """The first line of an error's text, or a text of our own if it has none."""
+    if isinstance(error, RecursionError):
+        return "nested too deep"
+    if isinstance(error, MemoryError):
+        return "asks for more memory than there is"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
+
+
+def _where(error: OSError, path: Path) -> str:
+    """An error's text, with the name of its file if that is not a temporary file of ``path``."""
+    named = Path(str(error.filename)) if error.filename else path
+    own = named == path or named.name.startswith(f".{path.name}.")
+    return f"{'' if own else f' {named}:'} {_reason(error)}"
+
+
+def _beside(path: Path) -> Path:
+    """An unused name in the same folder."""
+    refuse_installed(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path.with_name(f".{path.name}.{secrets.token_hex(8)}{path.suffix}")
+
+
+def check_writable(paths: Sequence[Path]) -> None:
+    """Refuse paths where no file can be written, before the work whose result goes there."""
+    for path in paths:
+        missing = [folder for folder in path.parents if not _exists(folder)]
+        try:
+            _refuse_other(path)
+            with writing(path):
+                temporary = _beside(path)
+                temporary.touch(exist_ok=False)
+                temporary.unlink()
+        finally:
+            for folder in missing:
+                with suppress(OSError):
+                    folder.rmdir()
+
+
+def check_output(
+    path: Path,
+    read: Sequence[Path] = (),
+    *,
+    own: Callable[[Path], bool] = lambda there: False,
+    force: bool = False,
+    key: str = "TO",
+) -> None:
+    """Refuse a path at which a command must not write the file that a user names.
+
+    read: Files that are never replaced, because the command or the scene reads them.
+    own: Recognises a file that the same command wrote earlier, which may be replaced.
+    force: Whether a file that ``own`` does not recognise may be replaced too.
+    key: The variable that names the path.
+    """
+    if any(same_file(path, file) for file in read):
+        raise InputError(f"{key}={path}: is read by this command, expected another file")
+    check_folder(path, key)
+    check_writable([path])
+    if os.path.lexists(path) and not force and not own(path):
+        raise InputError(
+            f"{key}={path}: is there already, and make cannot tell that this command wrote it; "
+            "choose another name, or FORCE=1 to replace it"
+        )
+
+
+def check_folder(path: Path, key: str = "TO") -> None:
+    """Refuse a path whose folder is missing, because it may be misspelt."""
+    if not os.path.lexists(path.parent):
+        raise InputError(f"{key}={path}: got no folder {path.parent}, expected one that is there")
+
+
+def first_line(path: Path) -> str:
+    """The first line of a file; empty if it cannot be read."""
+    with suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
+        return file.readline().rstrip()
+    return ""
+
+
+def _exists(path: Path) -> bool:
+    """Whether a path exists; also True for a name that cannot exist, which writing will report."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return True
+
+
+def _refuse_other(path: Path) -> None:
+    """Refuse to replace anything but a file; for root, a rename would even replace a device."""
+    with writing(path), suppress(FileNotFoundError, NotADirectoryError):
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, "got a folder, expected a file")
+        if not stat.S_ISREG(mode):
+            raise OSError(errno.EINVAL, "got no regular file, expected a file")
+
+
+def check_room(folder: Path, what: str) -> None:
+    """Refuse to tell ``what``, if the disk is so full that tools may have failed for this reason.
+
+    Tools do not always say so, or in many lines.
+    """
+    for place in (folder, Path(tempfile.gettempdir())):
+        if shutil.disk_usage(place).free < ROOM:
+            raise InputError(
+                f"{place}: the disk is full, so nothing is known of {what}; expected {ROOM >> 20} "
+                "MB or more that are free"
+            )
+
+
+@contextmanager
+def replace_file(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path``, and rename it to ``path`` if the block succeeds."""
+    with replace_files([path]) as (temporary,):
+        yield temporary
+
+
+@contextmanager
+def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
+    """Yield a temporary path beside each path, and rename all or none when the block ends."""
+    temporaries: list[Path] = []
+    try:
+        with ExitStack() as stack:
+            for path in paths:
+                _refuse_other(path)
+                with writing(path):
+                    temporary = _beside(path)
+                    temporary.touch(exist_ok=False)
+                temporaries.append(temporary)
+                stack.enter_context(writing(path, through=temporary))
+            yield temporaries
+        _rename_all(temporaries, paths)
+    finally:
+        for temporary in temporaries:
+            temporary.unlink(missing_ok=True)
+
+
+def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
+    """Rename all files; a replaced file keeps a second name until nothing can fail any more."""
+    with ExitStack() as tidy, ExitStack() as undo:
+        for temporary, path in zip(temporaries, paths, strict=True):
+            with writing(path):
+                if path is paths[-1]:
+                    pass
+                elif path.exists():
+                    old = _beside(path)
+                    tidy.callback(old.unlink, missing_ok=True)
+                    _second_name(path, old)
+                    undo.callback(old.replace, path)
+                else:
+                    undo.callback(path.unlink, missing_ok=True)
+                temporary.replace(path)
+        undo.pop_all()
+
+
+def _second_name(path: Path, name: Path) -> None:
+    """Give a file a second name by a link, or by a copy if the file system has no links."""
+    try:
+        name.hardlink_to(path)
+    except OSError:
+        shutil.copy2(path, name)
+
+
+def _remove_left(path: Path) -> None:
+    """Remove temporary folders of commands that were killed, once they are surely not in use."""
+    ours = re.compile(rf"\.{re.escape(path.name)}\.[0-9a-f]{{16}}{re.escape(path.suffix)}")
+    for folder in path.parent.iterdir() if path.parent.is_dir() else ():
+        if ours.fullmatch(folder.name) and folder.stat().st_mtime < time.time() - LONGEST:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def replace_folder(path: Path) -> Iterator[Path]:
+    """Yield a temporary folder beside ``path``, and put it in place if the block succeeds."""
+    with writing(path):
+        if path.exists() and not path.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "got a file, expected a folder")
+        _remove_left(path)
+        temporary, old = _beside(path), _beside(path)
+        temporary.mkdir()
+    try:
+        with writing(path, through=temporary):
+            yield temporary
+        with writing(path):
+            if path.exists():
+                path.replace(old)
+            temporary.replace(path)
+        shutil.rmtree(old, ignore_errors=True)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)

@@ -1,0 +1,79 @@
+"""Lets one command at a time work in the folder of a scene's results; others wait for it.
+
+Two commands on one scene, or on scenes of one name in different folders, would otherwise replace
+the exported files and the builds of each other's benches.
+"""
+
+import fcntl
+import os
+import shlex
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+from tactus.core.progress import stage
+
+# In the environment of a command: the folders that the commands which called it hold for it.
+VARIABLE = "TACTUS_HELD"
+
+
+@contextmanager
+def held(folders: Iterable[Path]) -> Iterator[None]:
+    """Hold folders for this command and for those that it calls, as long as the block runs.
+
+    If another command holds one of them, print which, and wait for its end.
+    """
+    before = os.environ.get(VARIABLE, "")
+    ours = set(filter(None, before.split(os.pathsep)))
+    wanted = {os.path.realpath(folder) for folder in folders} - ours
+    with ExitStack() as stack:
+        # Everybody takes them in the same order, so that no two commands wait for each other.
+        for folder in sorted(wanted):
+            stack.enter_context(_locked(Path(folder)))
+        os.environ[VARIABLE] = os.pathsep.join([*ours, *wanted])
+        try:
+            yield
+        finally:
+            os.environ[VARIABLE] = before
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        number = _lock(folder)
+    except OSError:
+        # A command that cannot write there says so itself, and some file systems have no locks.
+        yield
+        return
+    try:
+        yield
+    finally:
+        os.close(number)
+
+
+def _lock(folder: Path) -> int:
+    """The number of the folder's file, which is locked until it is closed."""
+    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            with stage(f"{folder}: waiting for {_holder(number)}"):
+                fcntl.flock(number, fcntl.LOCK_EX)
+    except BaseException:
+        os.close(number)
+        raise
+    return number
+
+
+def _holder(number: int) -> str:
+    """The process that holds the lock of a file, in words."""
+    inode = os.fstat(number).st_ino
+    with suppress(OSError):
+        for line in Path("/proc/locks").read_text(encoding="utf-8").splitlines():
+            words = line.split()
+            if "->" not in words and words[1] == "FLOCK" and words[5].endswith(f":{inode}"):
+                command = Path(f"/proc/{words[4]}/cmdline").read_text(encoding="utf-8").split("\0")
+                return f"process {words[4]}, {shlex.join(command[:-1])}"
+    return "another command"

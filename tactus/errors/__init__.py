@@ -1,0 +1,1 @@
+"""The errors of a scene's networks on held-out rows, and their decisions."""

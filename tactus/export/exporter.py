@@ -1,0 +1,64 @@
+"""Writes a scene as VHDL or Verilog, with one file for each entity."""
+
+import json
+import warnings
+from pathlib import Path
+
+from myhdl import ToVerilogWarning, ToVHDLWarning
+
+from tactus.core.files import replace_folder
+from tactus.export.elaborate import elaborate
+from tactus.export.handover.core import plain_name
+from tactus.export.handover.ports import SUFFIX
+from tactus.export.handover.write import write_handover
+from tactus.export.hierarchy import convert_hierarchy
+from tactus.scene import Scene
+
+# This package declares functions that MyHDL's VHDL calls (stdl, bool). MyHDL writes it beside its
+# output.
+VHDL_PACKAGE = "pck_myhdl_011"
+ORDER = "compile_order.txt"
+MANIFEST = "manifest.json"
+
+
+def compile_order(folder: Path) -> list[str]:
+    """The names of the files of an export, in compile order."""
+    return (folder / ORDER).read_text(encoding="utf-8").split()
+
+
+def export(scene: Scene, language: str, folder: Path) -> list[str]:
+    """Write the scene's network into ``folder``, replacing it as a whole.
+
+    language: "vhdl" or "verilog".
+    folder: Beside the entities it gets three things: ``compile_order.txt``, which lists the files
+        in compile order; ``manifest.json``, which names block, file and latency of every entity;
+        and the files that ``tactus.export.handover`` writes.
+
+    Returns: File names in compile order.
+    """
+    design = scene.twin()
+    with replace_folder(folder) as temporary, warnings.catch_warnings():
+        # A warning means that MyHDL is not sure of a conversion. That is a fault here.
+        warnings.simplefilter("error", ToVHDLWarning)
+        warnings.simplefilter("error", ToVerilogWarning)
+        # Where an image is loaded, the image makes the scene, and the hardware serves any scene.
+        origin = None if design.image else f"scene {plain_name(scene.name)}"
+        specs = convert_hierarchy(elaborate(design), temporary, language, origin)
+        suffix = SUFFIX[language]
+        files = [f"{spec.entity}{suffix}" for spec in specs]
+        if language == "vhdl":
+            files.insert(0, f"{VHDL_PACKAGE}{suffix}")
+        (temporary / ORDER).write_text("".join(f"{name}\n" for name in files))
+        manifest = [
+            {
+                "entity": spec.entity,
+                "block": spec.block,
+                "area": spec.area,
+                "file": f"{spec.entity}{suffix}",
+                "latency": spec.latency,
+            }
+            for spec in specs
+        ]
+        (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+        write_handover(scene, design, temporary, ORDER, files, language)
+    return files

@@ -1,0 +1,97 @@
+"""``make monitor``: show what a board sends on a page in the browser, and record it."""
+
+import argparse
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+from tactus.core.cli import MOST_SEED, numbers, run, whole, would
+from tactus.core.progress import CLEAR
+from tactus.monitor.board import MOST_BAUD, board_of
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.lessons import Tour
+from tactus.monitor.load import load
+from tactus.monitor.monitor import Monitor, csv_columns
+from tactus.monitor.placements import Drift
+from tactus.monitor.ports import open_line, refuse_drift
+from tactus.monitor.server import Server
+from tactus.scene.disturbance import MOST, Disturbance
+
+# On a terminal a line with the newest values is shown each so many seconds.
+PAUSE = 1.0
+
+
+class Terminal:
+    """Prints lines that stay and, on a terminal, one line below them that is rewritten.
+
+    seconds: After how many seconds to end; None for never.
+    """
+
+    def __init__(self, seconds: float | None) -> None:
+        self.seconds = seconds
+        self.monitor: Monitor | None = None
+        self._terminal = sys.stdout.isatty()
+        self._began = self._shown = time.monotonic()
+
+    def say(self, text: str) -> None:
+        print(f"{CLEAR if self._terminal else ''}{text}", flush=True)
+
+    def over(self) -> bool:
+        """Whether it is time to end; it also rewrites the line with the newest values."""
+        now = time.monotonic()
+        if self._terminal and self.monitor and now - self._shown >= PAUSE:
+            self._shown = now
+            print(f"{CLEAR}{self.monitor.line()}", end="", flush=True)
+        return self.seconds is not None and now - self._began >= self.seconds
+
+
+def drift_of(text: str, seed: int) -> Drift | None:
+    """The drift in a variable; None if it is empty."""
+    found = numbers("DRIFT", text, 2, MOST)
+    return Drift(Disturbance(gain=found[0], offset=found[1]), seed) if found else None
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make monitor", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("port", help="a serial port, sim or twin")
+    parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
+    parser.add_argument("--to", type=Path, help="CSV that takes every packet")
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
+    parser.add_argument("--drift", default="", help="drift of a simulated board: GAIN,OFFSET")
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
+    parser.add_argument("--seconds", type=float, help="end after so long")
+    arguments = parser.parse_args()
+    drift = drift_of(arguments.drift, arguments.seed)
+    if drift:
+        refuse_drift(arguments.port)
+    board = board_of(arguments.scene, arguments.hardware)
+    would(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
+    with ExitStack() as stack:
+        line = stack.enter_context(open_line(arguments.port, arguments.baud, board, drift))
+        csv = None
+        if arguments.to:
+            csv = stack.enter_context(GrowingCsv(arguments.to, csv_columns(board)))
+        if line.simulated and board.instrument.reload:
+            print("the simulated board is being loaded", flush=True)
+            load(line, board)
+        terminal = Terminal(arguments.seconds)
+        monitor = terminal.monitor = Monitor(board, terminal.say, csv)
+        if monitor.lessons and line.simulated:
+            monitor.lessons.tour = Tour(board, line.simulated)
+        title = f"tactus: {board.scene.name} on {line.label}"
+        server = stack.enter_context(Server(title, monitor.state, monitor.actions()))
+        terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")
+        try:
+            monitor.listen(line, terminal.over)
+        except KeyboardInterrupt:
+            terminal.say("")
+        tally = monitor.decoder.tally
+        terminal.say(f"{tally.frames} packets, {tally.missed} missed, {tally.failed} damaged")
+        if csv:
+            terminal.say(f"wrote {csv.path}, {csv.rows} rows")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

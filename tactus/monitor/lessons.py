@@ -1,0 +1,295 @@
+"""The lessons that a monitor gives to a board that learns."""
+
+import threading
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+
+from golden.engine.formats import OUTPUT_SHIFT
+from golden.input_error import InputError
+from golden.learning.corrected import THETA
+from golden.link.packets import lesson_packet
+from golden.networks.learning_engine import LearningEngine
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from tactus.monitor.board import Board
+from tactus.monitor.line import Simulated
+from tactus.recalibration.choice import proposed
+from tactus.recalibration.fit import fit
+from tactus.recalibration.placements import Placements
+from tactus.recalibration.sensitivity import Sensitivity
+from tactus.scene.expected_drift import zero_signals
+from tactus.scene.learning import taught_of
+from tactus.scene.metrics import error_scale
+from tactus.scene.scale import readings, signals
+
+KEYS = ("known", "learn", "theta")
+# A correction beyond so many standard deviations of the expected drift is hardly a drift.
+MOST_DRIFT = 3.0
+# The code of an element of theta that is 1.
+ONE = 1 << (THETA.frac - OUTPUT_SHIFT)
+
+
+class Tour:
+    """Places a simulated board where ``make recalibrate`` proposes, one after the other."""
+
+    def __init__(self, board: Board, simulated: Simulated) -> None:
+        self._scene, self._simulated = board.scene, simulated
+        recorded = Sensitivity.of(board.scene, np.zeros(len(board.scene.sensors)))
+        self._rows = cycle(one.row for one in proposed(recorded))
+
+    def next(self) -> dict[str, str]:
+        """Go on to the next placement; returns its known outputs as texts."""
+        targets = self._scene.in_units(self._scene.vectors().targets[next(self._rows)])
+        known = dict(zip(self._scene.outputs, targets.tolist(), strict=True))
+        self._simulated.place(known)
+        return {name: f"{value:g}" for name, value in known.items()}
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A packet for the board, and the known outputs in it, in their units; None without any."""
+
+    packet: bytes
+    known: Real | None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A placement that was shown: its readings, its known outputs, and what errors these had."""
+
+    read: Real
+    known: Real
+    errors: Real
+
+
+class Lessons:
+    """The lessons that wait to be sent, and the placements that were shown.
+
+    board: A board that learns.
+
+    count: How many placements were shown.
+    tour: The placements of a simulated board.
+    """
+
+    def __init__(self, board: Board) -> None:
+        core = board.instrument.core
+        assert isinstance(core, LearningEngine), "a board that learns has one"
+        self.board, self.places = board, core.placements
+        self._taught, _ = taught_of(board.hardware)
+        self.count = 0
+        self.tour: Tour | None = None
+        self._waiting: deque[Lesson] = deque()
+        # The board keeps no more of them either.
+        self._shown: deque[Shown] = deque(maxlen=core.placements)
+        self._there: Real | None = None
+        self._since = 0.0
+        self._learn: bool | None = None
+        # The elements of theta, as packets told them last.
+        self._theta: dict[int, int] = {}
+        # How many placements were shown when ``make recalibrate`` had found this theta.
+        self._found: tuple[int, list[int]] = (0, [])
+
+    def told(self, element: tuple[int, int]) -> None:
+        """Note an element of theta: its number and its code."""
+        number, code = element
+        self._theta[number] = code
+
+    def forget(self) -> None:
+        """What the board told of theta may be that of another board, or of before a reset."""
+        self._theta = {}
+
+    def ask(self, request: object, learning: bool) -> None:
+        """Take a request for a lesson, which then waits to be sent.
+
+        request: What came: a dict. It may have the values of all outputs under ``known``, or all
+            elements of theta under ``theta``, and whether the board is to learn from now on under
+            ``learn``.
+        learning: Whether the board learns now. It goes on so if nothing else was asked for.
+        """
+        expected = "expected an object with known, theta or learn"
+        if not isinstance(request, dict) or not request:
+            raise InputError(f"lesson: got {request!r}, {expected}")
+        for key in request:
+            if key not in KEYS:
+                raise InputError(f"lesson: got {key!r}, {expected}")
+        before = learning if self._learn is None else self._learn
+        learn, known = request.get("learn", before), request.get("known")
+        if not isinstance(learn, bool):
+            raise InputError(f"learn: got {learn!r}, expected true or false")
+        if "known" in request and not isinstance(known, dict):
+            raise InputError(f"known: got {known!r}, expected a value for each output")
+        if "known" in request and "theta" in request:
+            raise InputError("lesson: got known and theta, expected one of them")
+        codes: list[int] = []
+        values = None
+        scene = self.board.scene
+        if known is not None:
+            codes = self.board.known_codes(known)
+            values = readings(SIGNAL.to_real(codes), scene.scales(scene.outputs))
+        what = "known"
+        if "theta" in request:
+            what, codes = "theta", self._right_theta(request["theta"])
+        # Only what is right changes anything.
+        self._learn = learn
+        count = self.board.instrument.lesson_receiver.codes
+        packet = lesson_packet(count, learn, codes, what)
+        self._waiting.append(Lesson(packet, values))
+
+    def _right_theta(self, theta: object) -> list[int]:
+        count = self.board.instrument.elements
+        expected = f"expected {count} whole numbers from {SIGNAL.low} to {SIGNAL.high}"
+        if not isinstance(theta, list):
+            raise InputError(f"theta: got {theta!r:.40}, {expected}")
+        right = [type(one) is int and SIGNAL.low <= one <= SIGNAL.high for one in theta]
+        if len(theta) != count or not all(right):
+            raise InputError(f"theta: got {len(theta)} values, {theta!r:.40}, {expected}")
+        return theta
+
+    def next(self) -> Lesson | None:
+        """The lesson that is to be sent now, if one waits."""
+        return self._waiting.popleft() if self._waiting else None
+
+    def sent(self, lesson: Lesson, values: Real, now: float) -> None:
+        """Note that a lesson was sent, and readings and outputs before it, in their units."""
+        if lesson.known is not None:
+            self.count += 1
+            read, outputs = np.split(values, [len(self.board.scene.sensors)])
+            self._shown.append(Shown(read, lesson.known, outputs - lesson.known))
+            self._there, self._since = lesson.known, now
+            # No packet is lost meanwhile.
+            work = self.count, [*self._shown]
+            threading.Thread(target=self._recalibrate, args=work, daemon=True).start()
+
+    def moved(self) -> None:
+        """The load is no longer where it was shown."""
+        self._there = None
+
+    def errors(self, course: Iterable[tuple[float, list[float]]], now: float) -> list[list[float]]:
+        """The errors of the outputs at the placement that is there, each after its time.
+
+        course: Times, and the outputs then; no outputs where the line was cut.
+        """
+        known = self._there
+        if known is None:
+            return []
+        return [
+            [round(t - now, 3), *(v - k for v, k in zip(values, known.tolist(), strict=False))]
+            for t, values in course
+            if t >= self._since
+        ]
+
+    @property
+    def theta(self) -> list[int]:
+        """The codes of theta, in their order, as packets told them last; none before all came."""
+        count = self.board.instrument.elements
+        return [self._theta[n] for n in range(count)] if len(self._theta) == count else []
+
+    def _recalibrate(self, count: int, shown: list[Shown]) -> None:
+        """Note the codes of the theta that ``make recalibrate`` finds from these placements.
+
+        It is the most likely one, so where placements tell little of a sensor it stays near 0.
+        """
+        codes = np.clip(np.rint(ONE * self._fitted(shown)), SIGNAL.low, SIGNAL.high)
+        self._found = max(self._found, (count, [int(code) for code in codes]))
+
+    def _fitted(self, shown: list[Shown]) -> Real:
+        scene = self.board.scene
+        scales, known = scene.scales(scene.outputs), np.array([one.known for one in shown])
+        factors = [scale.factor for scale in scales]
+        size = error_scale(known, scene.outputs, scene.full_scale) / factors
+        placements = Placements(
+            signals(np.array([one.read for one in shown]), scene.scales(scene.sensors)),
+            signals(known, scales),
+            # The error of an output of 0 without a full scale has no size of its own.
+            np.maximum(size, SIGNAL.to_real(1)),
+            np.ones(len(shown)),
+        )
+        sensors = np.array([scale.factor for scale in scene.scales(scene.sensors)])
+        recorded = Sensitivity.of(scene, scene.training.disturbance.noise / sensors)
+        theta = fit(recorded, placements).theta
+        # Its gains are of readings; those of a board are of signals, whose 0 may be elsewhere.
+        gains, offsets = np.split(theta, 2)
+        moved = zero_signals(scene) * recorded.gain * gains / recorded.offset
+        return np.concatenate([gains, offsets + moved])
+
+    def _corrections(self) -> list[dict[str, str]]:
+        """What theta does to each sensor: the gain in percent, and the offset in its unit.
+
+        Beside it stands what ``make recalibrate`` finds, as far as it has found something.
+        """
+        if not self.theta:
+            return []
+        scene, found = self.board.scene, self._found[1]
+        own = self._texts(self.theta)
+        computed = self._texts(found) if found else [("", "")] * len(own)
+        return [
+            {
+                "name": name,
+                "gain": gain,
+                "offset": offset,
+                "gain_found": gain_found,
+                "offset_found": offset_found,
+                "unit": scene.units.get(name, ""),
+            }
+            for name, (gain, offset), (gain_found, offset_found) in zip(
+                scene.sensors, own, computed, strict=True
+            )
+        ]
+
+    def _texts(self, theta: list[int]) -> list[tuple[str, str]]:
+        """Gain in percent and offset of each sensor."""
+        scene = self.board.scene
+        gains, offsets = self._taught.corrections(np.array(theta))
+        scales, places = scene.scales(scene.sensors), self.board.decimals
+        return [
+            (f"{100 * gain:+.2f}", f"{offset * scale.factor:+.{place}f}")
+            for gain, offset, scale, place in zip(gains, offsets, scales, places, strict=False)
+        ]
+
+    def _warning(self) -> str:
+        """Which sensors the board corrects by more than can be expected; empty for none."""
+        sensors, most = self.board.scene.sensors, ONE * MOST_DRIFT
+        far = [
+            f"{name} ({abs(code) / ONE:.1f} times)"
+            for name, code in zip([*sensors, *sensors], self.theta, strict=False)
+            if abs(code) > most
+        ]
+        if not far:
+            return ""
+        return (
+            "The board corrects these by much more than sensors are expected to drift: "
+            f"{', '.join(dict.fromkeys(far))}. The placements tell too little of them, or are "
+            "wrong. Show more placements, or use what make recalibrate finds."
+        )
+
+    def state(
+        self, course: Iterable[tuple[float, list[float]]], now: float, learning: bool
+    ) -> dict[str, Any]:
+        """What the page shows of it; see ``errors``."""
+        places = self.board.decimals[len(self.board.scene.sensors) :]
+        first = self.count - len(self._shown)
+        return {
+            "on": learning,
+            "shown": self.count,
+            "places": self.places,
+            "tour": self.tour is not None,
+            "there": self._there is not None,
+            "errors": self.errors(course, now),
+            "theta": self.theta,
+            "corrections": self._corrections(),
+            "recalibrated": self._found[1],
+            "warning": self._warning(),
+            "placements": [
+                {
+                    "number": first + number,
+                    "known": [f"{v:.{d}f}" for v, d in zip(one.known, places, strict=True)],
+                    "errors": [f"{v:+.{d}f}" for v, d in zip(one.errors, places, strict=True)],
+                }
+                for number, one in enumerate(self._shown, 1)
+            ],
+        }

@@ -1,0 +1,345 @@
+"""Turns what a board sends into what is shown: values, their course, a profile, and faults."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.link.decoder import Decoder, Tally
+from golden.link.packets import FLAGS, Frame
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from tactus.monitor.board import Board
+from tactus.monitor.csv_file import GrowingCsv
+from tactus.monitor.lessons import Lessons
+from tactus.monitor.line import Line
+from tactus.monitor.messages import Messages
+
+# The columns of a recording that stand before those of the scene.
+HEAD = ("seconds", "packet", "computed", "flags")
+# The page shows the outputs of the last ``SHOWN_SECONDS``, with a point every ``POINT_SECONDS``.
+SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
+# A rate is counted over ``RATE_SECONDS``, or over ``RATE_ARRIVALS`` if arrivals are rarer.
+RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
+LIT_SECONDS = 1.0
+_COUNTS = 1 << 16
+NO_DECISION = ["", ""]
+NOT_SENT = "a lesson was not sent, because the line was cut"
+FLAG_TEXTS = {
+    "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
+    "frame_error": "a frame was refused: none is computed before an image is loaded",
+    "image_error": "an image was cut on its way, or is not for this hardware",
+    "line_error": "the board received a byte without a stop bit: another baud rate, or noise",
+    "lesson_error": "a lesson was damaged on its way, or its known outputs were not taken",
+    "learn_error": "a step of learning would have left the range, and was not taken",
+}
+
+
+def csv_columns(board: Board) -> list[str]:
+    """The columns of a recording."""
+    return [*HEAD, *board.columns, *board.decision_columns]
+
+
+class Monitor:
+    """Takes the bytes that come over a line, and gives at any time what is to be shown.
+
+    say: Called with each line for a terminal.
+    csv: A file to which every frame is appended, with ``csv_columns``.
+    clock: Gives a time in seconds.
+
+    lessons: The lessons for the board; None for one that does not learn.
+    """
+
+    def __init__(
+        self,
+        board: Board,
+        say: Callable[[str], None],
+        csv: GrowingCsv | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.board, self.csv = board, csv
+        self.lessons = Lessons(board) if board.learns else None
+        self.decoder = Decoder(board.layout)
+        self.messages = Messages(say, clock)
+        self.computed = 0
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._before: dict[str, Tally] = {}
+        self._began = self._packet_at = clock()
+        self._line = "waiting"
+        self._newest: Frame | None = None
+        self._values: Real = np.empty(0)
+        self._course: deque[tuple[float, list[float]]] = deque()
+        self._arrivals: deque[tuple[float, int, int]] = deque()
+        self._lit = dict.fromkeys(FLAGS, -LIT_SECONDS)
+        self._flagged = dict.fromkeys(FLAGS, 0)
+        visualisation = board.hardware.visualisation
+        points = visualisation.load_profile.ramp.points if visualisation else 0
+        self._profile: list[tuple[float, float] | None] = [None] * points
+
+    def listen(self, line: Line, until: Callable[[], bool]) -> None:
+        """Take what comes until ``until`` is true; report a cut cable and wait until it is back."""
+        while not until():
+            self._send(line)
+            data = line.read()
+            with self._lock:
+                self._take(data)
+                self._watch(line)
+
+    def actions(self) -> dict[str, Callable[[Any], object]]:
+        """What the page may ask for, by its path; each takes what was sent with it."""
+        if self.lessons is None:
+            return {}
+        tour = {"/next": self._next} if self.lessons.tour else {}
+        return {"/teach": self.teach, "/moved": self._moved, **tour}
+
+    def teach(self, request: object) -> None:
+        """Send the board a lesson, which ``listen`` does; see ``Lessons.ask``.
+
+        It may be called from any thread.
+        """
+        assert self.lessons is not None, "only a board that learns is taught"
+        with self._lock:
+            if self._line != "packets":
+                raise InputError(
+                    "a lesson is not sent: no frames come from the board, expected some, with one "
+                    "of which the known outputs are kept"
+                )
+            self.lessons.ask(request, self._learning)
+
+    def _moved(self, _: object) -> None:
+        assert self.lessons is not None, "only a board that learns is taught"
+        with self._lock:
+            self.lessons.moved()
+
+    def _next(self, _: object) -> dict[str, str]:
+        assert self.lessons is not None, "only a board that learns is taught"
+        assert self.lessons.tour is not None, "only a simulated board goes on by itself"
+        with self._lock:
+            self.lessons.moved()
+            return self.lessons.tour.next()
+
+    def _send(self, line: Line) -> None:
+        """Send the lesson that waits, if one does; only this thread writes to the line."""
+        if self.lessons is None:
+            return
+        with self._lock:
+            lesson = self.lessons.next()
+        if lesson is None:
+            return
+        try:
+            line.write(lesson.packet)
+        except InputError:
+            with self._lock:
+                self.messages.tell("lesson", NOT_SENT)
+            return
+        with self._lock:
+            self.lessons.sent(lesson, self._values, self._clock())
+
+    @property
+    def _learning(self) -> bool:
+        """Whether the board learns, as the newest packet says."""
+        return self._newest is not None and "learning" in self._newest.flags
+
+    def _take(self, data: bytes) -> None:
+        frames, now = self.decoder.feed(data), self._clock()
+        if frames:
+            self._take_frames(frames, now)
+        self._tell_faults()
+
+    def _take_frames(self, frames: list[Frame], now: float) -> None:
+        values = self.board.in_units(frames)
+        last = self._newest
+        computed = 0
+        for frame in frames:
+            computed += (frame.count - last.count) % _COUNTS if last else 1
+            for flag in frame.flags:
+                self._lit[flag] = now
+                self._flagged[flag] += 1
+            if frame.point:
+                self._take_point(frame.point)
+            if frame.winner:
+                self._judge_winner(frame.winner[0])
+            if frame.theta and self.lessons:
+                self.lessons.told(frame.theta)
+            last = frame
+        for flag, text in FLAG_TEXTS.items():
+            if self._lit[flag] == now and self.messages.due(flag):
+                self.messages.tell(flag, text)
+        self.computed += computed
+        self._newest, self._values = last, values[-1]
+        self._packet_at = now
+        self._arrivals.append((now, len(frames), computed))
+        outputs = [float(value) for value in values[-1, len(self.board.scene.sensors) :]]
+        if not self._course or now - self._course[-1][0] >= POINT_SECONDS:
+            self._course.append((now, outputs))
+        while now - self._course[0][0] > SHOWN_SECONDS:
+            self._course.popleft()
+        if self.csv:
+            self.csv.append(self._rows(frames, values, now))
+
+    def _take_point(self, point: tuple[int, int, int]) -> None:
+        number, *codes = point
+        if number < len(self._profile):
+            x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
+            self._profile[number] = (x, y)
+        elif self.messages.due("point"):
+            self.messages.tell(
+                "point",
+                f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
+                "board runs the hardware of another scene",
+            )
+
+    def _judge_winner(self, index: int) -> None:
+        count = len(self.board.scene.outputs)
+        if index >= count and self.messages.due("winner"):
+            self.messages.tell(
+                "winner",
+                f"the largest output is number {index}, expected 0 to {count - 1}: the board runs "
+                "the networks of another scene",
+            )
+
+    def _rows(self, frames: list[Frame], values: Real, now: float) -> list[Sequence[object]]:
+        seconds = f"{now - self._began:.3f}"
+        return [
+            [
+                *(seconds, frame.number, frame.count, " ".join(frame.flags)),
+                *self.board.texts(row),
+                *self.board.decision(frame),
+            ]
+            for frame, row in zip(frames, values, strict=True)
+        ]
+
+    def _tell_faults(self) -> None:
+        """Report each kind of fault that has come again since its last report, if one is due."""
+        tally, layout = self.decoder.tally, self.board.layout
+        for kind in tally.faults(Tally(), layout):
+            line = tally.faults(self._before.get(kind, Tally()), layout).get(kind)
+            if line and self.messages.due(kind):
+                self.messages.tell(kind, line)
+                self._before[kind] = tally.copy()
+
+    def _watch(self, line: Line) -> None:
+        """Report it when the line is cut, comes back, falls silent, or carries packets again."""
+        now = self._clock()
+        if line.cut:
+            if self._line != "cut":
+                self.decoder.restart()
+                self._newest = None
+                if self.lessons:
+                    self.lessons.forget()
+                self._arrivals.clear()
+                # The course has a gap here, because nothing is known of the time of the cut.
+                self._course.append((now, []))
+                text = f"the line was cut: {line.cut}; waiting for {line.label}"
+                self.messages.tell("line", text)
+            self._line = "cut"
+        elif self._line == "cut":
+            self.messages.tell("line", f"{line.label} is back")
+            self._line, self._packet_at = "waiting", now
+        elif now - self._packet_at > line.silence:
+            if self._line != "silent":
+                self.messages.tell("line", f"no packet for {line.silence:g} s")
+            self._line = "silent"
+        elif self._newest is not None:
+            if self._line == "silent":
+                self.messages.tell("line", "packets come again")
+            idle = len(self._arrivals) >= RATE_ARRIVALS and not self.rates()[1]
+            self._line = "idle" if idle else "packets"
+
+    def rates(self) -> tuple[float, float]:
+        """The recent rates of packets and of computed frames, both per second."""
+        now, arrivals = self._clock(), self._arrivals
+        while len(arrivals) > RATE_ARRIVALS and now - arrivals[1][0] > RATE_SECONDS:
+            arrivals.popleft()
+        if len(arrivals) < 2 or now == arrivals[0][0]:
+            return 0.0, 0.0
+        # The first arrival only marks when the time begins, so it is not counted.
+        packets, computed = (sum(a[n] for a in arrivals) - arrivals[0][n] for n in (1, 2))
+        return packets / (now - arrivals[0][0]), computed / (now - arrivals[0][0])
+
+    def line(self) -> str:
+        """The newest values in one line."""
+        packets, _ = self.rates()
+        shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
+        if self._line in ("packets", "idle"):
+            shown += [f"{item['name']} {item['text']}" for item in self._decision()]
+            texts = self.board.texts(self._values)[len(self.board.scene.sensors) :]
+            shown += [f"{n} {t}" for n, t in zip(self.board.scene.outputs, texts, strict=True)]
+        return ", ".join(shown)
+
+    def _decision(self) -> list[dict[str, str]]:
+        """The newest decision, by name."""
+        board, newest = self.board, self._newest
+        texts = board.decision(newest) if newest else NO_DECISION
+        return [
+            {"name": name, "text": text}
+            for name, text in zip(board.decision_columns, texts, strict=False)
+        ]
+
+    def state(self) -> dict[str, Any]:
+        """Everything that the page shows."""
+        with self._lock:
+            return self._state()
+
+    def _state(self) -> dict[str, Any]:
+        now, board, tally = self._clock(), self.board, self.decoder.tally
+        scene, known = board.scene, self._newest
+        texts = board.texts(self._values) if len(self._values) else [""] * len(board.columns)
+        columns: list[dict[str, Any]] = [
+            {"name": name, "text": text, "unit": scene.units.get(name, ""), "factor": scale.factor}
+            for name, text, scale in zip(
+                board.columns, texts, scene.scales(board.columns), strict=True
+            )
+        ]
+        sensors, outputs = columns[: len(scene.sensors)], columns[len(scene.sensors) :]
+        if known:
+            for column, code in zip(sensors, known.samples, strict=True):
+                column["code"] = code
+        for name, column in zip(scene.outputs, outputs, strict=True):
+            scale = board.millimetres(name)
+            value = self._values[board.columns.index(name)] if scale and column["text"] else None
+            column["mm"] = "" if value is None else f"{value * scale:.1f}"
+        packets, computed = self.rates()
+        return {
+            "scene": scene.name,
+            "line": self._line,
+            "decision": self._decision(),
+            "sensors": sensors,
+            "outputs": outputs,
+            "course": [[round(t - now, 3), *values] for t, values in self._course],
+            "seconds": SHOWN_SECONDS,
+            "profile": [p for p in self._profile if p] if _position(board) else [],
+            "profile_mm": board.millimetres(_position(board)),
+            "packets": tally.frames,
+            "packets_a_second": packets,
+            "computed": self.computed,
+            "computed_a_second": computed,
+            "missed": tally.missed,
+            "failed": tally.failed,
+            "skipped": tally.skipped,
+            "flags": [
+                {"name": name, "lit": now - self._lit[name] < LIT_SECONDS, "count": count}
+                for name, count in self._flagged.items()
+                # A board of other hardware may set flags that this one does not have.
+                if name in FLAG_TEXTS and (count or name in board.flags)
+            ],
+            "learning": (
+                self.lessons.state(self._course, now, self._learning) if self.lessons else None
+            ),
+            "messages": list(self.messages.lines),
+            "recorded": self.csv.rows if self.csv else 0,
+            "recording": str(self.csv.path) if self.csv else "",
+        }
+
+
+def _position(board: Board) -> str:
+    """The output over which the profile is drawn; empty where the scene has no profile."""
+    visualisation, outputs = board.hardware.visualisation, board.scene.outputs
+    if visualisation is None or max(visualisation.results) >= len(outputs):
+        return ""
+    return outputs[visualisation.results[1]]

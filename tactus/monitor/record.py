@@ -1,0 +1,284 @@
+"""``make record``: record readings at known placements, in the form that ``make scene`` takes."""
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from golden.input_error import InputError, suggest
+from golden.link.decoder import Decoder
+from golden.link.packets import Frame
+from golden.numbers.real import Real
+from tactus.core.cli import run, whole, would
+from tactus.core.files import same_file
+from tactus.core.finding import fault, refuse
+from tactus.core.table import read_csv_file
+from tactus.monitor.board import MOST_BAUD, Board, board_of
+from tactus.monitor.csv_file import GrowingCsv, refuse_there
+from tactus.monitor.line import Line, Simulated
+from tactus.monitor.ports import SIMULATED, TWIN, open_line
+from tactus.scene import Scene
+
+FRAMES = 16
+# The first packets may still belong to the placement before: one in the board, one on the line.
+SETTLE = 2
+
+Placement = tuple[str, ...]
+
+
+def asked_for(scene: Scene) -> list[str]:
+    """The columns that say what a reading is of: the column of classes, or every output."""
+    return [scene.classes] if scene.labels else list(scene.outputs)
+
+
+def labels_of(path: Path, numbers: Sequence[str] = ()) -> tuple[list[str], list[Placement]]:
+    """The names of the outputs, and the placement in each row of a CSV.
+
+    A column holds numbers, or labels of which none is a number. Those whose names are in
+    ``numbers`` hold numbers.
+    """
+    table = read_csv_file(path)
+    placements = [tuple(cell.strip() for cell in row) for row in table.rows]
+    found = []
+    for place, name in enumerate(table.names):
+        column = table.column(name)
+        labels = len(column.odd) == len(placements) and all(row[place] for row in placements)
+        labels = labels and name not in numbers
+        if not labels and (text := column.fault(path)):
+            found.append(fault(text))
+    refuse(found)
+    return list(table.names), placements
+
+
+def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
+    """Refuse columns of a file of labels that cannot be outputs of the recording.
+
+    names: The names of the columns.
+    path: The file of labels.
+    scene: The scene whose sensors are read.
+    simulated: Whether the board is simulated. Such a board can only be touched at placements of its
+        recording.
+    """
+    found = []
+    known = asked_for(scene)
+    for number, name in enumerate(names, 1):
+        if not name:
+            found.append(fault(f"{path}: column {number} has no name, expected that of an output"))
+        elif name in scene.sensors:
+            text = f"got a sensor of {scene.path}, which is read, expected an output"
+            found.append(fault(f"{path}: column {name!r}: {text}"))
+        elif simulated and name not in known:
+            text = (
+                f"got no output of {scene.path}, expected one of {', '.join(known)}: a "
+                "simulated board can only be touched at placements of its recording"
+            )
+            found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, known)}"))
+    refuse(found)
+
+
+def read_label(line: str, names: Sequence[str]) -> Placement:
+    """The label that was typed."""
+    if "," in line:
+        raise InputError(f"got {line.strip()!r}, expected one {names[0]}, without a comma")
+    return (line.strip(),)
+
+
+def read_placement(line: str, outputs: Sequence[str]) -> Placement:
+    """The values that were typed, separated by blanks or commas."""
+    cells = tuple(line.replace(",", " ").split())
+    if len(cells) != len(outputs):
+        raise InputError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
+    for name, cell in zip(outputs, cells, strict=True):
+        try:
+            good = math.isfinite(float(cell))
+        except ValueError:
+            good = False
+        if not good:
+            raise InputError(f"{name}: got {cell!r}, expected a number")
+    return cells
+
+
+def typed(
+    outputs: Sequence[str],
+    ask: Callable[[str], str],
+    say: Callable[[str], None],
+    read: Callable[[str, Sequence[str]], Placement] = read_placement,
+) -> Iterator[Placement]:
+    """The placements that are typed, until an empty line or the end of the input."""
+    say(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
+    while True:
+        try:
+            line = ask("> ")
+        except EOFError:
+            return
+        if not line.strip():
+            return
+        try:
+            placement = read(line, outputs)
+        except InputError as error:
+            say(str(error))
+            continue
+        yield placement
+
+
+def listed(
+    outputs: Sequence[str], placements: Sequence[Placement], ask: Callable[[str], str]
+) -> Iterator[Placement]:
+    """The placements of a list, each after the user has confirmed that it is there."""
+    for number, placement in enumerate(placements, 1):
+        told = ", ".join(f"{n} {cell}" for n, cell in zip(outputs, placement, strict=True))
+        try:
+            ask(f"{number} of {len(placements)}: {told}; Enter when it is there ")
+        except EOFError:
+            return
+        yield placement
+
+
+def gather(line: Line, board: Board, frames: int) -> Real:
+    """The readings of the next frames, shape (frames, sensors)."""
+    line.drop()
+    decoder = Decoder(board.layout)
+    found: list[Frame] = []
+    last = time.monotonic()
+    while len(found) < SETTLE + frames:
+        for frame in decoder.feed(line.read()):
+            last = time.monotonic()
+            if "converter_error" in frame.flags:
+                raise InputError(
+                    f"PORT={line.label}: converter_error: the converter is missing or stuck"
+                )
+            found.append(frame)
+        if line.cut:
+            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
+        if time.monotonic() - last > line.patience:
+            raise InputError(f"PORT={line.label}: no packet for {line.patience:g} s")
+    values = board.in_units(found[SETTLE : SETTLE + frames])
+    return values[:, : len(board.scene.sensors)]
+
+
+def record(
+    line: Line,
+    board: Board,
+    placements: Iterator[Placement],
+    csv: GrowingCsv,
+    frames: int,
+    say: Callable[[str], None],
+) -> Real:
+    """Append a row for each placement: the means of its readings, and its values.
+
+    Returns, shape (sensors,): The standard deviation of a reading within a placement.
+    """
+    spreads = []
+    sensors = board.scene.sensors
+    for placement in placements:
+        readings = gather(line, board, frames)
+        # The mean of many readings gets one more digit.
+        cells = [
+            f"{mean.round(d + 1) + 0:.{d + 1}f}"
+            for mean, d in zip(readings.mean(axis=0), board.decimals, strict=False)
+        ]
+        csv.append([[*cells, *placement]])
+        spreads.append(readings.var(axis=0))
+        shown = ", ".join(f"{name} {cell}" for name, cell in zip(sensors, cells, strict=True))
+        say(f"{csv.rows}: {shown}")
+    return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
+
+
+def asked(prompt: str) -> str:
+    """The line that is typed behind the prompt."""
+    if sys.stdin is None:
+        raise EOFError
+    return input(prompt)
+
+
+def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
+    """Refuse a recording that is shorter than was asked for.
+
+    listed: How many placements ``LABELS=`` has; 0 if placements are typed.
+    interrupted: Whether the user ended it with Ctrl-C. Then a shorter recording is what was wanted.
+    """
+    if not csv.rows:
+        why = "interrupted" if interrupted else "the input ended"
+        raise InputError(f"TO={csv.path}: not written: {why} before the first placement")
+    if csv.rows < listed and not interrupted:
+        raise InputError(
+            f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
+            "input ended before the others"
+        )
+
+
+def simulated_ask(
+    simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
+) -> Callable[[str], str]:
+    """A question that touches the simulated board at the next placement, so nobody need answer."""
+    rows = iter(placements)
+
+    def ask(_: str) -> str:
+        simulated.place(dict(zip(outputs, next(rows), strict=True)))
+        return ""
+
+    return ask
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make record", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("port", help="a serial port, or sim")
+    parser.add_argument("to")
+    parser.add_argument("--labels", default="", help="CSV of placements, a column for each output")
+    parser.add_argument("--frames", type=whole("FRAMES", 1, 100_000), default=FRAMES)
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
+    arguments = parser.parse_args()
+    if not arguments.to:
+        raise InputError("TO=: missing, expected a .csv file")
+    board = board_of(arguments.scene)
+    to = Path(arguments.to)
+    refuse_there(to)
+    outputs, placements = asked_for(board.scene), None
+    if arguments.labels:
+        labels = Path(arguments.labels)
+        if same_file(labels, to):
+            raise InputError(f"TO={to}: is read by this command, expected another file")
+        outputs, placements = labels_of(labels, board.scene.outputs)
+        check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
+    would(f"record readings from {arguments.port} into {to}")
+    with (
+        open_line(arguments.port, arguments.baud, board) as line,
+        GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,
+    ):
+        ask: Callable[[str], str] = asked
+        interrupted = False
+        if placements is None:
+            read = read_label if board.scene.labels else read_placement
+            source = typed(outputs, ask, print, read)
+        else:
+            if line.simulated:
+                ask = simulated_ask(line.simulated, placements, outputs)
+            source = listed(outputs, placements, ask)
+        try:
+            spread = record(line, board, source, csv, arguments.frames, print)
+        except KeyboardInterrupt:
+            print()
+            interrupted = True
+            spread = np.zeros(len(board.scene.sensors))
+        finally:
+            if not csv.rows:
+                to.unlink()
+        if csv.rows:
+            print(f"wrote {to}, {csv.rows} placements")
+        if spread.any():
+            worst = int(spread.argmax())
+            print(
+                f"noise of a reading: at most {spread[worst]:.2g} ({board.scene.sensors[worst]}); "
+                f"of a mean of {arguments.frames} readings: "
+                f"{spread[worst] / arguments.frames**0.5:.2g}"
+            )
+        check_rows(csv, len(placements or ()), interrupted)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,69 @@
+"""Networks as MATLAB files with the fields of Netlab, as Appendix 5 of the thesis loads them."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat, savemat
+
+from golden.input_error import InputError
+from golden.trained.dense import Trained
+from golden.trained.mlp import Mlp
+from tactus.core.files import reading
+from tactus.network_files.held import Held
+from tactus.network_files.numbers import real_numbers
+
+# Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
+TRANSPOSED = True
+VARIABLE = "network"
+FIELDS = ("w1", "b1", "w2", "b2")
+
+
+def read(path: Path) -> Held:
+    """The arrays of the only structure in the file that has the fields w1, b1, w2 and b2.
+
+    The structure may have any name; the fields may also be variables of the file itself.
+    """
+    with reading(path, "a MATLAB file up to version 7"):
+        variables = loadmat(path, squeeze_me=False, struct_as_record=False)
+    names = [name for name in variables if not name.startswith("__")]
+    found = [fields for name in names if (fields := _fields(variables[name]))]
+    if all(name in variables for name in FIELDS):
+        found.append({name: variables[name] for name in FIELDS})
+    if len(found) != 1:
+        raise InputError(
+            f"{path}: got {len(found)} networks among the variables {', '.join(names)}, expected "
+            f"one with the fields {', '.join(FIELDS)}"
+        )
+    arrays = {name: real_numbers(path, name, found[0][name]) for name in FIELDS}
+    return Held(
+        {
+            "w1": arrays["w1"].T,
+            "b1": arrays["b1"].ravel(),
+            "w2": arrays["w2"].T,
+            "b2": arrays["b2"].ravel(),
+        }
+    )
+
+
+def _fields(value: Any) -> dict[str, Any] | None:
+    """The four fields of a 1 x 1 structure; None for anything else."""
+    if not isinstance(value, np.ndarray) or value.size != 1 or value.dtype != object:
+        return None
+    structure = value.ravel()[0]
+    if not all(hasattr(structure, name) for name in FIELDS):
+        return None
+    return {name: getattr(structure, name) for name in FIELDS}
+
+
+def write(path: Path, network: Trained) -> None:
+    """Write the network as a structure named ``network``."""
+    if not isinstance(network, Mlp):
+        layers = ", ".join(network.activations) or "none"
+        raise InputError(
+            f"got a network with hidden layers of {layers}, expected one hidden layer of "
+            "tanh, which is all that a Netlab structure can hold; .npz and .onnx hold any"
+        )
+    w1, w2 = network.w1.T, network.w2.T
+    fields = {"w1": w1, "b1": network.b1[np.newaxis], "w2": w2, "b2": network.b2[np.newaxis]}
+    savemat(path, {VARIABLE: fields})

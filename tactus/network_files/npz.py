@@ -1,0 +1,106 @@
+"""Networks as NPZ files without pickle, which is the project's own format."""
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError, naming
+from golden.trained.dense import Quantiser, Trained, layers_of
+from golden.trained.function import Function
+from golden.trained.mlp import Mlp
+from tactus.core.files import reading
+from tactus.network_files.held import Held
+from tactus.network_files.numbers import real_numbers
+
+# In this format, the rows of a weight matrix are nodes.
+TRANSPOSED = False
+# The activation of each hidden layer, and the slope of each, which only a leaky ReLU uses. A
+# network with one hidden layer of tanh has neither.
+ACTIVATIONS, LEAKS = "activations", "leaks"
+# Of a quantised network a row for each hidden layer: scale, zero, the ends of the codes, the place
+# of the rounding in ``ROUNDINGS``, and whether it comes before the zero; zeros where there is none.
+QUANTISERS = "quantisers"
+ROUNDINGS = ("even", "away", "floor")
+# Before the name of a function that is a spline: its numbers, as ``Function`` has them.
+SPLINE = "spline_"
+
+
+def read(path: Path) -> Held:
+    """Read every array of an NPZ file as float64, and the activations."""
+    if not zipfile.is_zipfile(path):
+        raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
+    with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    named = arrays.pop(ACTIVATIONS, None)
+    numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
+    if named is None:
+        return Held(numbers)
+    splines = {name: numbers.pop(name) for name in list(numbers) if name.startswith(SPLINE)}
+    with naming(f"{path}"):
+        functions = tuple(
+            Function(name.removeprefix(SPLINE), spline=tuple(array.ravel().tolist()))
+            for name, array in splines.items()
+        )
+    if named.ndim != 1 or named.dtype.kind != "U":
+        raise InputError(
+            f"{path}: {ACTIVATIONS}: got {named.dtype} of shape {named.shape}, expected a text for "
+            "each hidden layer"
+        )
+    leaks = numbers.pop(LEAKS, np.zeros(0)).ravel()
+    if leaks.size not in (0, named.size):
+        raise InputError(
+            f"{path}: {LEAKS}: got {leaks.size} numbers, expected {named.size}, one for each "
+            "hidden layer"
+        )
+    rows = numbers.pop(QUANTISERS, np.zeros((0, 6)))
+    if rows.shape not in ((0, 6), (named.size, 6)):
+        raise InputError(
+            f"{path}: {QUANTISERS}: got shape {rows.shape}, expected {(named.size, 6)}"
+        )
+    with naming(f"{path}: {QUANTISERS}"):
+        found = tuple(map(_quantiser, rows.tolist()))
+    texts, slopes = tuple(named.tolist()), tuple(leaks.tolist())
+    return Held(numbers, texts, slopes, found, functions=functions)
+
+
+def _quantiser(row: list[float]) -> Quantiser | None:
+    """The quantiser that a row tells of; None for zeros."""
+    if not any(row):
+        return None
+    scale, *others = row
+    if not all(float(value).is_integer() for value in others) or not 0 <= others[3] < 3:
+        raise InputError(
+            f"got {row}, expected a scale, whole numbers for the zero point and both ends of the "
+            "codes, a rounding from 0 to 2, and 0 or 1"
+        )
+    zero, low, high, rounding, before_zero = map(int, others)
+    return Quantiser(scale, zero, low, high, ROUNDINGS[rounding], bool(before_zero))
+
+
+def _row(quantiser: Quantiser | None) -> list[float]:
+    """The inverse of ``_quantiser``."""
+    if quantiser is None:
+        return [0.0] * 6
+    q = quantiser
+    return [q.scale, q.zero, q.low, q.high, ROUNDINGS.index(q.rounding), q.before_zero]
+
+
+def write(path: Path, network: Trained) -> None:
+    """Write the arrays of each layer, and the activations if they are not one layer of tanh."""
+    arrays: dict[str, Any] = {}
+    layers = layers_of(network)
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+    if not isinstance(network, Mlp):
+        arrays[ACTIVATIONS] = np.array([layer.activation for layer in layers[:-1]], dtype=np.str_)
+        arrays[LEAKS] = np.array([layer.leak for layer in layers[:-1]])
+        for layer in layers:
+            for function in layer.functions:
+                if function.spline:
+                    arrays[SPLINE + function.name] = np.array(function.spline)
+        if network.quantised:
+            rows = [_row(layer.quantiser) for layer in layers[:-1]]
+            arrays[QUANTISERS] = np.array(rows, dtype=np.float64)
+    np.savez(path, **arrays)

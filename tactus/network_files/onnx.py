@@ -1,0 +1,514 @@
+"""Networks as ONNX graphs: a chain of dense layers, with an activation behind each but the last.
+
+Operators that scale each value by itself (samples, hidden nodes or outputs), BatchNormalization
+too, are folded into the layer that follows, or into the one before. Behind the last layer, the end
+of a classifier may stand.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import onnx
+from onnx import AttributeProto, TensorProto, helper, numpy_helper
+from onnx.reference import ReferenceEvaluator
+
+from golden.input_error import InputError, naming
+from golden.numbers.real import Real
+from golden.trained.dense import LEAK, DenseNetwork, Quantiser, Trained, layers_of
+from golden.trained.function import TABLE, Function
+from golden.trained.mlp import shifted
+from tactus.core.files import reading
+from tactus.network_files import classifier, quantisers
+from tactus.network_files.functions import EXPRESSIONS, function_of
+from tactus.network_files.held import Held
+from tactus.network_files.numbers import real_numbers
+
+# Whatever their order in the file, weights are described with nodes in rows.
+TRANSPOSED = False
+LINEAR = ("Gemm", "MatMul")
+ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler", "BatchNormalization")
+# For each operator, the name of its activation in tactus.
+ACTIVATIONS = {
+    "Tanh": "tanh",
+    "Sigmoid": "sigmoid",
+    "Relu": "relu",
+    "LeakyRelu": "leaky_relu",
+    "PRelu": "leaky_relu",
+    "Clip": "hard_tanh",
+}
+# For each operator, the numbers of inputs that it may have.
+OPERATORS = {
+    "Gemm": (2, 3),
+    "MatMul": (2,),
+    "Add": (2,),
+    "Sub": (2,),
+    "Mul": (2,),
+    "Div": (2,),
+    "Scaler": (1,),
+    "BatchNormalization": (5,),
+    "Tanh": (1,),
+    "Sigmoid": (1,),
+    "Relu": (1,),
+    "LeakyRelu": (1,),
+    "PRelu": (2,),
+    "Clip": (1, 2, 3),
+    **dict.fromkeys(EXPRESSIONS, (1,)),
+    "Cast": (1,),
+    "Identity": (1,),
+    "Flatten": (1,),
+    "Reshape": (2,),
+}
+# Operators that are applied to constants when a file is read.
+FOLDED = ("Transpose", "Identity", "Pow", "Sqrt", "Mul", "Div", "Unsqueeze", "Squeeze", "Reshape")
+# The reasons why some other operators are not supported.
+CONVOLUTION = "tactus is for dense networks and has no convolution"
+RECURRENT = "tactus is for dense networks and has none that keep a state"
+REASONS = {
+    **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
+    **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
+}
+# For each attribute, the field that holds its value, and the type that it must have.
+ATTRIBUTES = {
+    "alpha": ("f", AttributeProto.FLOAT),
+    "beta": ("f", AttributeProto.FLOAT),
+    "gamma": ("f", AttributeProto.FLOAT),
+    "approximate": ("s", AttributeProto.STRING),
+    "transA": ("i", AttributeProto.INT),
+    "transB": ("i", AttributeProto.INT),
+    "epsilon": ("f", AttributeProto.FLOAT),
+    "training_mode": ("i", AttributeProto.INT),
+    "axis": ("i", AttributeProto.INT),
+    "to": ("i", AttributeProto.INT),
+    "min": ("f", AttributeProto.FLOAT),
+    "max": ("f", AttributeProto.FLOAT),
+    "offset": ("floats", AttributeProto.FLOATS),
+    "scale": ("floats", AttributeProto.FLOATS),
+}
+# What a Cast may make of numbers.
+FLOATS = ("FLOAT", "DOUBLE", "FLOAT16", "BFLOAT16")
+# These are old enough for every runtime in use, and new enough for every operator used here.
+OPSET, IR_VERSION = 13, 7
+
+
+@dataclass
+class _Layer:
+    """A layer that what follows may still change."""
+
+    weights: Real
+    biases: Real
+    activation: str = "linear"
+    leak: float = LEAK
+    quantiser: Quantiser | None = None
+
+
+class _Chain:
+    """The layers found so far, from the graph's input onwards."""
+
+    def __init__(self, path: Path, output: str):
+        self.path = path
+        self.output = output
+        self.layers: list[_Layer] = []
+        # Whether the last of them has its activation.
+        self.activated = False
+        # The values before the next layer are factor * x + shift, each by itself.
+        self.factor, self.shift = np.ones(1), np.zeros(1)
+        # Of the samples, whose number a layer tells, with the factor and the shift in front.
+        self.first: tuple[Quantiser, Real, Real] | None = None
+        # Whether what comes next are codes, until a DequantizeLinear.
+        self.coded: Quantiser | None = None
+        # The functions of activations that are tables, by name.
+        self.functions: dict[str, Function] = {}
+
+    def refuse(self, node: Any, reason: str) -> InputError:
+        place = f"behind layer {len(self.layers)}: " if self.layers else ""
+        return InputError(f"{self.path}: {place}operator {node.op_type} ({node.name!r}): {reason}")
+
+    def width(self, node: Any) -> int:
+        """How many values the last layer gives."""
+        if not self.layers:
+            raise self.refuse(node, "stands in front of every layer, expected it behind the last")
+        return len(self.layers[-1].biases)
+
+    def linear(self, node: Any, weights: Real, bias: Real) -> None:
+        """Add a layer, into which the scaling before it is folded."""
+        width = weights.shape[1]
+        if self.layers and width != self.width(node):
+            given = self.width(node)
+            hint = "; they are transposed" if len(weights) == given else ""
+            raise self.refuse(
+                node, f"got weights of {width} values, expected {given}, as many as come{hint}"
+            )
+        if self.first:
+            quantiser, factor, shift = self.first
+            self.first = None
+            behind, (self.factor, self.shift) = (self.factor, self.shift), (factor, shift)
+            self.linear(node, np.eye(width), np.zeros(width))
+            self.quantise(node, quantiser)
+            self.factor, self.shift = behind
+        factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
+        self.factor, self.shift = np.ones(1), np.zeros(1)
+        self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
+        self.activated = False
+
+    def activate(self, node: Any, activation: str, leak: float) -> None:
+        """The activation of the last layer."""
+        if not self.layers or self.activated:
+            where = "behind another activation" if self.layers else "in front of every layer"
+            raise self.refuse(node, f"stands {where}, expected it behind a Gemm or MatMul")
+        if not 0 <= leak <= 1:
+            raise self.refuse(node, f"got the slope {leak:g} below 0, expected 0 to 1")
+        self.layers[-1].activation, self.layers[-1].leak = activation, leak
+        self.activated = True
+
+    def look_up(self, node: Any, function: Function) -> None:
+        """A function of a table as the activation of the last layer."""
+        if self.functions.get(function.name, function) != function:
+            # The same operator with other attributes.
+            function = replace(function, name=f"{function.name}_{len(self.layers)}")
+        self.functions[function.name] = function
+        self.activate(node, TABLE + function.name, LEAK)
+
+    def quantise(self, node: Any, quantiser: Quantiser) -> None:
+        """The quantiser behind the last layer; of samples it becomes a layer of its own."""
+        if self.first or (self.layers and self.layers[-1].quantiser):
+            raise self.refuse(node, "stands behind another quantiser, expected a layer between")
+        if not self.layers:
+            self.first = quantiser, self.factor, self.shift
+            self.factor, self.shift = np.ones(1), np.zeros(1)
+            return
+        self.layers[-1].quantiser = quantiser
+        self.activated = True
+
+    def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
+        """Multiply each value by its factor, and add its shift."""
+        if self.layers and not self.activated:
+            layer = self.layers[-1]
+            factor, shift = (self.wide(node, v, len(layer.biases)) for v in (factor, shift))
+            layer.weights = layer.weights * factor[:, np.newaxis]
+            layer.biases = layer.biases * factor + shift
+        else:
+            width = max(len(v) for v in (self.factor, self.shift, factor, shift))
+            old, before = (self.wide(node, v, width) for v in (self.factor, self.shift))
+            factor, shift = (self.wide(node, v, width) for v in (factor, shift))
+            self.factor, self.shift = old * factor, before * factor + shift
+
+    def finish(self, node: Any) -> None:
+        """Behind an activation at the end, a linear layer of what scales its values."""
+        last = self.layers[-1] if self.layers else None
+        if last and (last.activation != "linear" or last.quantiser):
+            nodes = len(last.biases)
+            self.linear(node, np.eye(nodes), np.zeros(nodes))
+
+    def wide(self, node: Any, values: Real, width: int) -> Real:
+        """One value for each of ``width`` inputs or outputs."""
+        if len(values) not in (1, width):
+            raise self.refuse(node, f"got {len(values)} values, expected 1 or {width}")
+        return np.broadcast_to(values, width)
+
+
+def read(path: Path) -> Held:
+    """The layers of a network that PyTorch, Keras or scikit-learn has exported.
+
+    The graph must be layers of Gemm or MatMul, each but the last followed by one of
+    ``ACTIVATIONS``, by one that becomes a table (``tactus.network_files.functions``), or by none.
+    Before and after each of these there may be Add, Sub, Mul, Div and Scaler with constants,
+    BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At the end
+    there may be what makes a class of the values; see ``tactus.network_files.classifier``.
+    """
+    with reading(path, "an ONNX file"):
+        model = onnx.load(str(path))
+    graph = model.graph
+    constants = {c.name: _array(path, c) for c in graph.initializer}
+    inputs = [i.name for i in graph.input if i.name not in constants]
+    counted = f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
+    if len(inputs) != 1 or not graph.output:
+        raise InputError(f"{counted}with one of each")
+    (taken,) = [i for i in graph.input if i.name == inputs[0]]
+    # Some exporters write -1 for any number of frames.
+    shape = [dim.dim_value for dim in taken.type.tensor_type.shape.dim]
+    _check_sizes(path, f"input {taken.name!r}", shape, shape[1:])
+    chain = _Chain(path, graph.output[0].name)
+    current, node, ending = inputs[0], None, None
+    # Named before what is unusual because of them, such as an Unsqueeze of the samples.
+    for node in graph.node:
+        if node.op_type in REASONS:
+            raise chain.refuse(node, f"not supported: {REASONS[node.op_type]}")
+    versions = {opset.domain: opset.version for opset in model.opset_import}
+    for place, node in enumerate(graph.node):
+        if node.op_type == "Constant":
+            value = next((a for a in node.attribute if a.name == "value"), None)
+            if value is None:
+                raise chain.refuse(node, "expected a tensor as its value")
+            constants.update(dict.fromkeys(node.output, _array(path, value.t)))
+            continue
+        if node.op_type in quantisers.OPERATORS and node.input[0] in constants:
+            made = quantisers.folded(node, constants[node.input[0]], constants, chain.refuse)
+            constants.update(dict.fromkeys(node.output, made))
+            continue
+        if node.op_type in FOLDED and node.input and all(n in constants for n in node.input):
+            constants[node.output[0]] = _folded(chain, node, constants, versions)
+            continue
+        if classifier.begins(node, graph.node[place + 1 :]) and not chain.coded:
+            behind = graph.node[place:]
+            outputs = [output.name for output in graph.output]
+            ending = classifier.followed(
+                behind, current, outputs, constants, chain.width(node), chain.refuse
+            )
+            break
+        _step(chain, node, current, constants)
+        current = node.output[0]
+    if ending is None and len(graph.output) != 1:
+        raise InputError(f"{counted}with one of each, or of a classifier")
+    if ending is None and current != chain.output:
+        raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
+    chain.finish(node)
+    layers = chain.layers
+    if not layers:
+        raise InputError(
+            f"{path}: got no linear layer, expected one or more, {' or '.join(LINEAR)}"
+        )
+    arrays: dict[str, Real] = {}
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+    return Held(
+        arrays,
+        tuple(layer.activation for layer in layers[:-1]),
+        tuple(layer.leak for layer in layers[:-1]),
+        tuple(layer.quantiser for layer in layers[:-1]),
+        ending,
+        tuple(chain.functions.values()),
+    )
+
+
+def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]) -> Any:
+    """Apply an operator to constants, as ONNX defines it in these versions of its domains."""
+    taken = {name: constants[name] for name in node.input}
+    try:
+        results: Any = ReferenceEvaluator(node, opsets=versions).run(None, taken)
+        return results[0]
+    except Exception as error:
+        raise chain.refuse(node, f"cannot be applied to its constants: {error}") from None
+
+
+def _array(path: Path, tensor: Any) -> Any:
+    """The value of a constant in the graph."""
+    _check_sizes(path, f"tensor {tensor.name!r}", tensor.dims, tensor.dims)
+    with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
+        array = numpy_helper.to_array(tensor)
+        # numpy sees short floats as records.
+        return array.astype(np.float32) if array.dtype.kind == "V" else array
+
+
+def _check_sizes(path: Path, what: str, shape: Sequence[int], sizes: Sequence[int]) -> None:
+    """Refuse a shape with sizes below 0, which numpy would take for what is left."""
+    if min(sizes, default=0) < 0:
+        raise InputError(f"{path}: {what}: got the shape {list(shape)}, expected sizes above 0")
+
+
+def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+    """Add one operator to the chain."""
+    if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
+        _quantise(chain, node, current, constants)
+        return
+    if chain.coded:
+        raise chain.refuse(node, "takes the codes of a QuantizeLinear, expected DequantizeLinear")
+    domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
+    if node.op_type not in OPERATORS or node.domain not in domains:
+        raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
+    used = [name for name in node.input if name]
+    if len(used) not in OPERATORS[node.op_type] or len(node.output) != 1:
+        expected = " or ".join(str(count) for count in OPERATORS[node.op_type])
+        raise chain.refuse(
+            node,
+            f"got {len(used)} inputs and {len(node.output)} outputs, expected {expected} and 1",
+        )
+    if current not in used:
+        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    others = [name for name in used if name != current]
+    missing = [name for name in others if name not in constants]
+    if missing or used.count(current) != 1:
+        raise chain.refuse(
+            node, f"reads {missing or current!r}, expected constants beside {current!r}"
+        )
+    values = [real_numbers(chain.path, name, constants[name]) for name in others]
+    attributes = {}
+    for attribute in node.attribute:
+        if attribute.name in ATTRIBUTES:
+            field, kind = ATTRIBUTES[attribute.name]
+            if attribute.type != kind:
+                raise chain.refuse(node, f"got {attribute.name} of another type, expected numbers")
+            attributes[attribute.name] = getattr(attribute, field)
+    if node.op_type in LINEAR:
+        if node.input[0] != current or values[0].ndim != 2:
+            raise chain.refuse(node, "expected the data first and a matrix of weights second")
+        if attributes.get("transA", 0):
+            raise chain.refuse(node, "transA=1, expected 0")
+        weights = values[0] * attributes.get("alpha", 1.0)
+        weights = weights if attributes.get("transB", 0) else weights.T
+        bias = _row(chain, node, values[1]) if len(values) > 1 else np.zeros(1)
+        bias = chain.wide(node, bias * attributes.get("beta", 1.0), len(weights))
+        chain.linear(node, weights, bias)
+    elif node.op_type in ELEMENTWISE:
+        chain.elementwise(node, *_factor_and_shift(chain, node, current, values, attributes))
+    elif node.op_type in ACTIVATIONS:
+        _check_ends(chain, node, constants, attributes)
+        leak = attributes.get("alpha", LEAK)
+        if node.op_type == "PRelu":
+            slopes = np.unique(values[0])
+            if slopes.size != 1:
+                raise chain.refuse(node, f"got {slopes.size} slopes, expected one for all nodes")
+            leak = float(slopes[0])
+        chain.activate(node, ACTIVATIONS[node.op_type], leak)
+    elif node.op_type in EXPRESSIONS:
+        with naming(f"{chain.path}: operator {node.op_type} ({node.name!r})"):
+            function = function_of(node.op_type, attributes)
+        chain.look_up(node, function)
+    elif node.op_type == "Cast":
+        kinds = {number: name for name, number in TensorProto.DataType.items()}
+        kind = kinds.get(attributes.get("to"), "nothing")
+        if kind not in FLOATS:
+            raise chain.refuse(node, f"to {kind}, expected one of {', '.join(FLOATS)}")
+    elif node.op_type == "Flatten":
+        if attributes.get("axis", 1) not in (1, -1):
+            raise chain.refuse(node, f"got axis {attributes['axis']}, expected 1")
+    elif node.op_type == "Reshape":
+        # skl2onnx ends with a column of all results, whatever the number of outputs. The values and
+        # their order stay the same.
+        width = len(chain.layers[-1].biases) if chain.layers else None
+        shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
+        shape = np.asarray(constants[others[0]]).tolist()
+        if shape not in shapes:
+            raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
+
+
+def _quantise(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+    """Take a quantiser into the chain; a DequantizeLinear only undoes the one before it."""
+    if node.input[0] != current:
+        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    if node.op_type == quantisers.BIPOLAR:
+        two, half = quantisers.bipolar(node, constants, chain.refuse)
+        chain.quantise(node, two)
+        chain.elementwise(node, np.ones(1), np.array([half]))
+        return
+    if node.op_type != quantisers.DEQUANTIZE:
+        quantiser = quantisers.quantiser_of(node, constants, chain.refuse)
+        chain.quantise(node, quantiser)
+        chain.coded = quantiser if node.op_type == quantisers.QUANTIZE else None
+        return
+    before, chain.coded = chain.coded, None
+    scale, zero, *_ = [*quantisers.parameters(node, constants, chain.refuse), None]
+    place = 0 if zero is None else zero
+    if (
+        before is None
+        or not (np.all(scale == np.float32(before.scale)) or np.all(scale == before.scale))
+        or not np.all(place == before.zero)
+    ):
+        raise chain.refuse(node, "expected the scale and zero point of a QuantizeLinear before it")
+
+
+def _check_ends(
+    chain: _Chain, node: Any, constants: dict[str, Any], attributes: dict[str, Any]
+) -> None:
+    """Refuse a Clip that does not end at -1 and 1."""
+    if node.op_type != "Clip":
+        return
+    ends = []
+    for place, name in enumerate(("min", "max"), start=1):
+        held = node.input[place] if len(node.input) > place else ""
+        value = constants[held] if held else attributes.get(name)
+        ends.append(None if value is None else np.ravel(value).tolist())
+    if ends != [[-1.0], [1.0]]:
+        raise chain.refuse(
+            node, f"got the ends {ends[0]} and {ends[1]}, expected -1 and 1: a hard tanh"
+        )
+
+
+def _factor_and_shift(
+    chain: _Chain, node: Any, current: str, values: list[Real], attributes: dict[str, Any]
+) -> tuple[Real, Real]:
+    """The factor and the shift by which an operator changes each value by itself."""
+    if node.op_type == "Scaler":
+        offset, scale = (np.array(attributes.get(key, [])) for key in ("offset", "scale"))
+        if not offset.size or not scale.size:
+            raise chain.refuse(node, "expected the attributes offset and scale")
+        return scale, -offset * scale
+    if node.op_type == "BatchNormalization":
+        if attributes.get("training_mode", 0) or node.input[0] != current:
+            raise chain.refuse(node, "expected it as it is after training, with the data first")
+        gain, offset, mean, variance = (_row(chain, node, v) for v in values)
+        factor = gain / np.sqrt(variance + attributes.get("epsilon", 1e-5))
+        return factor, offset - mean * factor
+    value = _row(chain, node, values[0])
+    first = node.input[0] == current
+    if node.op_type == "Add":
+        return np.ones(1), value
+    if node.op_type == "Sub":
+        return np.array([1.0 if first else -1.0]), -value if first else value
+    if node.op_type == "Mul":
+        return value, np.zeros(1)
+    if not first or not value.all():
+        raise chain.refuse(node, "expected the data first, divided by numbers other than 0")
+    return 1 / value, np.zeros(1)
+
+
+def _row(chain: _Chain, node: Any, values: Real) -> Real:
+    """A constant that holds one number for each value of a frame, or one number for all."""
+    if values.size != 1 and values.shape[-1] != values.size:
+        raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
+    row: Real = values.ravel()
+    return row
+
+
+def write(path: Path, network: Trained) -> None:
+    """Write the network as a Gemm for each layer and its activation, in double precision."""
+    tables = [layer.activation for layer in layers_of(network) if layer.functions]
+    if tables:
+        raise InputError(
+            f"got an activation {tables[0]!r}, expected one that ONNX has an operator for; .npz "
+            "names any"
+        )
+    if isinstance(network, DenseNetwork) and network.quantised:
+        raise InputError(
+            "got a quantised network, expected one in floating point: quantisers are only read of "
+            "this form; .npz holds them"
+        )
+    arrays: dict[str, Real] = {}
+    nodes, value = [], "x"
+    layers = layers_of(network)
+    for n, layer in enumerate(layers, start=1):
+        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
+        given = "y" if n == len(layers) else f"q{n}"
+        nodes.append(
+            helper.make_node("Gemm", [value, f"w{n}", f"b{n}"], [given], f"layer{n}", transB=1)
+        )
+        value = given
+        if layer.activation == "linear":
+            continue
+        operator = next(kind for kind, name in ACTIVATIONS.items() if name == layer.activation)
+        taken, more = [value], dict[str, Any]()
+        if operator == "Clip":
+            arrays |= {"least": np.array(-1.0), "most": np.array(1.0)}
+            taken += ["least", "most"]
+        elif operator == "LeakyRelu":
+            more["alpha"] = layer.leak
+        value = f"r{n}"
+        nodes.append(helper.make_node(operator, taken, [value], f"activation{n}", **more))
+    inputs, *_, outputs = network.shape
+    graph = helper.make_graph(
+        nodes,
+        "tactus",
+        [helper.make_tensor_value_info("x", TensorProto.DOUBLE, ["frames", inputs])],
+        [helper.make_tensor_value_info("y", TensorProto.DOUBLE, ["frames", outputs])],
+        [numpy_helper.from_array(array, name) for name, array in arrays.items()],
+    )
+    model = helper.make_model(
+        graph,
+        producer_name="tactus",
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        ir_version=IR_VERSION,
+    )
+    onnx.checker.check_model(model)
+    path.write_bytes(model.SerializeToString())

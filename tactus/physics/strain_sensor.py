@@ -1,0 +1,155 @@
+"""The gauges of the flexible digit, thesis equations 3.7 to 3.9, fitted to recorded vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+
+from golden.input_error import InputError
+from golden.numbers.domain import checked
+from golden.numbers.real import Real
+from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
+from tactus.physics import GRAVITY
+from tactus.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
+
+# The columns of loads in scenes/data/appendix2.csv.
+COLUMNS = ("load", "position", "width", "shape")
+TRIANGLE_CODE, RECTANGLE_CODE = 0.9, 0.45  # Table 3.1
+
+# A gauge that reads only the load is one at infinity. The search ends at this many lengths of the
+# beam, where the arm changes by 0.4 % over the whole working range.
+FARTHEST = 100.0
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads on the beam in SI units. The arrays are broadcast.
+
+    mass: D in kg.
+    position: a in m, from the root to the middle of the load.
+    half_width: h in m.
+    triangular: See ``mean_arm``.
+    """
+
+    mass: Real
+    position: Real
+    half_width: Real
+    triangular: Real
+
+    def at_points(self) -> Loads:
+        """The same loads without width, which equation 3.5 assumes."""
+        return replace(self, half_width=np.zeros_like(self.half_width))
+
+
+def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
+    """The loads on the beam for coded targets (load, position, width, shape; Table 3.1).
+
+    codes, shape (..., 4): 0.9 means 23 g, 127 mm from the tip, and a width of 50.8 mm
+        (``golden.numbers.units``).
+    """
+    load, position, width, shape = np.moveaxis(np.asarray(codes, dtype=np.float64), -1, 0)
+    return Loads(
+        load / FULL_SCALE * LOAD_G / 1e3,
+        beam.length - position / FULL_SCALE * POSITION_MM / 1e3,
+        width / FULL_SCALE * WIDTH_MM / 2e3,
+        shape > (TRIANGLE_CODE + RECTANGLE_CODE) / 2,
+    )
+
+
+@dataclass(frozen=True)
+class StrainSensor:
+    """One gauge with its amplifier: V = gain gamma M_B / (E I) + offset (equation 3.9).
+
+    gain: V per strain (equations 3.7 and 3.8). With a positive gain an upward bend gives a positive
+        reading.
+    offset: V_off in V.
+    position: In m from the root. Below 0 there can be no gauge on this beam. The formula still
+        continues there, so that a fit can show that a sensor does not read a bending moment.
+    beam: The beam; gamma is half of its thickness.
+    """
+
+    gain: float
+    offset: float
+    position: float
+    beam: Beam
+
+    def read(self, loads: Loads) -> Real:
+        """Volts for each load, not clipped."""
+        mass, arm = self._mass_and_arm(loads)
+        strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
+        result: Real = self.gain * strain + self.offset
+        return result
+
+    def slopes(self, loads: Loads) -> Real:
+        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
+        mass, arm = self._mass_and_arm(loads)
+        by_position, by_half_width = arm_slopes(
+            loads.position - self.position, loads.half_width, loads.triangular
+        )
+        moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
+        per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
+        result: Real = per_moment * np.stack(moments, axis=-1)
+        return result
+
+    def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:
+        mass, place = checked(
+            mass=(loads.mass, 0, MOST_MASS), position=(loads.position, 0, self.beam.length)
+        )
+        return mass, mean_arm(place - self.position, loads.half_width, loads.triangular)
+
+
+def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = True) -> StrainSensor:
+    """Gain, offset and position with which equation 3.9 fits recorded readings best.
+
+    It is a least-squares fit over all readings. For each position, gain and offset follow from a
+    linear solution, so SciPy searches only the position, starting from the root.
+
+    readings, shape (n,): Readings in V.
+    loads: A load for each reading.
+    spread: Whether to take the width of the loads into account (``mean_arm``); otherwise equation
+        3.5 is used as printed, for a load at a point.
+    """
+    most = float(np.finfo(np.float64).max)
+    (volts,) = checked(readings=(readings, -most, most))
+    if volts.ndim != 1 or volts.size < 4:
+        raise InputError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
+    if loads.mass.shape != volts.shape:
+        raise InputError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
+    used = loads if spread else loads.at_points()
+
+    def solved(nearness: Real) -> StrainSensor:
+        """The fit at length (1 - 1 / nearness): 1 is the root, and 0 is infinitely far outside."""
+        position = beam.length * (1 - 1 / float(nearness[0]))
+        unit = StrainSensor(1.0, 0.0, position, beam).read(used)
+        matrix = np.stack([unit, np.ones_like(unit)], axis=1)
+        # The readings of a distant gauge are huge. Columns of similar size keep the solution
+        # accurate.
+        scale = np.maximum(np.abs(matrix).max(axis=0), np.finfo(np.float64).tiny)
+        gain, offset = np.linalg.lstsq(matrix / scale, volts)[0] / scale
+        return StrainSensor(float(gain), float(offset), position, beam)
+
+    last = 0.99 * loads.position.max()
+    ends = 1 / FARTHEST, beam.length / (beam.length - last)
+    found = least_squares(lambda u: solved(u).read(used) - volts, [1.0], bounds=ends)
+    return solved(found.x)
+
+
+def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[StrainSensor]:
+    """Fit each sensor.
+
+    table, shape (rows, sensors + 4): Readings, then load, position, width and shape as coded
+        targets.
+    beam, spread: See ``fit_sensor``, which also raises the same errors.
+    """
+    rows = np.asarray(table, dtype=np.float64)
+    loads = loads_from_codes(rows[:, -len(COLUMNS) :], beam)
+    return [fit_sensor(column, loads, beam, spread) for column in rows[:, : -len(COLUMNS)].T]
+
+
+def read_sensors(sensors: Sequence[StrainSensor], loads: Loads) -> Real:
+    """Readings of all sensors, shape (n, sensors)."""
+    return np.stack([sensor.read(loads) for sensor in sensors], axis=-1)

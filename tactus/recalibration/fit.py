@@ -1,0 +1,167 @@
+"""Fits gain and offset of each sensor to a few placements whose outputs are known.
+
+The networks stay unchanged. A correction ``gain * reading + offset`` of each sensor before the
+networks is fitted. The method is general: the placements need not be in the recording, and any
+scene can be recalibrated.
+
+The method is a Bayesian linear regression through the derivatives of the networks:
+
+- ``theta`` is the drift of the sensors, in standard deviations of the expected drift. Before
+  any reading its mean is 0 and its covariance is ``I``.
+- A placement says ``known outputs = outputs of the corrected readings + e``. ``S`` is the
+  covariance of ``e``, which contains the networks' own errors and the noise of the readings. See
+  ``Sensitivity``.
+- The most likely ``theta`` afterwards is where ``sum e^T S^-1 e + theta^T theta`` is least. This
+  is a ridge regression whose weight comes from the expected drift. With ``J``, the derivatives of
+  the outputs by ``theta``, its covariance is ``C = (I + sum J^T S^-1 J)^-1``.
+
+If the placements tell little compared with their noise, ``theta`` stays near 0, which means no
+correction.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.special import chdtrc
+
+from golden.numbers.real import Real
+from tactus.recalibration.placements import Placements
+from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
+
+# The least span of signals, which is one code.
+LEAST_SPAN = 2.0**-13
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The knowledge of the drift after some placements.
+
+    theta, shape (2 sensors,): The most likely drift; see ``Sensitivity``.
+    root, shape (2 sensors, 2 sensors): The uncertainty of the drift as a lower triangle L of the
+        covariance L L^T. Unlike a rounded covariance it is never negative, however much the
+        placements tell of some directions and however little of others.
+    """
+
+    theta: Real
+    root: Real
+
+
+def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
+    """Estimate how far the sensors have drifted.
+
+    start, shape (2 sensors,): Where the descent starts. By default there are two descents, and the
+        better result is used. One starts from no correction, the other from the correction that
+        brings the readings next to those recorded at the nearest placement. The first alone could
+        end in another minimum.
+    """
+    scene, samples = recorded.scene, placements.inputs
+    roots = np.linalg.cholesky(recorded.spread(placements))
+    white = np.linalg.inv(roots) * (100 / placements.scale)[:, np.newaxis]
+    count = 2 * samples.shape[1]
+
+    @lru_cache(maxsize=1)
+    def both(theta: bytes) -> tuple[Real, Real]:
+        """Outputs and slopes together, because a descent asks for both at the same point."""
+        return outputs_and_slopes(scene, recorded.moved(samples, np.frombuffer(theta)))
+
+    def errors(theta: Real) -> Real:
+        outputs, _ = both(theta.tobytes())
+        misses = np.einsum("rop,rp->ro", white, outputs - placements.targets)
+        return np.concatenate([misses.ravel(), theta])
+
+    def derivatives(theta: Real) -> Real:
+        _, slopes = both(theta.tobytes())
+        found = (white @ recorded.by_theta(slopes, samples)).reshape(-1, count)
+        return np.concatenate([found, np.eye(count)])
+
+    starts = [start]
+    if start is None:
+        starts = [np.zeros(count), _towards_recorded(recorded, placements)]
+    found = [least_squares(errors, start, jac=derivatives) for start in starts]
+    theta = min(found, key=lambda one: float(one.cost)).x
+    return Fit(theta, root_of_inverse(derivatives(theta)))
+
+
+def root_of_inverse(slopes: Real) -> Real:
+    """The lower triangle L with L L^T = (J^T J)^-1, without the product, which doubles the digits.
+
+    slopes, shape (equations, unknowns): J, of full rank.
+    """
+    inverse = np.linalg.inv(np.linalg.qr(slopes, mode="r"))
+    lower = np.linalg.qr(inverse.T, mode="r").T  # type: ignore[attr-defined]
+    result: Real = lower * np.sign(np.diag(lower))
+    return result
+
+
+def misses(recorded: Sensitivity, placements: Placements, theta: Real) -> Real:
+    """Errors of the outputs of corrected placements, shape (placements, outputs), in percent."""
+    outputs, _ = outputs_and_slopes(recorded.scene, recorded.moved(placements.inputs, theta))
+    return 100 * (outputs - placements.targets) / placements.scale
+
+
+def by_chance(recorded: Sensitivity, placements: Placements) -> float:
+    """How likely errors as large as those of the placements would be without any drift.
+
+    Equation: without drift, ``sum e^T S^-1 e`` of uncorrected placements has a chi-squared
+    distribution with as many degrees of freedom as there are known outputs.
+    """
+    found = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
+    inverse = np.linalg.inv(recorded.spread(placements))
+    squares = np.einsum("ro,rop,rp->", found, inverse, found)
+    return float(chdtrc(found.size, squares))
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Errors of placements that took no part in the correction, in percent.
+
+    before, after, shape (placements, outputs): Errors without a correction, and with a correction
+        that is fitted to all other placements.
+    expected, shape (placements, outputs): Expected standard deviations of ``after``.
+    spread, shape (placements, outputs): The part of these that does not come from drift.
+    """
+
+    before: Real
+    after: Real
+    expected: Real
+    spread: Real
+
+    @property
+    def closer(self) -> bool:
+        """Whether corrections reduce the errors, each divided by its part that is no drift."""
+        before, after = (((part / self.spread) ** 2).sum() for part in (self.before, self.after))
+        return bool(after < before)
+
+
+def left_out(recorded: Sensitivity, placements: Placements, all_of_them: Fit) -> LeftOut:
+    """Leave out one placement after another, with all of its readings.
+
+    all_of_them: Fit to all placements, from which the fits without one of them start.
+    """
+    before = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
+    spread = np.einsum("roo->ro", recorded.spread(placements))
+    after, expected = np.empty_like(before), np.empty_like(before)
+    tells = recorded.telling(placements)
+    for number in range(len(placements)):
+        found = fit(recorded, placements.without(number), all_of_them.theta)
+        after[number] = misses(recorded, placements, found.theta)[number]
+        unsure = ((tells[number] @ found.root) ** 2).sum(axis=1)
+        expected[number] = np.sqrt(spread[number] + unsure)
+    return LeftOut(before, after, expected, np.sqrt(spread))
+
+
+def _towards_recorded(recorded: Sensitivity, placements: Placements) -> Real:
+    """The correction that brings readings next to those recorded at the nearest placement."""
+    first = recorded.nearest(placements)[:, 0]
+    missing = recorded.recorded.inputs[first] - placements.inputs
+    moves = recorded.moves(placements.inputs)
+    sensors = missing.shape[1]
+    found = []
+    for sensor in range(sensors):
+        # A small weight on the least correction decides between gain and offset where the readings
+        # hardly differ.
+        matrix = np.vstack([moves[:, [sensor, sensor + sensors]], LEAST_SPAN * np.eye(2)])
+        found.append(np.linalg.lstsq(matrix, np.append(missing[:, sensor], [0, 0]))[0])
+    return np.concatenate(np.array(found).T)

@@ -1,0 +1,183 @@
+"""A copy of a scene with corrected sensors: scene file, networks, provenance and recording.
+
+A correction is folded into the weights in the same way as a scale of the sensors: ``w1 (factor x +
+offset)`` is ``(w1 factor) x``, with ``w1 offset`` added to the biases. Nothing else in a network
+changes, so its hardware is as large as before, and a reloadable engine stays the same.
+
+The recording of the copy is that of the scene as the sensors would give it now: each reading is the
+one that the correction turns into the recorded reading. So the errors of the copy are those that
+remain if only gain and offset have changed.
+"""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.numbers.real import Real
+from golden.trained.mlp import Mlp
+from tactus.core.files import (
+    check_folder,
+    check_output,
+    check_writable,
+    first_line,
+    reading,
+    replace_file,
+    same_file,
+)
+from tactus.core.folders import BUILD
+from tactus.core.table import read_csv_file, read_table, write_csv_file
+from tactus.network_files.network_file import check_targets, provenance_path, save_networks
+from tactus.scene import Scene
+from tactus.scene.converter_scale import codes_of
+from tactus.scene.scale import Scale, on_readings, on_signals, readings, signals
+from tactus.scene.trained_scale import story
+
+# Number of digits of a reading. They are two more than a code of fourteen bits can need.
+DIGITS = 9
+
+
+def corrected(scene: Scene, correction: Sequence[Scale]) -> list[Mlp]:
+    """The networks on signals, with the correction of each sensor folded into their weights."""
+    found = []
+    for mlp in scene.mlps():
+        inputs, _, outputs = mlp.shape
+        earlier = [Scale()] * (inputs - len(correction))
+        found.append(on_signals(mlp, [*correction, *earlier], [Scale()] * outputs))
+    return found
+
+
+def now_read(scene: Scene, correction: Sequence[Scale], recorded: Real) -> Real:
+    """The readings that the correction turns into recorded ones, in the units of the sensors."""
+    scales = scene.scales(scene.sensors)
+    return readings(signals(signals(recorded, scales), correction), scales)
+
+
+def scene_file(scene: Scene, target: str) -> Path:
+    """The path of the copy's scene file: a ``.toml`` file, or the scene's name in a folder.
+
+    target: File or folder; empty for ``build/<scene>/recalibrated``.
+    """
+    folder = Path(target) if target else BUILD / scene.name / "recalibrated"
+    path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
+    if same_file(path, scene.path) or same_file(path.parent, scene.path.parent):
+        raise InputError(
+            f"TO={path}: got the folder of the scene itself, expected another: its networks would "
+            "be replaced"
+        )
+    return path
+
+
+def check_copy(scene: Scene, path: Path, force: bool = False) -> None:
+    """Refuse to replace files that are not of an earlier copy of the same scene.
+
+    path: See ``scene_file``.
+    force: Whether any files may be replaced.
+    """
+    if not path.is_relative_to(BUILD):
+        check_folder(path.parent)
+    if first_line(path) == _title(scene):
+        return
+    weights = _weights(scene, path)
+    for file in [
+        path,
+        *weights,
+        *map(provenance_path, weights),
+        path.parent / scene.data_path.name,
+    ]:
+        if file.exists():
+            check_output(file, scene.own_files, force=force)
+
+
+def _weights(scene: Scene, path: Path) -> list[Path]:
+    return [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
+
+
+def _title(scene: Scene) -> str:
+    """The first line of the copy's scene file."""
+    return f"# {scene.name}, recalibrated: its sensors corrected in the weights. The recording is"
+
+
+def write_copy(
+    scene: Scene, correction: Sequence[Scale], provenance: dict[str, Any], path: Path
+) -> list[Path]:
+    """Write the copy, and return the files that were written.
+
+    correction: One for each sensor; see ``fit``.
+    provenance: Entries that are added to the provenance of each network.
+    path: See ``scene_file``.
+    """
+    weights = _weights(scene, path)
+    data = path.parent / scene.data_path.name
+    text = _scene_text(scene, data.name, [w.name for w in weights])
+    check_targets(weights)
+    check_writable([data, path])
+    networks = []
+    for number, mlp in enumerate(corrected(scene, correction)):
+        held = on_readings(mlp, *scene.scales_of(number))
+        names = [scene.column(name) for name in scene.columns_of(number)]
+        scales = {n: s for n, s in scene.known_scales.items() if n in names}
+        before = _provenance(scene.weights_paths[number])
+        networks.append((weights[number], held, before | provenance | story(scales, held)))
+    save_networks(networks)
+    _write_recording(scene, correction, data)
+    with replace_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return [path, *weights, data]
+
+
+def _provenance(weights: Path) -> dict[str, Any]:
+    """The provenance of a network; empty for a network from elsewhere."""
+    path = provenance_path(weights)
+    if not path.is_file():
+        return {}
+    with reading(path, "TOML"):
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:
+    """Write the recording with other readings, and with every other cell unchanged."""
+    recorded = read_table(scene.data_path, scene.sensors)
+    now = now_read(scene, correction, recorded)
+    if scene.converter_scales and np.array_equal(recorded, recorded.round()):
+        now = codes_of(scene, now)
+    found = read_csv_file(scene.data_path)
+    at, rows = [found.names.index(name) for name in scene.sensors], list(map(list, found.rows))
+    for row, values in zip(rows, now.tolist(), strict=True):
+        for column, value in zip(at, values, strict=True):
+            row[column] = f"{value:.{DIGITS}g}"
+    write_csv_file(path, [found.names, *rows])
+
+
+def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
+    """The scene file with other names for its files."""
+    text = scene.path.read_text(encoding="utf-8")
+    raw = tomllib.loads(text)
+    wanted = raw | {
+        "data": raw["data"] | {"file": data},
+        "network": raw["network"]
+        | {"weights": weights if isinstance(raw["network"]["weights"], list) else weights[0]},
+    }
+    names = ", ".join(f'"{name}"' for name in weights)
+    listed = f"[{names}]" if isinstance(raw["network"]["weights"], list) else names
+    text = re.sub(r"(?m)^(\s*file\s*=\s*).*?(?=\s*(#.*)?$)", rf'\g<1>"{data}"', text, count=1)
+    text = re.sub(
+        r"(?ms)^(\s*weights\s*=\s*)(\[.*?\]|[^\n]*?)(?=\s*(#[^\n]*)?$)",
+        lambda match: match[1] + listed,
+        text,
+        count=1,
+    )
+    try:
+        same = tomllib.loads(text) == wanted
+    except tomllib.TOMLDecodeError:
+        same = False
+    if not same:
+        raise InputError(
+            f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
+            'expected lines file = "..." and weights = "..." or a list'
+        )
+    return f"{_title(scene)}\n# that of the scene as the sensors would give it now.\n{text}"

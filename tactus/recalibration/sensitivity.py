@@ -1,0 +1,203 @@
+"""How drifts and noise of the sensors become errors of the outputs, from a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.numbers.real import Real
+from tactus.recalibration.placements import Placements
+from tactus.scene import Scene
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.expected_drift import expected_drift, zero_signals
+from tactus.scene.scale import Scale, signals
+
+# An own error of a network below this, in percent, does not count.
+LEAST_ERROR = 0.01
+
+# How often the noise of a reading is drawn.
+DRAWS = 50
+
+# Number of recorded rows next to a placement from which the networks' own errors there are taken.
+NEAREST = 3
+
+
+def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
+    """Outputs of the networks in floating point, and their derivatives by the sensors.
+
+    samples, shape (rows, sensors): The samples as signals.
+
+    Returns: shape (rows, outputs); float array, shape (rows, outputs, sensors).
+    """
+    rows, sensors = samples.shape
+    outputs, slopes = np.empty((rows, 0)), np.empty((rows, 0, sensors))
+    by_sensor = np.broadcast_to(np.eye(sensors), (rows, sensors, sensors))
+    cascade = scene.arrangement == "cascade"
+    for mlp in scene.mlps():
+        seen = np.hstack([samples, outputs]) if cascade else samples
+        hidden, bends = scene.scheme.real(seen @ mlp.w1.T + mlp.b1)
+        found = (mlp.w2 * bends[:, np.newaxis]) @ mlp.w1
+        inner = np.concatenate([by_sensor, slopes], axis=1) if cascade else by_sensor
+        outputs = np.hstack([outputs, hidden @ mlp.w2.T + mlp.b2])
+        slopes = np.concatenate([slopes, found @ inner], axis=1)
+    return outputs, slopes
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How drifts of the sensors, and noise of readings, become errors of the outputs of a scene.
+
+    A drift is described by ``theta``, shape (2 sensors,): first the correction of the gain of each
+    sensor, and then that of each offset, in standard deviations of the expected drift. So before
+    any reading ``theta`` has mean 0 and covariance ``I``.
+
+    gain, offset, shape (sensors,): Standard deviations of the expected drift; the offset is a
+        signal.
+    noise, shape (sensors,): Standard deviation of one reading as a signal.
+    """
+
+    scene: Scene
+    gain: Real
+    offset: Real
+    noise: Real
+
+    @classmethod
+    def of(cls, scene: Scene, noise: Real, drift: Disturbance | None = None) -> Sensitivity:
+        """The sensitivity of a scene.
+
+        noise, shape (sensors,): Standard deviation of one reading as a signal.
+        drift: Gain and offset of the expected drift, in the unit of the readings. The default is
+            that of ``expected_drift``.
+        """
+        if drift is None:
+            return cls(scene, *expected_drift(scene), noise)
+        factors = np.array([s.factor for s in scene.scales(scene.sensors)])
+        return cls(scene, np.full(len(factors), drift.gain), drift.offset / factors, noise)
+
+    def moves(self, samples: Real) -> Real:
+        """What each element of ``theta`` adds to samples, shape (rows, 2 sensors)."""
+        by_gain = (samples + zero_signals(self.scene)) * self.gain
+        result: Real = np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
+        return result
+
+    def moved(self, samples: Real, theta: Real) -> Real:
+        """Samples after a correction."""
+        by_gain, by_offset = np.split(self.moves(samples) * theta, 2, axis=1)
+        return samples + by_gain + by_offset
+
+    def drifted(self, samples: Real, theta: Real, least_gain: float) -> Real:
+        """Samples that the correction turns into these, which the sensors would give now.
+
+        samples: shape (rows, sensors).
+        theta: shape (2 sensors,).
+        least_gain: Lower limit for gains of the correction, whose inverse would otherwise have no
+            limit.
+        """
+        found = self.correction(theta)
+        return signals(samples, [replace(s, factor=max(s.factor, least_gain)) for s in found])
+
+    def correction(self, theta: Real) -> list[Scale]:
+        """The correction of each sensor: networks get ``offset + factor * signal``."""
+        by_gain, by_offset = np.split(theta, 2)
+        gains = by_gain * self.gain
+        offsets = gains * zero_signals(self.scene) + by_offset * self.offset
+        return [Scale(float(o), float(1 + g)) for o, g in zip(offsets, gains, strict=True)]
+
+    def by_theta(self, slopes: Real, samples: Real) -> Real:
+        """Turn derivatives by the sensors into derivatives by ``theta``."""
+        result: Real = np.concatenate([slopes, slopes], axis=2)
+        return result * self.moves(samples)[:, np.newaxis]
+
+    @cached_property
+    def own_errors(self) -> Real:
+        """The networks' own errors, shape (recorded rows, outputs), in percent."""
+        vectors = self.scene.vectors()
+        result: Real = vectors.percent_errors(self.scene.process_real(vectors.inputs))
+        return result
+
+    @cached_property
+    def error(self) -> Real:
+        """The root mean square of the own errors, at least ``LEAST_ERROR``, shape (outputs,)."""
+        result: Real = np.maximum(np.sqrt((self.own_errors**2).mean(axis=0)), LEAST_ERROR)
+        return result
+
+    @cached_property
+    def recorded(self) -> Placements:
+        """The rows of the recording as placements that were each read once."""
+        vectors = self.scene.vectors()
+        return Placements(
+            vectors.inputs, vectors.targets, vectors.scale, np.ones(len(vectors.inputs))
+        )
+
+    @cached_property
+    def tells(self) -> Real:
+        """Derivatives by ``theta`` of the errors of the recorded rows, in percent.
+
+        Shape (recorded rows, outputs, 2 sensors).
+        """
+        return self.telling(self.recorded)
+
+    @cached_property
+    def squares(self) -> Real:
+        """``M`` of each output, shape (outputs, 2 sensors, 2 sensors).
+
+        A correction that is off by ``theta`` adds ``theta^T M theta`` to the mean square of the
+        output's error over the recording.
+        """
+        result: Real = np.einsum("roi,roj->oij", self.tells, self.tells, optimize=True)
+        return result / len(self.tells)
+
+    def telling(self, placements: Placements) -> Real:
+        """Derivatives by ``theta`` of the errors of placements, in percent.
+
+        Shape (placements, outputs, 2 sensors).
+        """
+        _, slopes = outputs_and_slopes(self.scene, placements.inputs)
+        by_theta = self.by_theta(slopes, placements.inputs)
+        result: Real = by_theta * (100 / placements.scale)[:, :, np.newaxis]
+        return result
+
+    def spread(self, placements: Placements) -> Real:
+        """``S``, the covariance of the part of the placements' errors without drift, in percent.
+
+        It has two parts: the networks' own errors, and the effect of the readings' noise on the
+        outputs. The noise is drawn around the reading, and around the reading recorded nearest to
+        it, because where an output has a step, a single reading may lie beyond it. The own errors
+        are the mean square over the recording, or over the recorded rows nearest to the placement
+        if that is more: a network is worst at the ends of its range, and just there a placement
+        tells most.
+
+        Returns: shape (placements, outputs, outputs).
+        """
+        near = self.nearest(placements)
+        count, sensors = placements.inputs.shape
+        drawn = np.random.default_rng(1).standard_normal((DRAWS, 1, sensors))
+        drawn = drawn * self.noise / np.sqrt(placements.times)[:, np.newaxis]
+        noise = np.zeros((count, *[placements.targets.shape[1]] * 2))
+        for start in (placements.inputs, self.recorded.inputs[near[:, 0]]):
+            moved = self.scene.process_real((start + drawn).reshape(-1, sensors))
+            moved = moved.reshape(DRAWS, count, -1) - self.scene.process_real(start)
+            moved = moved * (100 / placements.scale)
+            noise += np.einsum("dro,drp->rop", moved, moved) / (2 * DRAWS)
+        own = np.maximum((self.own_errors[near] ** 2).mean(axis=1), self.error**2)
+        diagonal = own[:, :, np.newaxis] * np.eye(own.shape[1])
+        result: Real = diagonal + noise
+        return result
+
+    def nearest(self, placements: Placements) -> NDArray[np.intp]:
+        """The recorded rows with the nearest outputs, shape (placements, ``NEAREST``)."""
+        recorded = self.recorded.targets
+        found = np.empty((len(placements), min(NEAREST, len(recorded))), dtype=np.intp)
+        for number, targets in enumerate(placements.targets):
+            squares = (((recorded - targets) / placements.scale[number]) ** 2).sum(axis=1)
+            # The distances are rounded, so that of equally near rows every machine takes the first.
+            found[number] = squares.round(9).argsort(kind="stable")[:NEAREST]
+        return found
+
+
+def spread_out(count: int, most: int) -> NDArray[np.intp]:
+    """Indices of at most ``most`` of ``count`` rows, evenly spread."""
+    return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)

@@ -1,0 +1,30 @@
+"""``make report``: writes one HTML file about a scene, with all plots as SVG and tables as CSV.
+
+``build/<scene>/report.html`` opens without a network connection. ``build/<scene>/report`` beside it
+holds the plots, a CSV for each table, and report.json with all tables. What has not changed since
+the last report is not measured again.
+"""
+
+import argparse
+import sys
+
+from tactus.core.cli import run, would
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.report.page.build import build_report
+from tactus.verify.benches.runner import ready_scene
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make report", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    arguments = parser.parse_args()
+    scene = ready_scene(arguments.scene)
+    would(f"simulate and measure scene {scene.name} and write its report")
+    with held([BUILD / scene.name]):
+        build_report(scene, arguments.full)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,98 @@
+"""Points with their names on two logarithmic axes, the front among them, and what is beaten."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from tactus.report.draw.axes import Axes
+from tactus.report.draw.drawing import ACCENT, FAINT, Point, dot, line, text, text_width
+
+RADIUS, SIZE = 4.0, 10.0
+# How far a name may stand from its point. From the second distance on, a line joins the two.
+DISTANCES = (8.0, 20.0, 34.0, 50.0, 68.0, 90.0)
+WAYS = [(1, 0), (-1, 0), (1, -1), (1, 1), (-1, -1), (-1, 1), (0, -1), (0, 1)]
+
+# Left, top, right and bottom.
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Named:
+    """A point: less is better on both axes."""
+
+    name: str
+    x: float
+    y: float
+
+    def beaten_by(self, other: Named) -> bool:
+        """Whether the other is at least as good on both axes, and better on one."""
+        return other.x <= self.x and other.y <= self.y and (other.x, other.y) != (self.x, self.y)
+
+
+def front(points: Sequence[Named]) -> list[Named]:
+    """The points that no other one beats, from left to right."""
+    found = [one for one in points if not any(map(one.beaten_by, points))]
+    return sorted(found, key=lambda one: (one.x, one.name))
+
+
+def drawn(points: Sequence[Named], axes: Axes) -> Iterator[str]:
+    """The line of the front, a dot for each point, and its name: grey for those that are beaten."""
+    best = front(points)
+    steps: list[Point] = []
+    for one in best:
+        place = axes.at(one.x, one.y)
+        # Between two points of the front, the upper one is the best there is.
+        steps += [(place[0], steps[-1][1]), place] if steps else [place]
+    if len(steps) > 1:
+        yield line(steps, stroke=ACCENT, stroke_width=0.8)
+    # The front has the first choice of places.
+    ordered = [*best, *(one for one in points if one not in best)]
+    places = [axes.at(one.x, one.y) for one in ordered]
+    taken: list[Box] = [_around(place) for place in places]
+    for one, place in zip(ordered, places, strict=True):
+        colour = ACCENT if one in best else FAINT
+        box, anchor, apart = _free(one.name, place, axes, taken)
+        taken.append(box)
+        if apart:
+            end = box[0] if anchor == "start" else box[2]
+            middle = (box[0] + box[2]) / 2 if anchor == "middle" else end
+            yield line([place, (middle, (box[1] + box[3]) / 2)], stroke=FAINT, stroke_width=0.5)
+        yield dot(place, RADIUS, fill=colour)
+        x = {"start": box[0], "end": box[2], "middle": (box[0] + box[2]) / 2}[anchor]
+        ink = {"fill": colour, "text_anchor": anchor}
+        yield text((x, box[3] - 3), one.name, SIZE, **ink)
+
+
+def _around(place: Point) -> Box:
+    x, y = place
+    return x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS
+
+
+def _free(name: str, place: Point, axes: Axes, taken: Sequence[Box]) -> tuple[Box, str, bool]:
+    """The nearest box that covers nothing, how its text is anchored, and whether a line is due."""
+    width, height = text_width(name, SIZE), SIZE + 2
+    x, y = place
+    options: list[tuple[Box, str, bool]] = []
+    for distance, (dx, dy) in product(DISTANCES, WAYS):
+        anchor = {1: "start", -1: "end", 0: "middle"}[dx]
+        left = x + dx * distance - {"start": 0, "end": width, "middle": width / 2}[anchor]
+        top = y + dy * distance - height / 2
+        box = left, top, left + width, top + height
+        options.append((box, anchor, distance > DISTANCES[0]))
+    return min(options, key=lambda option: _cost(option[0], axes, taken))
+
+
+def _cost(box: Box, axes: Axes, taken: Sequence[Box]) -> float:
+    """The area that a box shares with others or has outside the frame; the first of equals wins."""
+    left, top, right, bottom = box
+    frame = (axes.left, axes.top, axes.left + axes.width, axes.top + axes.height)
+    whole = (right - left) * (bottom - top)
+    return whole - _shared(box, frame) + sum(_shared(box, other) for other in taken)
+
+
+def _shared(one: Box, other: Box) -> float:
+    wide = min(one[2], other[2]) - max(one[0], other[0])
+    high = min(one[3], other[3]) - max(one[1], other[1])
+    return max(wide, 0) * max(high, 0)

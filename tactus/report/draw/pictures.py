@@ -1,0 +1,114 @@
+"""The pictures of a scene, and the reasons why some are not drawn."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from golden.common.block import walk
+from tactus.report.draw.animation import animation
+from tactus.report.draw.datapath import datapath
+from tactus.report.draw.learned import learned_curves
+from tactus.report.draw.load import has_load
+from tactus.report.draw.network import network
+from tactus.report.draw.profile import profile
+from tactus.report.draw.swing import COORDINATES, moves, swing
+from tactus.report.draw.swing_animation import swing_animation
+from tactus.report.draw.waveforms import waveforms
+from tactus.report.measure.learned_edges import scene_edges
+from tactus.report.measure.simulated_frame import simulate_frame
+from tactus.report.page.page import Picture
+from tactus.scene import Scene
+from tactus.scene.visualisation import RESULTS
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A picture that is not drawn, and the reason."""
+
+    title: str
+    why: str
+
+
+def draw(scene: Scene) -> dict[str, list[Any]]:
+    """The drawn pictures, and title and reason of the others, as the store holds them."""
+    found = list(pictures(scene))
+    return {
+        "drawn": [vars(part) for part in found if isinstance(part, Picture)],
+        "skipped": [(part.title, part.why) for part in found if isinstance(part, Skipped)],
+    }
+
+
+def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
+    """Every picture that can be drawn of the scene, and those that cannot."""
+    design = scene.twin()
+    blocks = list(walk(design))
+    hidden = sum(sum(network.shape[1:-1]) for network in scene.networks())
+    yield Picture(
+        "network",
+        "Networks",
+        network(scene),
+        f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
+    )
+    learned = scene_edges(scene)
+    if learned:
+        yield Picture(
+            "functions",
+            "Learned functions",
+            learned_curves(learned, f"scene {scene.name}"),
+            "Each function over the range that its input has on the recorded rows, without its "
+            "mean. Blue ones are curved and take a table, grey ones are straight.",
+        )
+    yield Picture(
+        "datapath",
+        "Datapath",
+        datapath(scene),
+        f"{len(blocks)} entities, drawn from the design that is exported.",
+        wide=True,
+    )
+    title = "One recorded frame, clock by clock"
+    if design.stream == "converter":
+        yield Skipped(title, f"a scan takes {design.interval} clocks")
+    elif design.stream == "axi_stream":
+        yield Skipped(title, "its stream may pause at any clock")
+    else:
+        text = (
+            "The exported Verilog in Icarus; the first recorded frame, codes as real values. In a "
+            "long frame, clocks in which nothing comes or goes are left out."
+        )
+        drawn = waveforms(simulate_frame(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
+        yield Picture("waveforms", title, drawn, text, wide=True)
+    if has_load(scene):
+        yield Picture(
+            "load_profile",
+            "Load profile of a recorded frame",
+            profile(scene),
+            "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
+            "outputs, and the load that was recorded.",
+        )
+        yield Picture(
+            "load_moves",
+            "A recorded load along the beam",
+            animation(scene),
+            "Each step is a recorded frame: what the sensors read, and the bit-true profile.",
+        )
+    else:
+        yield Skipped("Load profile", f"it needs outputs {', '.join(RESULTS)} with lengths")
+    if moves(scene):
+        yield Picture(
+            "motion",
+            "Motion of the swing and its estimates",
+            swing(scene),
+            "A run that the networks were not trained on: the motion, the bit-true estimate, and "
+            "below each the difference.",
+            wide=True,
+        )
+        if not scene.window.plain:
+            yield Picture(
+                "swing_moves",
+                "The swing as it moves",
+                swing_animation(scene),
+                "Each step is a frame of the same run: where the mass is, and where the hardware "
+                "finds it, bit-true, with past samples and without.",
+            )
+    else:
+        yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")

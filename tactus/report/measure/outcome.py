@@ -1,0 +1,274 @@
+"""The results of a scene's networks on its recorded rows, and how sure the errors are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from tactus.core.table import read_groups
+from tactus.errors.decisions import Decisions, decisions_of
+from tactus.errors.scene_errors import disturbed_rows, held_out_rows, noises_of
+from tactus.report.measure.table import Cell, Table
+from tactus.rig.sensors_tell import telling_of
+from tactus.scene import Scene
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.scale import signals
+from tactus.scene.vectors import place_names, read_recorded
+
+Rows = NDArray[np.int64]
+
+WORST = 5  # rows shown of every output
+RESAMPLES, SEED = 2000, 1
+SURE = 95  # per cent of the resamples that an interval holds
+RANGE = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
+# Neighbours in the file are alike if their squared difference is less than this part of that of
+# rows in random order. Then at most so many stretches of rows are drawn instead of single rows.
+ALIKE, STRETCHES = 0.5, 20
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The recorded rows of a scene and their results.
+
+    numbers, shape (rows,): The numbers of the rows in the CSV. The first row below the header is 1.
+    readings, shape (rows, sensors): The readings in the units of the columns. With past samples,
+        those of the newest frame.
+    targets, results, shape (rows, outputs): The recorded and the computed values, in the units of
+        the columns.
+    errors, real, shape (rows, outputs): The errors in percent, of the hardware and of the networks
+        in floating point.
+    noisy, shape (rows, outputs): For each noise, the errors of the hardware, as means over many
+        draws.
+    groups, shape (rows,): The positions, or zeros if the scene names none.
+    held_out: The rows that neither trained nor chose a network, or None if that is unknown.
+    names: The texts of positions, if they are texts.
+    """
+
+    scene: Scene
+    numbers: Rows
+    readings: Real
+    targets: Real
+    results: Real
+    errors: Real
+    real: Real
+    noisy: dict[float, Real]
+    groups: Real
+    held_out: Rows | None
+    names: Mapping[float, str] = field(default_factory=dict)
+
+    @cached_property
+    def decisions(self) -> Decisions:
+        """The decisions between the classes of the scene on all rows."""
+        return decisions_of(self.scene)
+
+    @property
+    def alike(self) -> bool:
+        """Whether neighbours in the file are more alike than rows in random order."""
+        moving = self.readings[:, np.ptp(self.readings, axis=0) > 0]
+        if not moving.size:
+            return False
+        steps = (np.diff(moving, axis=0) ** 2).mean(axis=0)
+        return bool((steps / (2 * moving.var(axis=0))).mean() < ALIKE)
+
+    @property
+    def stretches(self) -> Rows:
+        """For each row the number under which it is drawn: its own, or that of its stretch."""
+        rows = np.arange(len(self.errors))
+        return rows * min(STRETCHES, len(rows)) // len(rows) if self.alike else rows
+
+    @property
+    def held_together(self) -> Rows:
+        """For each held-out row the number of what was held out as a whole, and is drawn so."""
+        assert self.held_out is not None
+        scene, held = self.scene, self.held_out
+        if scene.training.split == "random":
+            return self.stretches[held]
+        if scene.training.split == "blocks":
+            return np.cumsum(np.append(False, np.diff(held) != 1))
+        past = scene.window.past
+        columns = [
+            read_groups(one.path, scene.training.split_by)[one.numbers[past:]]
+            for one in read_recorded(scene).recordings
+        ]
+        _, member = np.unique(np.concatenate(columns)[held], axis=0, return_inverse=True)
+        return member.ravel()
+
+    def place(self, group: float) -> float | str:
+        """A position as the column of the scene has it, a number or a text."""
+        return self.names.get(float(group), float(group))
+
+    def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
+        """The interval that holds the mean error in ``SURE`` per cent of the resamples.
+
+        errors: shape (n,).
+        drawn, shape (n,): Errors with the same number are drawn together.
+        """
+        _, member = np.unique(drawn, return_inverse=True)
+        counts = np.bincount(member)
+        sums = np.bincount(member, errors)
+        chosen = np.random.default_rng(SEED).integers(0, len(counts), (RESAMPLES, len(counts)))
+        means = sums[chosen].sum(axis=1) / counts[chosen].sum(axis=1)
+        low, high = np.percentile(means, [(100 - SURE) / 2, (100 + SURE) / 2])
+        return float(low), float(high)
+
+
+def outcome(scene: Scene) -> Outcome:
+    """Compute the results of the hardware on the recorded rows."""
+    recorded, vectors = read_recorded(scene), scene.vectors()
+    codes = scene.twin().core.process(vectors.codes)
+    return Outcome(
+        scene,
+        recorded.numbers + 1,
+        recorded.sensors,
+        recorded.targets,
+        scene.outputs_in_units(codes),
+        vectors.percent_errors(SIGNAL.to_real(codes)),
+        vectors.percent_errors(scene.process_real(vectors.inputs)),
+        {noise: disturbed_rows(scene, Disturbance(noise)) for noise in noises_of(scene)},
+        recorded.groups,
+        held_out_rows(scene),
+        place_names(scene),
+    )
+
+
+def worst_rows(found: Outcome) -> Table:
+    """The rows with the largest errors of each output, with their readings and results."""
+    scene = found.scene
+    beside = [scene.group_by] if scene.group_by not in ("", *scene.outputs) else []
+    rows: list[list[Cell]] = []
+    for c, output in enumerate(scene.outputs):
+        # Of rows with equal errors, the first one counts.
+        for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
+            place = [found.place(found.groups[row])] * len(beside)
+            pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
+            readings = map(float, found.readings[row])
+            rows.append([output, int(found.numbers[row]), *readings, *place, *map(float, pair)])
+    files = [path.name for path in scene.data_paths]
+    return Table(
+        "worst_rows",
+        ["output", "row", *scene.sensors, *beside, "recorded", "computed", "error %"],
+        rows,
+        f"These are the {WORST} rows with the largest bit-true errors of each output, with their "
+        f"readings. Row 1 of {' and of '.join(files)} is the first row below the header.",
+    )
+
+
+def along(found: Outcome) -> Table:
+    """The mean errors at each position."""
+    scene = found.scene
+    rows: list[list[Cell]] = []
+    for place in np.unique(found.groups):
+        here = found.errors[found.groups == place]
+        rows.append([found.place(place), len(here), *map(float, here.mean(axis=0))])
+    return Table(
+        "along",
+        [scene.group_by, "rows", *(f"{name} %" for name in scene.outputs)],
+        rows,
+        f"The figures are bit-true mean errors of the rows at each {scene.group_by}.",
+    )
+
+
+def confidence(found: Outcome) -> Table:
+    """The errors of each output, with the confidence intervals of a bootstrap."""
+    scene, stretches = found.scene, found.stretches
+    rows: list[list[Cell]] = []
+
+    def add(output: str, figure: str, errors: Real, drawn: Rows) -> None:
+        # Of a single group or stretch nothing can be drawn.
+        interval = found.interval(errors, drawn) if np.ptp(drawn) else (None, None)
+        rows.append([output, figure, len(errors), float(errors.mean()), *interval])
+
+    for c, output in enumerate(scene.outputs):
+        errors = found.errors[:, c]
+        add(output, "mean", errors, stretches)
+        for noise, noisy in found.noisy.items():
+            add(output, f"mean, noise {noise:g}", noisy[:, c], stretches)
+        add(output, "mean, floating point", found.real[:, c], stretches)
+        if found.held_out is not None:
+            held = found.held_out
+            add(output, "mean, held out", errors[held], found.held_together)
+        if scene.group_by:
+            places = np.unique(found.groups)
+            means = [errors[found.groups == place].mean() for place in places]
+            place = places[int(np.argmax(means))]
+            there = np.flatnonzero(found.groups == place)
+            name = found.place(place)
+            name = name if isinstance(name, str) else f"{name:g}"
+            add(output, f"largest mean, {scene.group_by} {name}", errors[there], there)
+    unit = (
+        f"stretches of rows, {stretches.max() + 1} in all, as neighbours in the file are alike"
+        if found.alike
+        else "rows"
+    )
+    split = scene.training.split
+    if found.held_out is not None and split != "random":
+        whole = f"groups of equal {', '.join(scene.training.split_by)}"
+        whole = whole if split == "groups" else "stretches"
+        unit += f", of held-out rows whole {whole}, {len(np.unique(found.held_together))} in all"
+    return Table(
+        "confidence",
+        ["output", "figure", "rows", "%", "from", "to"],
+        rows,
+        "The errors are in percent, and bit-true unless stated otherwise. Each has the interval "
+        f"that holds it in {SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). The "
+        f"resamples draw {unit}, and at one position single rows. The interval shows the effect of "
+        "chance in these rows, but not that of other loads or other sensors. For a worst row it "
+        f"shows nothing, because no draw exceeds it.",
+    )
+
+
+def sensors(found: Outcome) -> Table:
+    """The range of the readings of every sensor, and how many lie outside that of the codes."""
+    rows: list[list[Cell]] = []
+    scales = found.scene.scales(found.scene.sensors)
+    for name, scale, column in zip(found.scene.sensors, scales, found.readings.T, strict=True):
+        low, high = float(column.min()), float(column.max())
+        _, outside = SIGNAL.quantise(signals(column[:, np.newaxis], [scale]))
+        first, last = (float(scale.offset + scale.factor * end) for end in RANGE)
+        ends = int(((column == low) | (column == high)).sum())
+        rows.append([name, low, high, first, last, outside, 100 * outside / len(column), ends])
+    return Table(
+        "sensors",
+        [
+            "sensor",
+            "least",
+            "largest",
+            "first code",
+            "last code",
+            "readings outside",
+            "% outside",
+            "at either end",
+        ],
+        rows,
+        "Readings beyond the first or the last code are replaced by the nearest code. If many "
+        "readings are the least or the largest one, the sensor was probably saturated before it "
+        "was recorded.",
+    )
+
+
+def telling(scene: Scene) -> Table | None:
+    """The errors with all sensors, without each and without any, or None for too few rows."""
+    found = telling_of(scene)
+    if found is None:
+        return None
+    rows: list[list[Cell]] = [["none", None, *map(float, found.whole)]]
+    for name, errors in found.without.items():
+        rows.append([name, 100 * found.follows[name], *map(float, errors)])
+    rows.append(["all", None, *map(float, found.constant)])
+    nothing = ", ".join(found.together)
+    drop = f" {nothing}: tells nothing, take it out of data.sensors." if nothing else ""
+    return Table(
+        "sensors_tell",
+        ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
+        rows,
+        "The figures are mean errors, by the measure of the scene, of a smooth map from the "
+        "sensors to the outputs (Gaussian kernel ridge regression). The map is fitted again "
+        "without each sensor, and measured on rows held out from the fit. Without all sensors it "
+        "is a constant. Networks have smaller errors; only training shows what a network loses "
+        "without a sensor. 'follows' is the part of a sensor's variance that is explained by the "
+        f"outputs, or by the outputs and the other sensors. For noise it is about 0 or less.{drop}",
+    )

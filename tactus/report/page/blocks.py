@@ -1,0 +1,261 @@
+"""The table of blocks, and the sections of each block's page, which the site shows.
+
+Formats and clocks are those of every scene, and of one network in every design, activation and
+precision.
+"""
+
+import importlib
+import inspect
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cache
+
+from golden.activation.pade import UnsettledWarning
+from golden.activation.schemes import SCHEMES
+from golden.common.block import Block, walk
+from golden.common.port import Port, Unsigned
+from golden.instruments.converter_instrument import ConverterInstrument
+from golden.instruments.instrument import Instrument
+from golden.instruments.scanned import Scanned
+from golden.networks.at_once import AtOnce
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
+from golden.networks.settings import Settings
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import PRECISIONS
+from tactus.report.measure.networks import scenes
+from tactus.report.page.datasheets import block_tables
+from tactus.report.page.sign_off import sheet
+from tactus.scene import load_scene
+from tactus.scene.front_end import CONVERTERS
+from tactus.scene.hardware_keys import HARDWARE
+
+# This is a 4:16:4 network for all outputs, whose weights suit both precisions.
+EXAMPLE = "digit-single-thesis"
+LEARNED = "comparison/digit-tables"
+# This is built with an engine that learns.
+LEARNING = "digit"
+# A counter of so many bits makes a scan long enough for every converter.
+WIDE = 13
+AREAS = (
+    "activation",
+    "layers",
+    "networks",
+    "engine",
+    "sensing",
+    "visualisation",
+    "link",
+    "instruments",
+)
+
+# The twins of one block, for each precision by its name.
+Twins = dict[str, list[Block]]
+
+
+def shipped() -> Iterator[tuple[str, Network]]:
+    """The precision and the design of every scene, and of variants of it.
+
+    The networks of an engine are also folded, unless they are learned functions. A design that
+    gives all outputs at once also finds the largest, and so does a scene with a front end, which
+    also gets every converter. At the end comes one network in every existing form.
+    """
+    for scene in scenes():
+        top = scene.twin()
+        yield scene.precision.name, top
+        if DESIGNS[scene.design] is Engine and not scene.training.functions:
+            yield (
+                scene.precision.name,
+                replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
+            )
+        if isinstance(top, AtOnce):
+            yield scene.precision.name, replace(top, decides=True)
+        if isinstance(top, Scanned):
+            yield scene.precision.name, replace(top, readout=replace(top.readout, decides=True))
+        if scene.front_end and isinstance(top, Instrument):
+            for part in CONVERTERS:
+                front = replace(scene.front_end, converter=part, counter_width=WIDE)
+                reader = front.converter_reader(top.readout)
+                yield scene.precision.name, ConverterInstrument(reader, readout=top.readout)
+    (mlp,) = load_scene(EXAMPLE).mlps()
+    for design in (one for one in DESIGNS.values() if not one.learned_functions):
+        for name, scheme in SCHEMES.items():
+            if name not in (design.known_activations or SCHEMES):
+                continue
+            if scheme.half_codes and not design.half_codes:
+                continue
+            choices = [{o: c} for o, about in scheme.options.items() for c in about.choices]
+            for precision in scheme.precisions:
+                if precision.name not in design.precisions:
+                    continue
+                for options in (design.activation_choices and choices) or [{}]:
+                    yield precision.name, design.of([mlp], Settings(precision, name, options))
+        for key in design.options:
+            for choice in HARDWARE.keys[key].kind.choices:
+                precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
+                settings = Settings(precision, name, options={key: choice})
+                yield precision.name, design.of([mlp], settings)
+        if "reload" in design.options:
+            precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
+            settings = Settings(precision, name, options={"reload": True})
+            yield precision.name, design.of([mlp], settings)
+    # No shipped scene has learned functions in small tables.
+    learned = load_scene(LEARNED)
+    for decides in (False, True):
+        graph = learned.twin()
+        assert isinstance(graph, AtOnce)
+        yield learned.precision.name, replace(graph, decides=decides)
+    # Nor does an engine learn by a stream, without a line.
+    learning = replace(load_scene(LEARNING), learning="lms")
+    yield learning.precision.name, learning.twin()
+
+
+def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
+    """For each block its twins in the designs, the innermost blocks first."""
+    found: dict[str, Twins] = {}
+    for precision, design in designs:
+        tops = [design]
+        # Any network can have this interface, but no shipped scene has it.
+        if design.area == "networks" and design.stream == "serial" and not design.image:
+            tops.append(AxisNetwork(design))
+            if design.outputs > 1:
+                tops.append(AxisNetwork(design, decides=True))
+        for top in tops:
+            for block in walk(top):
+                twins = found.setdefault(block.block, {name: [] for name in PRECISIONS})
+                twins[precision].append(block)
+    return found
+
+
+def by_precision(texts: dict[str, str]) -> str:
+    """One text, or a text for each precision if they differ."""
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return "; ".join(f"{text} in `{name}`" for name, text in texts.items())
+
+
+def numbers_text(found: dict[str, set[int]]) -> str:
+    """A number for each precision, or a range if it depends on more than the precision."""
+    if all(len(numbers) == 1 for numbers in found.values()):
+        return by_precision({name: str(*numbers) for name, numbers in found.items()})
+    every = set().union(*found.values())
+    return f"{min(every)} to {max(every)}"
+
+
+def kinds_text(found: dict[str, set[Fix | Unsigned]]) -> str:
+    """A format for each precision, or the widths of unsigned formats that depend on more."""
+    every = set().union(*found.values())
+    if len(every) > len(found) and not any(isinstance(kind, Fix) for kind in every):
+        return f"{numbers_text({'': {kind.width for kind in every}})} bits"
+    return by_precision(
+        {name: " or ".join(sorted(str(kind) for kind in kinds)) for name, kinds in found.items()}
+    )
+
+
+def port_table(twins: Twins) -> str:
+    """The ports of every entity of a block. The ports of a group share a row."""
+    rows: dict[str, dict[str, list[Port]]] = {}
+    for precision, blocks in twins.items():
+        for port in (port for block in blocks for port in block.ports):
+            rows.setdefault(port.row, {}).setdefault(precision, []).append(port)
+    lines = ["| port | direction | type | format | meaning |", "|---|---|---|---|---|"]
+    for name, found in rows.items():
+        port = next(iter(found.values()))[0]
+        kind, text = "std_logic", ""
+        if port.kind is not None:
+            kind = "signed" if port.signed else "unsigned"
+            text = kinds_text(
+                {name: {p.kind for p in ports if p.kind} for name, ports in found.items()}
+            )
+            if port.constant:
+                text = f"`{port.constant}`: {text}"
+        lines.append(f"| `{name}` | {port.direction} | {kind} | {text} | {port.meaning} |")
+    return "\n".join(lines)
+
+
+def clocks(twins: Twins, name: str) -> str:
+    """The latency or the interval, as ``name`` says, in every design."""
+    return numbers_text(
+        {
+            precision: {getattr(block, name) for block in blocks}
+            for precision, blocks in twins.items()
+            if blocks
+        }
+    )
+
+
+def clocks_table(twins: Twins) -> str:
+    """The latency and the interval of every entity of a block."""
+    return "\n".join(
+        [
+            "| latency, clocks | interval, clocks |",
+            "|---|---|",
+            f"| {clocks(twins, 'latency')} | {clocks(twins, 'interval')} |",
+        ]
+    )
+
+
+def purpose(twins: Twins) -> str:
+    """The first line of the twin's module, without the name of the block."""
+    twin = next(block for blocks in twins.values() for block in blocks)
+    module = importlib.import_module(f"golden.{twin.area}.{twin.block}")
+    line = (inspect.getdoc(module) or "").partition("\n")[0].removesuffix(".")
+    return line.partition(": ")[2] or line
+
+
+def block_table() -> str:
+    """A table with a line for each block, sorted by area."""
+    lines = [
+        "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
+        "an engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",
+        "design, activation and precision. Each datasheet says what they depend on. The interval",
+        "is the least number of clocks from one input to the next, or for a network from one",
+        "frame to the next.",
+        "",
+        "| block | area | what it does | thesis | latency | interval |",
+        "|---|---|---|---|---|---|",
+    ]
+    for area in AREAS:
+        for name, twins in _published().items():
+            twin = next(block for blocks in twins.values() for block in blocks)
+            if twin.area == area:
+                row = [
+                    f"[{name}](blocks/{name}.md)",
+                    area,
+                    purpose(twins),
+                    twin.section or "none",
+                    clocks(twins, "latency"),
+                    clocks(twins, "interval"),
+                ]
+                lines.append(f"| {' | '.join(row)} |")
+    return "\n".join(lines)
+
+
+@cache
+def _published() -> dict[str, Twins]:
+    with warnings.catch_warnings():
+        # A user who runs a scene sees this warning. Here it would only disturb.
+        warnings.simplefilter("ignore", UnsettledWarning)
+        return blocks_of(shipped())
+
+
+@cache
+def sections() -> dict[str, str]:
+    """For each block what is published, measured and proved of it, as sections of its datasheet."""
+    cells = block_tables()
+    return {
+        name: "\n\n".join(
+            f"## {title}\n\n{text}"
+            for title, text in (
+                ("Ports", port_table(twins)),
+                ("Clocks", clocks_table(twins)),
+                ("Cells", cells.get(name, "")),
+                ("Sign-off", sheet(name)),
+            )
+            if text
+        )
+        for name, twins in _published().items()
+    }

@@ -1,0 +1,81 @@
+"""Wiring and resources of boards.
+
+The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python -m
+tactus.boards.variants`` record beside a scene what it takes.
+"""
+
+from tactus.boards import board_names, load_board
+from tactus.boards.bitstream import Report
+from tactus.boards.record import read_record, record_path
+from tactus.boards.variants import read_variants, variants_path
+from tactus.scene import load_scene, scene_names
+
+KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
+HEADS = f"{' | '.join(KINDS)} | MHz needed | MHz reached | us"
+# Who drives a wire, seen from the board.
+INPUTS = ("miso", "rx")
+
+
+def wiring() -> str:
+    """A table with a line for each port, and its pin on each board."""
+    boards = [load_board(name) for name in board_names()]
+    heads = " | ".join(f"{board.title}, pin | where" for board in boards)
+    lines = [f"| port | direction | {heads} |", "|---|---|" + "---|---|" * len(boards)]
+    names = dict.fromkeys(name for board in boards for name in board.pins)
+    for name in names:
+        cells = []
+        for board in boards:
+            pin = board.pins.get(name)
+            more = ", lit by a 0" if pin and pin.inverted else ""
+            cells += [f"`{pin.pin}`", f"{pin.at}{more}"] if pin else ["", ""]
+        direction = "in" if name in INPUTS else "out"
+        lines.append(f"| `{name}` | {direction} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def pin_sources() -> str:
+    """The sources of the pins."""
+    lines = []
+    for name in board_names():
+        board = load_board(name)
+        lines += [f"- {board.title}:", *(f"  - {source}" for source in board.sources)]
+    return "\n".join(lines)
+
+
+def resources() -> str:
+    """The resources of each board that each recorded scene takes."""
+    lines = [f"| scene | board | {HEADS} |", "|" + "---|" * (5 + len(KINDS))]
+    for scene in map(load_scene, scene_names()):
+        for board in map(load_board, board_names()):
+            path = record_path(scene, board)
+            if path.is_file():
+                report, _ = read_record(path)
+                cells = _cells(report, scene.twin().output_clocks[-1])
+                lines.append(f"| {scene.name} | {board.title}, {board.device} | {cells} |")
+    return "\n".join(lines)
+
+
+def variant_rows() -> str:
+    """The resources of variants of a scene, with fewer parts or with another engine."""
+    lines = []
+    for scene in map(load_scene, scene_names()):
+        for board in map(load_board, board_names()):
+            path = variants_path(scene, board)
+            if path.is_file():
+                lines += [f"| {scene.name} on {board.title} | {HEADS} |"]
+                lines += ["|" + "---|" * (4 + len(KINDS))]
+                for name, (report, clocks) in read_variants(path).items():
+                    lines.append(f"| {name} | {_cells(report, clocks)} |")
+    return "\n".join(lines)
+
+
+def _cells(report: Report, clocks: int) -> str:
+    counts = [
+        f"{report.used[kind]} of {report.available[kind]} "
+        f"({100 * report.used[kind] / report.available[kind]:.0f} %)"
+        if kind in report.used
+        else "in the logic cells"
+        for kind in KINDS
+    ]
+    microseconds = f"{clocks / report.needed_mhz:.1f}"
+    return " | ".join([*counts, f"{report.needed_mhz:g}", f"{report.clock_mhz:g}", microseconds])

@@ -1,0 +1,71 @@
+"""Writes a report: the page, and every picture and table beside it."""
+
+import dataclasses
+import time
+
+from tactus.core.files import check_writable, replace_file, replace_folder, write_json
+from tactus.core.folders import BUILD
+from tactus.core.machine import facts, versions
+from tactus.report.measure.table import Table
+from tactus.report.page.content import content
+from tactus.report.page.page import Page, Picture
+from tactus.scene import Scene
+from tactus.verify.benches.tools import simulator_versions
+
+
+def tell(name: str, seconds: float, kept: bool) -> None:
+    """Print a line for a part of the report that is ready."""
+    print(f"report: {name:24} {'as before' if kept else f'{seconds:6.1f} s'}", flush=True)
+
+
+def write(scene: Scene, page: Page) -> None:
+    """Write the page, and the pictures and tables beside it.
+
+    Each is written whole or not at all.
+    """
+    tables: dict[str, Table] = {"errors": page.errors, "costs": page.costs}
+    pictures: dict[str, Picture] = {}
+    for section in page.sections:
+        for table in (*section.tables, *section.folded):
+            tables[table.name] = table
+        for picture in section.pictures:
+            pictures[picture.name] = picture
+    data = {
+        "title": page.title,
+        "built": list(page.built),
+        "sections": {part.name: [*part.text, *part.points] for part in page.sections},
+        "made": list(page.made),
+        "pictures": {name: {"title": p.title, "says": p.sentence} for name, p in pictures.items()},
+        "tables": {name: table.as_data() for name, table in tables.items()},
+    }
+    with replace_folder(BUILD / scene.name / "report") as folder:
+        for name, picture in pictures.items():
+            (folder / f"{name}.svg").write_text(picture.svg, encoding="utf-8")
+        for name, table in tables.items():
+            table.write_csv(folder / f"{name}.csv")
+        write_json(folder / "report.json", data)
+    with replace_file(BUILD / scene.name / "report.html") as path:
+        path.write_text(page.render(), encoding="utf-8")
+
+
+def made(seconds: float) -> list[str]:
+    """The lines that say with which tools the report was made."""
+    machine = facts(**versions("matplotlib"), **simulator_versions())
+    return [
+        f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
+        f"{machine['instructions']}; {machine['versions']}.",
+        "Run times are those of this machine, which reproduces every other figure exactly. Another "
+        "processor rounds last bits differently. That changes where trainings end and how many "
+        "evaluations an integrator takes (docs/figures.md), but nothing in the hardware. Each plot "
+        "is an SVG and each table a CSV in the folder beside this file. report.json holds all of "
+        "them.",
+    ]
+
+
+def build_report(scene: Scene, full: bool = False, own: bool = True) -> None:
+    """Build the report of a scene. For ``full`` and ``own`` see ``content``."""
+    started = time.perf_counter()
+    check_writable([BUILD / scene.name / "report.html"])
+    page = content(scene, tell, full, own)
+    write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
+    print(f"wrote {BUILD / scene.name / 'report.html'}")

@@ -1,0 +1,261 @@
+"""The content of the report of a scene."""
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from golden.networks.network import Network
+from tactus.core import store
+from tactus.network_files.network_file import provenance_path
+from tactus.report.draw.confusion import confusion_plot
+from tactus.report.draw.designs import picture_of, sentence
+from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
+from tactus.report.draw.past import past_plots
+from tactus.report.draw.pictures import draw
+from tactus.report.measure import motions
+from tactus.report.measure.classes import accuracy, per_class, wrong_rows
+from tactus.report.measure.costs import FAMILY, Costs, blocks, costs
+from tactus.report.measure.designs import designs, refused_lines
+from tactus.report.measure.disturbance import noise_and_drift
+from tactus.report.measure.outcome import (
+    Outcome,
+    along,
+    confidence,
+    outcome,
+    sensors,
+    telling,
+    worst_rows,
+)
+from tactus.report.measure.simulators import compare_simulators
+from tactus.report.measure.steps import measured
+from tactus.report.measure.store import Progress, once, packed, part_key, unpacked
+from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table_records import SEED
+from tactus.report.page import project, summary
+from tactus.report.page.page import Page, Picture, Section
+from tactus.scene import Scene
+from tactus.scene.comparison import compared
+from tactus.sizing.model import CELLS
+from tactus.sizing.routed import ROUTED
+from tactus.verify.benches.results import left_texts, stored_results
+from tactus.verify.benches.runner import scene_variable
+from tactus.verify.benches.tools import SIMULATORS, version
+from tactus.verify.every_frame.kept import proof_line
+
+
+class Drawable(Protocol):
+    """A plot with the sentence under it."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def sentence(self) -> str: ...
+    def draw(self) -> str: ...
+
+
+Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
+
+
+def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) -> Page:
+    """The report of a scene. ``tell`` is called for each part that is ready.
+
+    The report includes the errors and costs of the project's own approximations if ``full`` is
+    true. It also includes them if the scene is compared with the reference and ``own`` is true.
+    """
+    design = scene.twin()
+    tools = [version(s) for s in SIMULATORS]
+    files = [*scene.files, *(p for p in map(provenance_path, scene.weights_paths) if p.is_file())]
+
+    def asked(name: str, *modules: str, **parts: store.Part) -> store.Key:
+        return part_key(f"{name}-{scene.name}", modules, scene=files, simulators=tools, **parts)
+
+    def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
+        """The pictures, which are drawn again if their figures or the drawing code have changed."""
+        modules = sorted({type(plot).__module__ for plot in plots})
+        svgs = once(
+            asked(name, *modules, figures=_every_figure(plots)),
+            tell,
+            lambda: [plot.draw() for plot in plots],
+        )
+        return [
+            Picture(plot.name, plot.title, svg, plot.sentence)
+            for plot, svg in zip(plots, svgs, strict=True)
+        ]
+
+    cost = costs(scene, design)
+    found = outcome(scene)
+    disturbed = unpacked(
+        once(
+            asked("disturbed", noise_and_drift.__module__, seed=SEED),
+            tell,
+            lambda: packed(noise_and_drift(scene, SEED)),
+        )
+    )
+    places = along(found) if scene.group_by else None
+    told = telling(scene)
+    plots: list[Drawable] = (
+        [confusion_plot(scene, found.decisions)] if scene.labels else [*predicted_plots(found)]
+    )
+    if places:
+        plots.append(along_plot(found, places))
+    moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None
+    errors = drawn("errors", plots)
+    noise = drawn("noise", list(disturbance_plots(disturbed)))
+    sections = [
+        _errors(found, errors, places),
+        Section(
+            "sensors",
+            "What the sensors do to it",
+            pictures=noise,
+            tables=[disturbed, sensors(found), *([told] if told else [])],
+        ),
+        _verified(scene),
+        Section(
+            "left-out",
+            "Left out",
+            text=["What the project has and this scene does not need is not built:"],
+            points=summary.left_out(scene, design),
+        ),
+        _limits(scene, moved, drawn, tell),
+        _pictures(scene, asked("pictures", draw.__module__), tell),
+        _resources(scene, design, cost),
+        _designs(
+            scene,
+            asked("designs", designs.__module__, picture_of.__module__, records=[CELLS, ROUTED]),
+            tell,
+        ),
+    ]
+    if full or (own and scene.reference):
+        sections += project.sections(
+            scene, asked("simulators", compare_simulators.__module__), drawn, tell
+        )
+    return Page(
+        f"tactus: {scene.name}",
+        summary.built(scene, design),
+        summary.errors(found, moved),
+        summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
+        [section for section in sections if section is not None],
+    )
+
+
+def _limits(scene: Scene, moved: Table | None, drawn: Draw, tell: Progress) -> Section | None:
+    """The section on the value of past samples, if a scene of the swing has any."""
+    if moved is None or scene.window.plain:
+        return None
+    table = measured(tell, ["past"])["past"]
+    return Section(
+        "past",
+        "What limits it: past samples, noise, sampling rate",
+        pictures=drawn("past", past_plots(table)),
+        folded=[table],
+    )
+
+
+def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Section:
+    tables = [worst_rows(found)]
+    if found.scene.labels:
+        tables = [accuracy(found), per_class(found), wrong_rows(found)]
+    return Section(
+        "outputs",
+        "Decisions" if found.scene.labels else "Errors row by row",
+        pictures=pictures,
+        tables=[*tables, confidence(found)],
+        folded=[places] if places else [],
+    )
+
+
+def _every_figure(plots: Sequence[Drawable]) -> str:
+    """What plots hold, in full: numpy shortens long arrays."""
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        return repr(plots)
+
+
+def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:
+    found = once(asked, tell, lambda: draw(scene))
+    skipped = "; ".join(f"{title}: {why}" for title, why in found["skipped"])
+    return Section(
+        "pictures",
+        "Pictures",
+        text=[f"Not drawn for this scene. {skipped}."] if skipped else [],
+        pictures=[Picture(**part) for part in found["drawn"]],
+    )
+
+
+def _verified(scene: Scene) -> Section:
+    """The section on what the benches compared, if they have run on the present files."""
+    results, proof = stored_results(scene), proof_line(scene, ask=False)
+    prove = f"make prove {scene_variable(scene)}"
+    proved = (
+        f"Verilog, {proof}; {prove} proves the VHDL too."
+        if proof
+        else f"The present export was not proved for every frame: {prove} does it."
+    )
+    if results is None:
+        text = (
+            "The benches have not run since something that they depend on changed: make demo "
+            f"{scene_variable(scene)} runs them."
+        )
+        return Section("verified", "Verified", text=[proved, text])
+    rows: list[list[Cell]] = [
+        [block, *(number for s in SIMULATORS for number in cells[s])]
+        for block, cells in results["blocks"].items()
+    ]
+    heading = ["block"]
+    heading += [f"{s}, {what}" for s in SIMULATORS for what in ("entities", "values compared")]
+    table = Table(
+        "benches",
+        heading,
+        rows,
+        "Each entity was simulated on the exported files themselves and compared with its twin, "
+        "without any tolerance, in " + " and ".join(version(s) for s in SIMULATORS) + ".",
+    )
+    said = [
+        proved,
+        f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
+        "compared bit for bit.",
+    ]
+    said += left_texts(results)
+    return Section("verified", "Verified", text=said, folded=[table])
+
+
+def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
+    """The section on what other designs of the same networks would cost."""
+
+    def work() -> dict[str, Any]:
+        rows, refused = compared(scene)
+        return {
+            "table": packed(designs(scene, rows, FAMILY)),
+            "svg": picture_of(scene, rows, FAMILY),
+            "sentence": sentence(scene, rows, FAMILY),
+            "refused": refused_lines(refused),
+        }
+
+    found = once(asked, tell, work)
+    title = "Other designs: LUTs against clocks"
+    return Section(
+        "designs",
+        "Other designs",
+        text=[f"make designs {scene_variable(scene)} prints this table."],
+        points=found["refused"],
+        pictures=[Picture("designs", title, found["svg"], found["sentence"], wide=True)],
+        tables=[unpacked(found["table"])],
+    )
+
+
+def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:
+    if found is None:
+        return None
+    return Section(
+        "resources",
+        "Resources",
+        text=[
+            f"ECP5, placed and routed: {found.timing.luts:,} LUTs, {found.timing.flip_flops:,} "
+            f"flip-flops, {found.timing.multipliers} multipliers, {found.timing.block_rams} block "
+            f"RAMs; {found.timing.clock_mhz} MHz. Slowest path: {found.timing.slowest}."
+        ],
+        folded=[blocks(scene, design, found)],
+    )

@@ -1,0 +1,184 @@
+"""What programs know, for the pages of the site that ask for it with ``<!-- made: name -->``.
+
+It is written when the site is built and committed nowhere, so it cannot be out of date.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache, partial
+from typing import Any
+
+from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
+from golden.engine.pipeline import Pipeline
+from tactus.core.schema import KeyTable, key_rows
+from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.errors.scene_errors import disturbed_errors
+from tactus.report.measure.adder_chains import adder_chains
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.digits import digits
+from tactus.report.measure.search_runs import search_runs
+from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table_records import SEED, read
+from tactus.report.measure.word_widths import word_widths
+from tactus.report.page import blocks, boards, datasheets, designs, sign_off
+from tactus.report.side_by_side import side_by_side
+from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.schema import SCENE
+from tactus.synth.budget import budget_path, read_budget
+
+DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
+
+
+def scenes() -> str:
+    """Every shipped scene, with the first paragraph of its file and its parts."""
+    lines = [
+        "| shipped scene | what it is | design | activation | precision |",
+        "|---|---|---|---|---|",
+    ]
+    for name in sorted([*scene_names(), *class_names()]):
+        scene = load_scene(name)
+        head = re.split(r"\n#?\n", scene.path.read_text(encoding="utf-8"), maxsplit=1)[0]
+        text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
+        row = [f"`{name}`", text, *(f"`{word}`" for word in (scene.design, scene.activation))]
+        lines.append(f"| {' | '.join(row)} | `{scene.precision.name}` |")
+    return "\n".join(lines)
+
+
+def classes() -> str:
+    """What every shipped scene of classes costs, and how often it is wrong on held-out rows."""
+    lines = [
+        "| scene | network | LUT | multiplier | block RAM | clocks of a frame | held-out rows | "
+        "wrong | wrong in floating point |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name in class_names():
+        scene = load_scene(name)
+        top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+        held_out, _ = held_out_or_all(scene, decisions_of(scene))
+        rows = len(held_out.actual)
+        cells = [
+            f"`{name}`",
+            scene.describe(),
+            *(top[kind] for kind in ("LUT", "multiplier", "block RAM")),
+            clocks_per_frame(scene.twin()),
+            rows,
+            rows - held_out.right,
+            rows - held_out.right_real,
+        ]
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    return "\n".join(lines)
+
+
+def keys(section: str) -> str:
+    """The keys of a section of a scene."""
+    table = SCENE.keys[section].kind
+    assert isinstance(table, KeyTable), section
+    return key_rows(table)
+
+
+def segments() -> str:
+    """The segments of Table 4.1 of the thesis."""
+    lines = ["| n | up to q_n | g_n | i_n |", "|---|---|---|---|"]
+    rows = zip(UPPER, GRADIENT, INTERCEPT, strict=True)
+    lines += [f"| {n} | {' | '.join(map(str, row))} |" for n, row in enumerate(rows, 1)]
+    return "\n".join(lines)
+
+
+def pipeline() -> str:
+    """Every clock of an engine's pipeline, and what happens in it."""
+    lines = ["| name | clocks | with registers | what is there |", "|---|---|---|---|"]
+    forms = [Pipeline(), Pipeline(memory_registers=1)]
+    for name, value in vars(Pipeline).items():
+        if isinstance(value, property):
+            clocks = " | ".join(str(getattr(form, name)) for form in forms)
+            lines.append(f"| `{name}` | {clocks} | {' '.join((value.__doc__ or '').split())} |")
+    return "\n".join(lines)
+
+
+def demo() -> str:
+    """The table at the end of the demo, without the line on what was compared."""
+    lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
+    return "\n".join(f"    {line}".rstrip() for line in lines)
+
+
+def disturbed() -> str:
+    """The errors of some scenes with noise and drift."""
+    disturbances = {
+        "as recorded": Disturbance(),
+        "noise 1 mV": Disturbance(noise=0.001),
+        "noise 2 mV": Disturbance(noise=0.002),
+        "noise 8 mV": Disturbance(noise=0.008),
+        "gain drift 1 %": Disturbance(gain=0.01),
+        "offset drift 10 mV": Disturbance(offset=0.01),
+    }
+    lines = [
+        f"| scene | output | {' | '.join(disturbances)} |",
+        f"|{'---|' * (2 + len(disturbances))}",
+    ]
+    for name in DISTURBED:
+        scene = load_scene(name)
+        errors = [disturbed_errors(scene, disturbance) for disturbance in disturbances.values()]
+        for output, found in zip(scene.outputs, zip(*errors, strict=True), strict=True):
+            lines.append(f"| {name} | {output} | {' | '.join(f'{e:.2f}' for e in found)} |")
+    return "\n".join(lines)
+
+
+def outside() -> str:
+    """How many unlike readings are found, to tenths of a percent."""
+    found = read("outside")
+    return _rows(
+        found.columns,
+        [[f"{c:.1f}" if isinstance(c, float) else c or "" for c in row] for row in found.rows],
+    )
+
+
+def _measured(measure: Callable[[int], Table]) -> str:
+    table = measure(SEED)
+    return _rows(table.columns, [list(map(_shown, row)) for row in table.rows])
+
+
+def _shown(cell: Cell) -> str:
+    if cell is None:
+        return ""
+    return f"`{cell}`" if isinstance(cell, str) else f"{cell:,}"
+
+
+def _rows(heads: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+
+
+MADE: dict[str, Callable[[], str]] = {
+    **{name: partial(keys, name) for name in SCENE.keys},
+    "scenes": scenes,
+    "classes": classes,
+    "side_by_side": demo,
+    "blocks": blocks.block_table,
+    "sign-off": sign_off.overview,
+    "synthesis": datasheets.scene_table,
+    "wiring": boards.wiring,
+    "sources": boards.pin_sources,
+    "resources": boards.resources,
+    "variants": boards.variant_rows,
+    "digit": partial(designs.rows, designs.CASCADE),
+    "digit-single": partial(designs.rows, designs.SINGLE),
+    "ecp5": partial(designs.rows, designs.SINGLE, "ecp5"),
+    "learned": partial(designs.rows, designs.LEARNED),
+    "held-out": designs.spreads,
+    "disturbance": disturbed,
+    "digits": partial(_measured, digits),
+    "outside": outside,
+    "segments": segments,
+    "pipeline": pipeline,
+    "adder_chains": partial(_measured, adder_chains),
+    "word_widths": partial(_measured, word_widths),
+    "search_runs": partial(_measured, search_runs),
+}
+MARK = re.compile(r"<!-- made: ([\w-]+) -->")
+
+
+@cache
+def made(name: str) -> str:
+    """The text of this name. A name that does not exist stops the building of the site."""
+    return MADE[name]()

@@ -1,0 +1,99 @@
+"""The report as one HTML file that needs no other files."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from tactus.report.measure.table import Cell, Table, cell_text
+
+# The margins of the page at the left and right of a picture, in CSS pixels.
+MARGINS = 32
+# The page is at most 72 rem wide, even in a wider window.
+WIDEST, ANY = 72 * 16, 1e5
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawing with a sentence below it.
+
+    name: The file name without its suffix.
+    svg: An ``<svg>`` element.
+    sentence: Says what the drawing shows, or what its figures support.
+    wide: Whether the drawing takes the whole width of a desktop. On a phone it scrolls sideways.
+    """
+
+    name: str
+    title: str
+    svg: str
+    sentence: str
+    wide: bool = False
+
+    @property
+    def scrolls_below(self) -> float:
+        """The width of a window, in CSS pixels, below which the picture scrolls; 0 for never."""
+        found = re.search(r"min-width:([\d.]+)px", self.svg) if self.wide else None
+        if found is None:
+            return 0.0
+        least = float(found[1]) + MARGINS
+        return least if least <= WIDEST else ANY
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page.
+
+    name: The name of the anchor.
+    text, points: The paragraphs, and the list below them.
+    tables: The tables that are shown in full.
+    folded: The tables that are shown when the reader opens them, and in print.
+    """
+
+    name: str
+    title: str
+    text: Sequence[str] = ()
+    points: Sequence[str] = ()
+    pictures: Sequence[Picture] = ()
+    tables: Sequence[Table] = ()
+    folded: Sequence[Table] = ()
+
+
+@dataclass(frozen=True)
+class Page:
+    """The whole report.
+
+    built: The lines that say what was built.
+    errors, costs: The tables of the first screen.
+    made: The lines that say with which tools the report was made.
+    """
+
+    title: str
+    built: Sequence[str]
+    errors: Table
+    costs: Table
+    sections: Sequence[Section]
+    made: Sequence[str] = ()
+
+    def render(self) -> str:
+        """The page as HTML."""
+        return environment("tactus.report.page").get_template("page.html.jinja").render(page=self)
+
+
+def environment(package: str) -> Environment:
+    """An environment for the templates of a package, which may include those of this package."""
+    found = Environment(
+        loader=ChoiceLoader([PackageLoader(name, ".") for name in (package, "tactus.report.page")]),
+        autoescape=select_autoescape(["jinja"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters["shown"] = _cell
+    return found
+
+
+def _cell(cell: Cell) -> str:
+    """A cell as it is printed, with whole numbers in groups of three digits."""
+    return f"{cell:,}" if isinstance(cell, int) else cell_text(cell)

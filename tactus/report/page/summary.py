@@ -1,0 +1,154 @@
+"""The first screen of the report: what was built, its errors, its costs, what was left out."""
+
+from typing import Any
+
+from golden.common.block import walk
+from golden.networks.left_out import left_out as of_network
+from golden.networks.network import Network
+from tactus.errors.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
+from tactus.report.draw.findings import number, rows_of
+from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.costs import Costs
+from tactus.report.measure.outcome import Outcome
+from tactus.report.measure.table import Cell, Table
+from tactus.scene import Scene, thesis_figures
+from tactus.scene.saturation import hidden_saturations, range_lines
+from tactus.synth.timing import DEVICE_NAME
+from tactus.train.descent.split import unused_text
+from tactus.verify.benches.runner import scene_variable
+from tactus.verify.benches.where import block_names
+
+ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
+
+
+def built(scene: Scene, design: Network) -> list[str]:
+    """Sentences that say what the scene is."""
+    entities = list(walk(design))
+    blocks = {part.block for part in entities}
+    vectors, unused = scene.vectors(), unused_text(scene)
+    saturated = hidden_saturations(scene, vectors.codes)
+    told = [*(scene.choice.lines() if scene.choice else []), *range_lines(scene, saturated)]
+    return [
+        f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
+        f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.chosen.design}, "
+        f"activation {scene.chosen.hidden_text()}, {scene.precision.name} precision. Top entity "
+        f"{design.entity}, {len(entities)} entities of {len(blocks)} blocks, exported as "
+        "VHDL-93 and as Verilog.",
+        f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
+        f"samples saturated.{f' {unused}.' if unused else ''}",
+        *(f"{line[0].upper()}{line[1:]}." for line in told),
+    ]
+
+
+def errors(found: Outcome, moved: Table | None) -> Table:
+    """The errors of every output, as recorded and with noise, and those of the reference."""
+    scene = found.scene
+    if moved is not None:
+        return _motion_errors(scene, moved)
+    known = scene_errors(scene)
+    columns = ["output", "mean %", "largest %", "worst %", "held out %"]
+    columns += [f"noise {noise:g} %" for noise in found.noisy]
+    means = held_out_means(scene)
+    rows: list[list[Cell]] = []
+    for c, name in enumerate(scene.outputs):
+        error = known["bit-true"][c]
+        held: Cell = UNKNOWN if means is None else means[c]
+        noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
+        rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
+    note = (
+        "The errors are bit-true, which means those of the hardware, on the recorded rows. "
+        + (ERRORS_OF_CLASSES if scene.labels else "")
+        + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
+        + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
+        "with noise of this size on every reading, in its unit."
+    )
+    if not scene.group_by:
+        columns, rows = _without(2, columns), [_without(2, row) for row in rows]
+    if scene.reference:
+        printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+        columns += ["thesis largest %"]
+        rows = [[*row, figure] for row, figure in zip(rows, printed, strict=True)]
+        note += " Thesis: bit-true simulation of the design that this one reproduces."
+    return Table("errors", columns, rows, note)
+
+
+def _without(place: int, cells: list[Any]) -> list[Any]:
+    return [*cells[:place], *cells[place + 1 :]]
+
+
+def _motion_errors(scene: Scene, motions: Table) -> Table:
+    rows: list[list[Cell]] = []
+    for output in scene.outputs:
+        runs = rows_of(motions, scene=scene.name, output=output)
+        worst = max(runs, key=lambda row: number(row, "bit-true %"))
+        rows.append([output, *(worst[key] for key in ("float %", "bit-true %", "printed %"))])
+    return Table(
+        "errors",
+        ["output", "float %", "bit-true %", "thesis %"],
+        rows,
+        "The figures are errors by equation 6.6 on the worst of four runs on which the networks "
+        "were not trained. The thesis measured on another rig (Table 6.2).",
+    )
+
+
+def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
+    """The clocks and, if ``make synth`` recorded them, the frequency and the cells.
+
+    With ``compared``, the figures of the reference stand beside them, and the shares of its device.
+    """
+    clocks = clocks_per_frame(design)
+    rows: list[list[Cell]] = [
+        ["clocks from first sample to last output", clocks, None],
+        ["clocks from frame to frame", design.interval, None],
+        [f"microseconds a frame at {scene.clock_mhz:g} MHz", clocks / scene.clock_mhz, None],
+    ]
+    note = f"No costs are recorded; make synth {scene_variable(scene)} RECORD=1 records them."
+    if found is not None:
+        top = {family: cells[design.entity] for family, cells in found.cells.items()}
+        rows += [
+            ["clock reached on ECP5 MHz", found.timing.clock_mhz, 64.0],
+            ["frames a second at that clock", round(found.frames_per_second), None],
+            ["Virtex-II LUTs", top["xc2v"]["LUT"], None],
+            *(_share(found, "LUTs", "luts_percent") if compared else []),
+            ["Virtex-II multipliers", top["xc2v"]["multiplier"], None],
+            *(_share(found, "multipliers", "mult18x18_percent") if compared else []),
+            ["Virtex-II flip-flops", top["xc2v"]["flip-flop"], None],
+            ["Series 7 LUTs", top["xc7"]["LUT"], None],
+        ]
+        note = (
+            "make synth recorded this for "
+            f"{'this' if found.current else 'ANOTHER, OLDER'} Verilog. "
+            f"The clock is that of {DEVICE_NAME} after placing and routing."
+        )
+        if compared:
+            note += (
+                " The column of the thesis is from its Tables 5.1, 5.3 and 6.1, with the clock of "
+                "its board."
+            )
+    if scene.front_end:
+        note = f"The front end: {scene.front_end.describe()}. {note}"
+    if not compared:
+        return Table("costs", ["what", "tactus"], [row[:2] for row in rows], note)
+    return Table("costs", ["what", "tactus", "thesis"], rows, note)
+
+
+def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
+    """The share of the reference's device."""
+    figure = found.share.get("thesis", {}).get(key)
+    return [[f"Virtex-II {what}, % of XC2V3000", found.share[key], figure]]
+
+
+def left_out(scene: Scene, design: Network) -> list[str]:
+    """Sentences on what the project has and this scene does not build."""
+    lines = of_network(design)
+    if scene.front_end is None:
+        lines.append("the scan sequencer: the scene has no front_end")
+    if scene.visualisation is None:
+        lines.append("the load profile: the scene has no visualisation")
+    if scene.interface == "stream":
+        lines.append("the AXI4-Stream interface")
+    here = {part.block for part in walk(design)}
+    blocks = block_names()
+    others = [name for name in blocks if name not in here]
+    lines.append(f"{len(others)} of {len(blocks)} blocks: {', '.join(others)}")
+    return lines

@@ -1,0 +1,205 @@
+"""Estimates in a fraction of a second how much each sensor tells about each output.
+
+A smooth map (``tactus.rig.smooth_map``) from the sensors to the outputs is fitted to rows that
+train, once with all sensors and once without each of them. Its errors are those on rows that take
+no part. Sensors that are not missed one by one may be missed together, so these are left out at
+once, too. Similar maps to the sensor itself, from the outputs, and from these together with the
+other sensors, show how much of it follows from anything. Networks have smaller errors;
+``tactus.rig.sensors_needed`` trains them, which takes minutes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.numbers.real import Real
+from tactus.core.finding import OK, WARNING, Finding, several
+from tactus.rig.sensors_needed import Recording, recording_of
+from tactus.rig.smooth_map import SmoothMap, spread, thinned
+from tactus.scene import Scene
+from tactus.train.descent.split import Split, split_of
+
+Rows = NDArray[np.int64]
+
+LENGTHS = (0.35, 0.7, 1.4, 2.8)
+RIDGES = (1e-6, 1e-4, 1e-2)
+# The most rows that train, and of each other part. More rows take longer and change little.
+MOST_ROWS, MOST_OTHERS = 150, 75
+# With fewer rows an error would mean nothing.
+LEAST_OTHERS = 4
+# With more sensors, such as the pixels of an image, the fits without each of them take minutes, and
+# a single one tells little.
+MOST_SENSORS = 32
+# The sensors explain an output if its error is below this part of the error of a constant.
+TOLD = 0.8
+# A sensor counts as useless if a smaller part of it follows from everything else, and if without it
+# the error of no explained output grows by this factor, or by this part of what the sensors
+# explain. Noise is like that. A sensor that corrects others, such as one for temperature, follows
+# from no output, but it does follow from outputs and sensors together.
+FOLLOWS, WORSE, LOST = 0.1, 2.0, 0.05
+
+
+@dataclass(frozen=True)
+class Telling:
+    """Mean errors on held-out rows, in percent as a scene counts them, shape (outputs,).
+
+    constant: Errors of a constant, the mean of the rows that train, which needs no sensor.
+    whole: Errors with all sensors.
+    without: Errors without each sensor, by its name.
+    follows: Part of the variance of each sensor, on held-out rows, that follows from the outputs,
+        or from the outputs and the other sensors if that is more. It is below 0 where a constant
+        fits better.
+    together: The sensors of ``nothing`` that can be left out at once.
+    without_together: Errors without all of these.
+    """
+
+    outputs: tuple[str, ...]
+    constant: Real
+    whole: Real
+    without: dict[str, Real]
+    follows: dict[str, float]
+    together: tuple[str, ...]
+    without_together: Real
+
+    @property
+    def nothing(self) -> list[str]:
+        """Sensors that tell nothing, as far as each of them shows alone; see FOLLOWS."""
+        return [
+            name
+            for name, errors in self.without.items()
+            if self.follows[name] < FOLLOWS and self.harmless(errors)
+        ]
+
+    @property
+    def explained(self) -> NDArray[np.bool_]:
+        """The outputs that the sensors explain; see TOLD."""
+        found: NDArray[np.bool_] = self.whole < TOLD * self.constant
+        return found
+
+    def harmless(self, errors: Real) -> bool:
+        """Whether errors without some sensors are no worse than with them; see WORSE and LOST."""
+        most = np.minimum(WORSE * self.whole, self.whole + LOST * (self.constant - self.whole))
+        return bool(self.explained.any() and (errors < most)[self.explained].all())
+
+
+def measured(recording: Recording, split: Split) -> Telling:
+    """Measure how much the sensors of a recording tell, with a split of its rows."""
+    train = thinned(split.training, MOST_ROWS)
+    others = [thinned(part, MOST_OTHERS) for part in (split.validation, split.test)]
+    rows = np.concatenate(others)
+    targets = recording.targets
+
+    def mean(residuals: Real) -> Real:
+        percent: Real = 100 * np.abs(residuals / recording.scale[rows]).mean(axis=0)
+        return percent
+
+    constant = mean(targets[rows] - targets[train].mean(axis=0))
+
+    def errors(left_out: Sequence[str]) -> Real:
+        kept = _of(recording, left_out)[1]
+        return mean(_residuals(kept, targets, train, others)) if kept.shape[1] else constant
+
+    without, follows = {}, {}
+    for name in recording.names:
+        own, others_kept = _of(recording, [name])
+        without[name] = errors([name])
+        follows[name] = max(
+            _explained(known, own, train, others)
+            for known in (targets, np.column_stack([targets, others_kept]))
+        )
+    whole = errors([])
+    found = Telling(recording.outputs, constant, whole, without, follows, (), whole)
+    # Those that are missed least come first.
+    for name in sorted(found.nothing, key=lambda name: float((without[name] / whole).max())):
+        more = (*found.together, name)
+        left = errors(more)
+        if found.harmless(left):
+            found = replace(found, together=more, without_together=left)
+    return found
+
+
+def _of(recording: Recording, names: Sequence[str]) -> tuple[Real, Real]:
+    """The columns of some sensors, and all other columns."""
+    own = np.isin(recording.sensors, names)
+    return recording.readings[:, own], recording.readings[:, ~own]
+
+
+def _explained(known: Real, values: Real, train: Rows, others: list[Rows]) -> float:
+    """The part of the variance of held-out values that is explained, in the best column."""
+    rows = np.concatenate(others)
+    variance = ((values[rows] - values[train].mean(axis=0)) ** 2).mean(axis=0)
+    left = (_residuals(known, values, train, others) ** 2).mean(axis=0)
+    return float((1 - left / np.where(variance > 0, variance, np.inf)).max())
+
+
+def _residuals(inputs: Real, values: Real, train: Rows, others: list[Rows]) -> Real:
+    """Residuals of two parts that took no part in the fit; each part selects the other's fit."""
+    unit = spread(values[train])
+    found = []
+    for length in LENGTHS:
+        for ridge in RIDGES:
+            smooth = SmoothMap(inputs[train], values[train], length, ridge)
+            found.append([smooth(inputs[part]) - values[part] for part in others])
+    chosen = [min(found, key=lambda both: ((both[k] / unit) ** 2).mean()) for k in (0, 1)]
+    return np.concatenate([chosen[1][0], chosen[0][1]])
+
+
+def telling_of(scene: Scene) -> Telling | None:
+    """Measure how much the sensors of a scene tell.
+
+    It is None if there are too few rows or too many sensors.
+    """
+    split = split_of(scene)
+    few = min(len(split.validation), len(split.test)) < LEAST_OTHERS
+    if few or len(scene.sensors) > MOST_SENSORS:
+        return None
+    return measured(recording_of(scene), split)
+
+
+def findings(scene: Scene) -> list[Finding]:
+    """How much each sensor of a scene tells, in words; see ``telling_of``."""
+    telling = telling_of(scene)
+    if telling is None:
+        return []
+    subject, names = "what sensors tell", telling.outputs
+    shown = ", ".join(f"{n} {c:.2g} %" for n, c in zip(names, telling.constant, strict=True))
+    found = [
+        Finding(
+            OK,
+            subject,
+            "mean errors on rows that are held out from a fit, Gaussian kernel ridge regression; "
+            f"without any sensor {shown}",
+        )
+    ]
+    if not telling.explained.any():
+        text = "nothing: with all of them no output errs less than without any"
+        return [*found, Finding(WARNING, subject, text)]
+    together = [name for name in telling.without if name in telling.together]
+    for name, errors in telling.without.items():
+        text = f"without it {_compared(telling, errors)}"
+        if name in together:
+            advice = f"tells nothing: it follows from nothing else; take it out of {_place(scene)}"
+            found.append(Finding(WARNING, name, f"{advice} ({text})"))
+            continue
+        if name in telling.nothing:
+            text += "; it is not missed alone, but together with others that tell as little"
+        found.append(Finding(OK, name, text))
+    if len(together) > 1:
+        compared = _compared(telling, telling.without_together)
+        text = f"can be taken out together: without them {compared}"
+        found.append(Finding(WARNING, several(together), text))
+    return found
+
+
+def _compared(telling: Telling, errors: Real) -> str:
+    """The error of each output without some sensors, beside that with all of them."""
+    return ", ".join(
+        f"{output} {without:.2g} % instead of {whole:.2g} %"
+        for output, without, whole in zip(telling.outputs, errors, telling.whole, strict=True)
+    )
+
+
+def _place(scene: Scene) -> str:
+    return f"data.sensors in {scene.path}"

@@ -1,0 +1,194 @@
+"""The section ``[front_end]`` of a scene, which says how its sensors are read."""
+
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError
+from golden.networks.network import Network
+from golden.numbers.precision import SIGNAL
+from golden.sensing.converter_parts import PARTS
+from golden.sensing.converter_reader import ConverterReader
+from golden.sensing.scan import MOST_SCAN_CLOCKS
+from golden.sensing.scan_sequencer import ScanSequencer
+from golden.trained.window import Window
+from tactus.core.schema import Key, KeyTable, Number, Span, Text, Whole
+from tactus.scene.scale import LARGEST
+
+# Parts that can be bought. Without one, a parallel code comes from behind an analogue multiplexer.
+CONVERTERS = tuple(PARTS)
+FRONT_END = KeyTable(
+    {
+        "counter_width": Key(
+            Whole(Span(1, 24)),
+            12,
+            "The number of bits of the counter that divides a scan into slots. A scan takes "
+            "2^`counter_width` clocks. Each slot needs two clocks or more. Without `rate_hz` a "
+            "scan must also take at least as many clocks as the network needs from frame to frame.",
+        ),
+        "sample_at": Key(
+            Number(Span(above=0, below=1)),
+            0.9,
+            "At which part of a slot the code is taken. By then the multiplexer must have settled.",
+        ),
+        "rate_hz": Key(
+            Number(),
+            0.0,
+            "The number of scans per second, with a pause after each scan: `200.0` is a scan every "
+            "320000 clocks of 64 MHz. It can be from one scan in 2^30 clocks to one in "
+            "2^`counter_width` clocks. With 0 each scan follows the previous one at once. The "
+            "nearest whole number of clocks is used. `make check`, `make vhdl`, `make verilog` and "
+            "the report state this number, and how far the rate is from the one asked for.",
+        ),
+        "converter": Key(
+            Text(CONVERTERS),
+            "",
+            "An analogue-to-digital converter on an SPI, with sensor n at its channel n: `mcp3208` "
+            "(12 bits), `mcp3208-5v` (the same with a supply of 5 V), `ads8344` or `ads8345` (16 "
+            "bits). See [converter_reader](blocks/converter_reader.md#parts). The limits of its "
+            "timing are kept for a clock of `clock_mhz`, and `sample_at` is not used. Without this "
+            "key the hardware takes codes of Fix(14,13) from behind an analogue multiplexer.",
+        ),
+        "reference": Key(
+            Number(
+                Span(above=0, below=LARGEST),
+                "a number above 0: what the converter's reference is in the unit of the readings",
+                absent=True,
+            ),
+            0.0,
+            "The reference of the `converter` in the unit of the readings, such as `5.0` for "
+            "volts. It is not needed if the readings are signals of -1 to 1 or the converter's own "
+            "codes. See [what a converter reads](#what-a-converter-reads).",
+        ),
+    },
+    name="a section",
+)
+
+
+@dataclass(frozen=True)
+class FrontEnd:
+    """The front end that a scene describes.
+
+    counter_width: Bits of the counter of a scan, which takes 2**counter_width clocks.
+    sample_at: The moment in a slot at which the converter's code is accepted, as a fraction of the
+        slot.
+    rate_hz: Scans per second that are requested; 0 where one scan follows another at once.
+    converter: Name of the part that is read; empty for codes behind an analogue multiplexer.
+    reference: The converter's reference in the unit of the readings; 0 where the scene does not
+        state it.
+    clock_mhz: The clock for which the scene is meant.
+    """
+
+    counter_width: int
+    sample_at: float
+    rate_hz: float
+    converter: str
+    reference: float
+    clock_mhz: float
+
+    @property
+    def scan_clocks(self) -> int:
+        """Clocks from one scan to the next, as close to ``rate_hz`` as whole clocks allow."""
+        if not self.rate_hz:
+            return 1 << self.counter_width
+        return round(_hertz(self.clock_mhz) / _exact(self.rate_hz))
+
+    def describe(self) -> str:
+        """A text with the scans per second, and their deviation from the requested rate."""
+        rate = _hertz(self.clock_mhz) / self.scan_clocks
+        clock = f"{self.clock_mhz:g} MHz"
+        text = f"a scan every {self.scan_clocks} clocks, {float(rate):.9g} Hz at {clock}"
+        if not self.rate_hz:
+            return text
+        deviation = rate / _exact(self.rate_hz) - 1
+        if not deviation:
+            return f"{text}, exactly as asked"
+        side = "above" if deviation > 0 else "below"
+        return (
+            f"{text}, {float(abs(deviation)) * 1e6:.3g} ppm {side} the {self.rate_hz:g} Hz "
+            "that are asked for"
+        )
+
+    def scan_sequencer(self, network: Network) -> ScanSequencer:
+        """The sequencer that makes frames for ``network``."""
+        return self._sequencer(network.inputs, network.input_controller.inputs)
+
+    def converter_reader(self, network: Network) -> ConverterReader:
+        """The reader that makes frames for ``network`` from the codes of ``converter``."""
+        return ConverterReader(
+            SIGNAL,
+            PARTS[self.converter],
+            network.inputs,
+            network.input_controller.inputs,
+            self.counter_width,
+            self.clock_mhz,
+            self.scan_clocks - (1 << self.counter_width),
+        )
+
+    def clocks_left(self, window: Window) -> int:
+        """Clocks from a frame's last sample to the next, which a network without slots may use.
+
+        With a past, a frame window sends the samples, and those of a converter are sent when the
+        scan is complete. In both cases they come one per clock.
+        """
+        if not window.plain:
+            return self.scan_clocks - len(window.taps)
+        inputs = len(window.delays)
+        if self.converter:
+            return self.scan_clocks - inputs
+        scan = self._sequencer(inputs, inputs)
+        samples = scan.sample_clocks
+        return scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
+
+    def _sequencer(self, inputs: int, slots: int) -> ScanSequencer:
+        whole = 1 << self.counter_width
+        slot_clocks = whole >> max(1, (slots - 1).bit_length())
+        return ScanSequencer(
+            SIGNAL,
+            inputs,
+            slots,
+            self.counter_width,
+            int(self.sample_at * slot_clocks),
+            self.scan_clocks - whole,
+        )
+
+
+def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
+    """The front end of a section whose keys have been checked one by one."""
+    own = FRONT_END.keys["sample_at"].default
+    if values["converter"] and values["sample_at"] != own:
+        raise InputError(
+            f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
+            f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
+        )
+    reference = values["reference"]
+    if reference and not values["converter"]:
+        raise InputError(
+            f"{path}: front_end.reference: got {reference:g} without a converter, expected none"
+        )
+    found = FrontEnd(**values, clock_mhz=clock_mhz)
+    shortest = 1 << found.counter_width
+    low, high = (_hertz(clock_mhz) / clocks for clocks in (MOST_SCAN_CLOCKS, shortest))
+    if found.rate_hz and not low <= found.rate_hz <= high:
+        ends = f"{_six_digits(low, ROUND_CEILING)} to {_six_digits(high, ROUND_FLOOR)}"
+        raise InputError(
+            f"{path}: front_end.rate_hz: got {found.rate_hz:g}, expected {ends}, with a scan of "
+            f"{shortest} clocks (counter_width {found.counter_width}) of {clock_mhz:g} MHz; or 0"
+        )
+    return found
+
+
+def _exact(value: float) -> Fraction:
+    """The number exactly as it was written, and not the nearest floating-point number."""
+    return Fraction(str(value))
+
+
+def _hertz(clock_mhz: float) -> Fraction:
+    return _exact(clock_mhz) * 1_000_000
+
+
+def _six_digits(rate: Fraction, rounding: str) -> str:
+    """Six digits, rounded so that every rate that a message allows is really allowed."""
+    return f"{Context(6, rounding).divide(Decimal(rate.numerator), Decimal(rate.denominator)):f}"

@@ -1,0 +1,192 @@
+"""Errors as the thesis reports them: in percent, in millimetres, of motions and activations."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.input_error import InputError
+
+
+@dataclass(frozen=True)
+class OutputError:
+    """Error of one output over a set of frames, in percent.
+
+    mean: Mean error over all frames.
+    largest_mean: Largest of the mean errors at each position (equation 3.15), which is the thesis'
+        "better than" figure.
+    worst: Largest error of a single frame.
+    """
+
+    mean: float
+    largest_mean: float
+    worst: float
+
+
+def error_scale(
+    targets: ArrayLike, outputs: Sequence[str], full_scale: dict[str, float]
+) -> NDArray[np.float64]:
+    """The divisor of each error: the full scale of its output, or the target's magnitude.
+
+    targets: shape (frames, outputs).
+    outputs: Names of the columns.
+    full_scale: Scales of the outputs whose error is divided by a constant (position and width:
+        0.9).
+    """
+    scale = np.abs(np.asarray(targets, dtype=np.float64))
+    for c, name in enumerate(outputs):
+        if name in full_scale:
+            scale[:, c] = full_scale[name]
+    return scale
+
+
+def percent_errors(
+    results: ArrayLike,
+    targets: ArrayLike,
+    outputs: Sequence[str],
+    full_scale: dict[str, float],
+) -> NDArray[np.float64]:
+    """Equation 3.16: ``|t - y|`` in percent of the target, or of a full scale if there is one.
+
+    results, targets: shape (frames, outputs).
+    outputs, full_scale: See ``error_scale``.
+    """
+    miss = np.abs(np.asarray(targets, dtype=np.float64) - np.asarray(results))
+    return np.asarray(100 * miss / error_scale(targets, outputs, full_scale))
+
+
+def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputError]:
+    """A summary for each column of ``errors``, with means over each value of ``groups``."""
+    places = np.asarray(groups)
+    means = np.array([errors[places == place].mean(axis=0) for place in np.unique(places)])
+    return [
+        OutputError(float(errors[:, c].mean()), float(means[:, c].max()), float(errors[:, c].max()))
+        for c in range(errors.shape[1])
+    ]
+
+
+@dataclass(frozen=True)
+class LengthError:
+    """Error of one output over some frames in millimetres; the fields are those of OutputError."""
+
+    mean: float
+    largest_mean: float
+    worst: float
+
+
+def millimetres(error: OutputError, length: float) -> LengthError:
+    """Turn an error in percent of a full scale into a length.
+
+    Equation: local error / full scale * length (thesis section 3.12.1: the errors of position and
+    width are divided by a constant). ``golden/numbers/units.py`` holds the lengths of the
+    flexible digit and says how they were checked.
+
+    error: Error of an output that is divided by a full scale, not by the target.
+    length: The full scale in millimetres: 127 for position, 50.8 for width.
+    """
+    if not 0 < length < math.inf:
+        raise InputError(f"length: got {length}, expected millimetres above 0")
+    part = length / 100
+    return LengthError(error.mean * part, error.largest_mean * part, error.worst * part)
+
+
+@dataclass(frozen=True)
+class DisplacementError:
+    """Error of one coordinate of a motion, as thesis Table 6.2 lists it.
+
+    mean: Mean of the magnitude of the error, in the unit of the coordinate.
+    displacement: Mean distance from end to end of the actual motion, in the same unit.
+    percent: The mean error in percent of this distance.
+    """
+
+    mean: float
+    displacement: float
+    percent: float
+
+
+def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[DisplacementError]:
+    """Equation 6.6: mean error in percent of the mean total displacement, for each coordinate.
+
+    The thesis calls the divisor "actual total displacement", without an equation. Here it is the
+    distance from end to end of a swing, which is the mean of the motion's peaks minus that of its
+    troughs. Table 6.2 of the thesis has 330 mm for an arm of 480 mm, which cannot be a mean
+    distance from rest.
+
+    results, actual, shape (samples, coordinates): Both in the same unit.
+    """
+    found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
+    if found.shape != moved.shape or found.ndim != 2 or not found.size:
+        raise InputError(
+            f"results: got shape {found.shape} for {moved.shape} of actual, expected the same "
+            "(samples, coordinates), at least one of each"
+        )
+    errors = np.abs(found - moved).mean(axis=0)
+    ways = [_way(moved[:, c], c) for c in range(moved.shape[1])]
+    return [
+        DisplacementError(float(e), way, float(100 * e / way))
+        for e, way in zip(errors, ways, strict=True)
+    ]
+
+
+def _way(motion: NDArray[np.float64], number: int) -> float:
+    """Mean of the peaks minus mean of the troughs."""
+    # It is imported only here, because that takes half a second and every reader of a scene imports
+    # this module.
+    from scipy.signal import find_peaks
+
+    peaks, troughs = (find_peaks(sign * motion)[0] for sign in (1, -1))
+    if not len(peaks) or not len(troughs):
+        raise InputError(
+            f"actual: coordinate {number} has {len(peaks)} peaks and {len(troughs)} troughs, "
+            "expected a swing with at least one of each"
+        )
+    return float(motion[peaks].mean() - motion[troughs].mean())
+
+
+@dataclass(frozen=True)
+class ActivationError:
+    """Error of an approximation over [-3, 3], against the exact activation.
+
+    mean_percent: Equation 4.32 as printed: 100 / 6 times the integral of the error's magnitude.
+    mean_percent_thesis: Twice that, (100 / 3) times the integral. The factor is a fit and not a
+        derivation: with it the schemes come close to the figures that the thesis prints (Gradient
+        0.41, printed 0.40); with equation 4.32 as printed they come to half of these figures.
+    largest: Largest magnitude of the error, in units of 2**-13.
+    """
+
+    mean_percent: float
+    mean_percent_thesis: float
+    largest: float
+
+
+ACTIVATION_RANGE = 3.0
+
+
+def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
+    """Equation 4.32 for the errors of an approximation on a grid, by the trapezoidal rule.
+
+    errors, shape (points,): Approximation minus exact value, at each ``q``.
+    q, shape (points,): Rising; values outside [-3, 3] are ignored. A grid of codes may end one step
+        short of 3, so the integral is divided by the length of the grid and not by 6.
+    """
+    miss, at = np.asarray(errors, dtype=np.float64), np.asarray(q, dtype=np.float64)
+    if miss.shape != at.shape or miss.ndim != 1:
+        raise InputError(f"errors: got shape {miss.shape} for q of shape {at.shape}, expected one")
+    if not (np.isfinite(miss).all() and np.isfinite(at).all()):
+        raise InputError("errors and q: got NaN or infinity, expected finite numbers")
+    inside = np.abs(at) <= ACTIVATION_RANGE
+    miss, at = np.abs(miss[inside]), at[inside]
+    steps = np.diff(at)
+    if not steps.size or steps.min() <= 0:
+        raise InputError("q: expected at least two rising values inside [-3, 3]")
+    # The tolerance is one part in 10**9, because a grid of decimal steps misses its end by
+    # rounding.
+    uncovered = max(at[0] + ACTIVATION_RANGE, ACTIVATION_RANGE - at[-1])
+    if uncovered > steps.max() * (1 + 1e-9):
+        raise InputError(
+            f"q: got {at[0]:g} to {at[-1]:g}, expected to cover [-3, 3] to within one step"
+        )
+    mean = 100 * float(np.trapezoid(miss, at) / (at[-1] - at[0]))
+    return ActivationError(mean, 2 * mean, float(8192 * miss.max()))

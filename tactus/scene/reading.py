@@ -1,0 +1,207 @@
+"""Reads scenes, by name or from a file."""
+
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import MissingFileError, suggest
+from golden.numbers.precision import PRECISIONS
+from tactus.core.files import check_file
+from tactus.core.finding import Finding, collect_faults, refuse
+from tactus.core.fingerprint import ROOT
+from tactus.core.schema import check_names, read_toml, refuse_outside, values_of
+from tactus.scene.demand import demand, price
+from tactus.scene.front_end import front_end
+from tactus.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
+from tactus.scene.learning import check_learning
+from tactus.scene.past import check_window, read_window, recordings
+from tactus.scene.scale import read_scale
+from tactus.scene.scene import Scene
+from tactus.scene.schema import SCENE
+from tactus.scene.sections import (
+    beside,
+    check_activation,
+    check_data,
+    check_digits,
+    check_functions,
+    check_hardware,
+    check_search,
+    design_options,
+    members,
+    training,
+)
+from tactus.scene.uart import uart
+from tactus.scene.visualisation import visualisation
+
+FOLDER = ROOT / "scenes"
+# The scenes that a command uses when it is given none: the instrument of the thesis, and the same
+# sensors and outputs as tactus builds them today.
+DEFAULT_SCENES = ("thesis", "digit")
+
+
+def scene_path(name: str) -> Path:
+    """The file of a scene that tactus ships. It is in a folder of the same name."""
+    return FOLDER / name / f"{Path(name).name}.toml"
+
+
+def scene_names() -> list[str]:
+    """The scenes that tactus ships."""
+    return sorted(folder.name for folder in FOLDER.iterdir() if scene_path(folder.name).is_file())
+
+
+def comparison_names() -> list[str]:
+    """The scenes that exist only to compare others with them."""
+    return _names_in("comparison")
+
+
+def class_names() -> list[str]:
+    """The shipped scenes whose networks tell classes apart."""
+    return _names_in("classes")
+
+
+def _names_in(group: str) -> list[str]:
+    return sorted(f"{group}/{folder.name}" for folder in (FOLDER / group).iterdir())
+
+
+def load_scene(name: str) -> Scene:
+    """Read a scene by its name, or by a path that ends in ``.toml``.
+
+    The group in front of a name, as in ``comparison/digit-lanes1``, may be left out.
+    """
+    known = [*scene_names(), *class_names()]
+    every = [*known, *comparison_names()]
+    # Of equal names, the one without a group counts.
+    named = {name: one for one in reversed(every) for name in (one, one.rpartition("/")[2])}
+    path = scene_path(named[name]) if name in named else _expanded(name)
+    try:
+        if not (name in named or name.endswith(".toml")):
+            raise FileNotFoundError
+        check_file(path)
+    except FileNotFoundError:
+        raise MissingFileError(
+            f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
+            f"{', '.join(known)}{suggest(name, list(named))}"
+        ) from None
+    raw = read_toml(path)
+    check_names(raw, SCENE, path)
+    found: list[Finding] = []
+    with collect_faults(found):
+        values = values_of(raw, SCENE, path)
+    data = raw.get("data", {})
+    # A key that holds no text has been reported above.
+    if not (found and {"file", "recordings"} & set(data)):
+        with collect_faults(found):
+            files = recordings(data, path)
+    with collect_faults(found):
+        outputs_or_classes(data, path)
+    refuse(found)
+    return _scene(values, files, path)
+
+
+def _expanded(name: str) -> Path:
+    """The path with ``~`` replaced by a user's folder, where there is one."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
+
+
+def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> Scene:
+    data, network, hardware = values["data"], values["network"], values["hardware"]
+    key = "recordings" if data["recordings"] else "file"
+    data_paths = tuple(beside(path, f"data.{key}", file) for file in files)
+    for file in data_paths if data["source"] else ():
+        check_file(file, f"no such file; {data['source']}")
+    where = {
+        name: value if isinstance(value, str) else float(value)
+        for name, value in data["where"].items()
+    }
+    labels: tuple[str, ...] = ()
+    if data["classes"]:
+        check_classes(values, path)
+        labels = read_labels(data_paths, where, data["classes"])
+        outputs = output_names(data["classes"], labels)
+        # A one-hot target of 1 is full scale.
+        full_scale = dict.fromkeys(outputs, 1.0)
+        found = {"outputs": outputs, "full_scale": full_scale, "labels": labels}
+        data = values["data"] = data | found
+    check_data(data, path)
+    parts = _parts(values, path)
+    return Scene(
+        name=path.stem,
+        path=path,
+        data_paths=data_paths,
+        sensors=tuple(data["sensors"]),
+        outputs=tuple(data["outputs"]),
+        classes=data["classes"],
+        labels=labels,
+        group_by=data["group_by"],
+        where=where,
+        full_scale={name: float(s) for name, s in data["full_scale"].items()},
+        length_mm={name: float(s) for name, s in data["length_mm"].items()},
+        units=data["units"],
+        ends=tuple(map(float, data["ends"])),
+        reference=data["reference"],
+        arrangement=network["arrangement"],
+        design=hardware["design"],
+        activation_options=hardware["activation_options"],
+        precision=PRECISIONS[hardware["precision"]],
+        clock_mhz=hardware["clock_mhz"],
+        interface=hardware["interface"],
+        argmax=hardware["argmax"],
+        learning=hardware["learning"],
+        **parts,
+    )
+
+
+def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
+    """Those attributes of a scene that are checked while they are made."""
+    data, hardware = values["data"], values["hardware"]
+    clock_mhz = hardware["clock_mhz"]
+    found: list[Finding] = []
+    # The sections with a number out of range. Nothing else in them is checked.
+    wrong: set[str] = set()
+    for section, key in SCENE.keys.items():
+        before = len(found)
+        with collect_faults(found):
+            refuse_outside(values.get(section, {}), key.kind, section, path)
+        if len(found) > before:
+            wrong.add(section)
+    parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}
+    if not wrong & {"data", "network"}:
+        with collect_faults(found):
+            window = parts["window"] = read_window(data, path)
+            check_window(values, window, path)
+            parts["members"] = members(data, values["network"], len(window.taps), path)
+    with collect_faults(found):
+        check_hardware(values, path)
+        check_learning(values, path)
+        parts["design_options"] = design_options(hardware, path)
+    with collect_faults(found):
+        parts["price"] = price(hardware, path)
+        # A number out of range has been reported.
+        if "hardware" not in wrong:
+            parts["demand"] = demand(hardware, path)
+    if "training" not in wrong:
+        with collect_faults(found):
+            check_digits(values, path)
+            check_search(values, path)
+            check_functions(values, path)
+    with collect_faults(found):
+        parts["activation"] = check_activation(hardware, path)
+    if "data" not in wrong:
+        with collect_faults(found):
+            parts["scale"] = read_scale(data, path)
+    if "training" not in wrong:
+        with collect_faults(found):
+            parts["training"] = training(values["training"], path)
+    if "front_end" in values and not wrong & {"front_end", "hardware"}:
+        with collect_faults(found):
+            parts["front_end"] = front_end(values["front_end"], clock_mhz, path)
+    if "visualisation" in values and not wrong & {"visualisation", "data"}:
+        with collect_faults(found):
+            parts["visualisation"] = visualisation(values["visualisation"], data, path)
+    if "uart" in values and "hardware" not in wrong:
+        with collect_faults(found):
+            parts["uart"] = uart(values["uart"], clock_mhz, path)
+    refuse(found)
+    return parts

@@ -1,0 +1,349 @@
+"""A scene: its sensors, its outputs, its networks, and the form of its hardware."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.activation.scheme import Scheme
+from golden.activation.schemes import SCHEMES
+from golden.engine.ranges import met_by, reached_by
+from golden.input_error import InputError, naming
+from golden.networks.arrangement import process_real
+from golden.networks.design import Design
+from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
+from golden.networks.settings import Settings
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision
+from golden.numbers.real import Real
+from golden.trained.dense import Trained, layers_of
+from golden.trained.mlp import Mlp
+from golden.trained.window import Window
+from tactus.network_files.network_file import provenance_path
+from tactus.scene.building import build_twin
+from tactus.scene.converter_scale import converter_scales
+from tactus.scene.demand import choice_of, chosen
+from tactus.scene.front_end import FrontEnd
+from tactus.scene.labels import check_labels, class_scale
+from tactus.scene.past import tap_names, window_text
+from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
+from tactus.scene.sections import Member, Training
+from tactus.scene.trained_scale import trained_scales
+from tactus.scene.uart import Uart
+from tactus.scene.vectors import Vectors, read_recorded, read_vectors
+from tactus.scene.visualisation import Visualisation
+from tactus.sizing.choice import NO_DEMAND, UNDECIDED, Choice, Demand
+from tactus.sizing.price import DEFAULT_PRICE, Price
+
+# While a network is trained whose design is still to be chosen, it is computed by these.
+STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One scene, read and checked.
+
+    name: The file's name without its ending.
+    data_paths: The recordings. No recording is the continuation of another.
+    sensors, outputs: Columns of the recorded vectors. If there are classes, each of them is an
+        output.
+    classes: Column of the labels that the network tells apart; empty if outputs are numbers.
+    labels: The labels, in the order of the outputs; empty if outputs are numbers.
+    window: The samples that the networks read, of the newest frame and of past frames.
+    group_by: Column of the positions over which equation 3.15 averages; empty where there are no
+        positions.
+    where: Columns, each with the value that it has in the rows that are used.
+    full_scale: For each output whose error is divided by a constant instead of by the target, this
+        constant in the output's unit.
+    length_mm: The full scale of an output in millimetres.
+    scale: Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
+    units: Columns with the names of their units.
+    ends: Readings at which sensors end by their nature.
+    reference: Table of scenes/data/thesis_numbers.toml to compare with; empty for none.
+    members: The networks, in the order of the outputs.
+    design: A name of ``DESIGNS``, or "auto"; see ``chosen``.
+    design_options: The options of the design that the scene sets.
+    activation_options: The options of the activation that the scene sets.
+    interface: ``stream``, the network's own ports, or ``axi_stream``.
+    argmax: Whether the hardware gives the index and the margin of the largest output.
+    learning: The rule by which the hardware learns; empty for none.
+    front_end: How the sensors are read, where the scene has that section.
+    visualisation: The profile of the load, where the scene has that section.
+    uart: The serial line, where the scene has that section.
+    demand: How fast the networks must be.
+    price: What hardware costs where the design is to be chosen.
+    """
+
+    name: str
+    path: Path
+    data_paths: tuple[Path, ...]
+    sensors: tuple[str, ...]
+    outputs: tuple[str, ...]
+    classes: str
+    labels: tuple[str, ...]
+    window: Window
+    group_by: str
+    where: dict[str, float | str]
+    full_scale: dict[str, float]
+    length_mm: dict[str, float]
+    scale: dict[str, Scale | str]
+    units: dict[str, str]
+    ends: tuple[float, ...]
+    reference: str
+    arrangement: str
+    members: tuple[Member, ...]
+    design: str
+    design_options: dict[str, Any]
+    activation: str
+    activation_options: dict[str, Any]
+    precision: Precision
+    clock_mhz: float
+    interface: str
+    argmax: bool
+    training: Training
+    front_end: FrontEnd | None
+    visualisation: Visualisation | None
+    uart: Uart | None
+    learning: str = ""
+    demand: Demand = NO_DEMAND
+    price: Price = DEFAULT_PRICE
+
+    @property
+    def weights_paths(self) -> list[Path]:
+        """The network files."""
+        return [member.weights_path for member in self.members]
+
+    @property
+    def files(self) -> list[Path]:
+        """All files that the scene reads: its own, its networks, points of functions, and data."""
+        provenance = [provenance_path(path) for path in self.weights_paths if self.auto]
+        points = self.members[0].function_files
+        return [self.path, *self.weights_paths, *provenance, *points, *self.data_paths]
+
+    @property
+    def own_files(self) -> list[Path]:
+        """All files of the scene: those that it reads, and those that training writes."""
+        return [*self.files, *map(provenance_path, self.weights_paths)]
+
+    @property
+    def data_path(self) -> Path:
+        """The recording; the first one if there are several."""
+        return self.data_paths[0]
+
+    @property
+    def data_text(self) -> str:
+        """The names of the recordings for a message."""
+        return ", ".join(map(str, self.data_paths))
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """A name for each sample that the networks read; without a past these are the sensors."""
+        return tap_names(self.window, self.sensors)
+
+    @property
+    def window_text(self) -> str:
+        """The delays of the samples in frames, as text; empty where there is no past."""
+        return window_text(self.window, self.sensors)
+
+    @property
+    def activation_text(self) -> str:
+        """The activation as text, with the options that the scene sets."""
+        if self.design == UNDECIDED and self.precision == EXACT:
+            return "the activation of the design"
+        options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
+        return f"{self.activation} ({options})" if options else self.activation
+
+    def hidden_text(self) -> str:
+        """What hidden nodes compute: the hardware's approximation of tanh, or other activations."""
+        layers = [layer for network in self.networks() for layer in layers_of(network)[:-1]]
+        kinds = {"tanh": self.activation_text, "sigmoid": f"sigmoid by {self.activation_text}"}
+        named = [
+            "functions in tables" if one.functions else kinds.get(one.activation) for one in layers
+        ]
+        texts = [text or one.activation_text for text, one in zip(named, layers, strict=True)]
+        return ", ".join(dict.fromkeys(texts)) or "none"
+
+    @property
+    def scheme(self) -> Scheme:
+        """The activation with the options that the scene sets."""
+        return SCHEMES[self.activation].configured(self.activation_options)
+
+    def vectors(self) -> Vectors:
+        """The recorded vectors of this scene, read once; see ``read_vectors``."""
+        return self._vectors
+
+    @cached_property
+    def _vectors(self) -> Vectors:
+        return read_vectors(self)
+
+    def networks(self) -> list[Trained]:
+        """The trained networks in floating point, on signals, read once."""
+        return self._networks
+
+    def mlps(self) -> list[Mlp]:
+        """The networks, for callers that only handle one hidden layer of tanh."""
+        found = []
+        for member, network in zip(self.members, self.networks(), strict=True):
+            if not isinstance(network, Mlp):
+                raise InputError(
+                    f"{member.weights_path}: got hidden layers of "
+                    f"{', '.join(network.activations) or 'none'}, expected one hidden layer "
+                    "of tanh, which is all that this command can do"
+                )
+            found.append(network)
+        return found
+
+    @cached_property
+    def _networks(self) -> list[Trained]:
+        found: list[Trained] = []
+        if self.labels:
+            check_labels(self)
+        for number, member in enumerate(self.members):
+            held = member.load()
+            scales = self.scales_as_read(held, number)
+            with naming(f"{member.weights_path}, with data.scale of {self.path}"):
+                found.append(on_signals(held, *scales))
+        return found
+
+    def columns_of(self, number: int) -> list[str]:
+        """A network's inputs, which are samples and earlier outputs, and its own outputs."""
+        member = self.members[number]
+        return [*[*self.inputs, *self.outputs][: member.inputs], *member.outputs]
+
+    def column(self, name: str) -> str:
+        """The column that holds a name's readings; that of a past sample is its sensor's."""
+        return self._columns.get(name, name)
+
+    @cached_property
+    def _columns(self) -> dict[str, str]:
+        taps = zip(self.inputs, self.window.taps, strict=True)
+        return {name: self.sensors[tap.sensor] for name, tap in taps}
+
+    def scales_of(self, number: int) -> tuple[list[Scale], list[Scale]]:
+        """The scales of a network's inputs, and those of its outputs."""
+        scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
+        return scales[:inputs], scales[inputs:]
+
+    def scales_as_read(self, network: Trained, number: int) -> tuple[list[Scale], list[Scale]]:
+        """The scales with which a network is read from its file.
+
+        The logits of a network that tells classes apart have a scale of their own.
+        """
+        inputs, outputs = self.scales_of(number)
+        if self.labels:
+            outputs = [class_scale(network, read_recorded(self).inputs)] * len(outputs)
+        return inputs, outputs
+
+    def scales(self, columns: Sequence[str]) -> list[Scale]:
+        """The scale of each of these columns or samples; see ``trained_scales``."""
+        return [self.known_scales.get(self.column(name), Scale()) for name in columns]
+
+    @property
+    def auto(self) -> list[str]:
+        """The columns with a scale of "auto", except the sensors of a converter."""
+        fixed = self.sensors if self.front_end and self.front_end.converter else ()
+        return [n for n, scale in self.scale.items() if scale == AUTO and n not in fixed]
+
+    @cached_property
+    def converter_scales(self) -> dict[str, Scale]:
+        """The scales that the scene's converter sets; see ``tactus.scene.converter_scale``."""
+        return converter_scales(self)
+
+    @cached_property
+    def known_scales(self) -> dict[str, Scale]:
+        """The scales of all columns that have one; see ``trained_scales``."""
+        return trained_scales(self)
+
+    def codes_of(self, readings: Real) -> Codes:
+        """Codes of the networks' inputs, shape (frames, inputs), from readings of sensors."""
+        return SIGNAL.quantise(signals(readings, self.scales(self.inputs)), "readings")[0]
+
+    def in_units(self, outputs: Real) -> Real:
+        """Outputs in their units, from outputs as signals, shape (frames, outputs)."""
+        return readings(outputs, self.scales(self.outputs))
+
+    def outputs_in_units(self, codes: Codes) -> Real:
+        """Outputs in their units, from codes of the outputs, shape (frames, outputs)."""
+        return self.in_units(SIGNAL.to_real(codes))
+
+    def process_real(self, samples: Real) -> Real:
+        """Outputs of the trained networks in floating point, with this scene's activation.
+
+        Samples and outputs are signals.
+        """
+        return process_real(self.arrangement, self.networks(), samples, self.scheme.real)
+
+    def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
+        """What this scene chooses of the hardware of its networks, or of others in their place."""
+        given = self.networks() if networks is None else networks
+        options, design = dict(self.design_options), DESIGNS.get(self.design)
+        if self.learning:
+            options["multiplier"] = "dsp"
+        if self.demand.interval and design and "interval" in design.options:
+            options.setdefault("interval", self.demand.interval)
+        # One hidden layer of tanh needs no range, and so no frames.
+        ends = [((), ()) if isinstance(one, Mlp) else self._ends(one) for one in given]
+        return Settings(
+            self.precision,
+            self.activation,
+            self.activation_options,
+            options,
+            lean,
+            tuple(met for met, _ in ends),
+            tuple(reached for _, reached in ends),
+        )
+
+    def _ends(self, network: Trained) -> tuple[tuple[float, ...], tuple[tuple[float, float], ...]]:
+        """What its layers, and its sums that take functions, come to on the recorded frames."""
+        inputs = self.inputs_of(network)
+        return met_by(network, inputs), reached_by(network, inputs)
+
+    def inputs_of(self, network: Trained) -> Real:
+        """The inputs of a network in the recorded frames, as signals.
+
+        If a network reads outputs of earlier networks, the targets are used in their place, because
+        these outputs come near to them.
+        """
+        vectors = self.vectors()
+        earlier = network.shape[0] - len(self.inputs)
+        inputs = [SIGNAL.to_real(vectors.codes), vectors.targets[:, :earlier]]
+        return np.concatenate(inputs, axis=1)
+
+    def build(self, network: Trained, lean: bool = True) -> Design:
+        """The bit-true network of ``network`` in this scene's hardware; see ``Design.of``."""
+        design = DESIGNS.get(self.design) or STAND_INS[self.precision.name]
+        return design.of([network], self.settings(lean, [network]))
+
+    @cached_property
+    def choice(self) -> Choice | None:
+        """The design that is chosen; None where the scene names one."""
+        return choice_of(self) if self.design == UNDECIDED else None
+
+    @cached_property
+    def chosen(self) -> Scene:
+        """This scene, with the design that is chosen in the place of "auto"; see ``choice``."""
+        return chosen(self, self.choice) if self.choice else self
+
+    def twin(self, lean: bool = True) -> Network:
+        """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""
+        return self._lean if lean else self._whole
+
+    @cached_property
+    def _lean(self) -> Network:
+        return build_twin(self, lean=True)
+
+    @cached_property
+    def _whole(self) -> Network:
+        return build_twin(self, lean=False)
+
+    def describe(self) -> str:
+        """Inputs, hidden nodes of each layer and outputs of each network, as text."""
+        return ", ".join(":".join(map(str, network.shape)) for network in self.networks())

@@ -1,0 +1,325 @@
+"""The designs that are compared for a scene, and what each of them would cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from operator import le
+from typing import Any
+
+import numpy as np
+
+from golden.activation.schemes import SCHEMES
+from golden.input_error import InputError
+from golden.networks.arrangement import arrange, process_real
+from golden.networks.designs import DESIGNS
+from golden.networks.network import Network
+from golden.networks.settings import Settings
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL, Precision
+from golden.trained.dense import Trained
+from golden.trained.mlp import tanh
+from tactus.sizing.exact import block_rams, multipliers
+from tactus.sizing.model import Size, size_of, spread
+from tactus.sizing.routed import Routed, routed_size
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A design with the options that make it another one.
+
+    design: A name of ``DESIGNS``.
+    options: Keys of a scene's section ``[hardware]``.
+    """
+
+    design: str
+    options: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The design and its options, as text."""
+        return ", ".join([self.design, *(f"{key} {self.options[key]}" for key in self.options)])
+
+    @property
+    def toml(self) -> str:
+        """The lines of a scene that name it, in one line."""
+        values = {"design": self.design, **self.options}
+        return "; ".join(
+            f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
+            for key, value in values.items()
+        )
+
+
+# Options that a scene's own design does not keep: limits, and those of an engine that is loaded.
+LEFT_OUT = ("clocks", "interval", "reload", "program_words", "operand_words", "table_blocks")
+
+
+def adders(count: int) -> Candidate:
+    """A graph with at most so many adders between two registers."""
+    # One run of the search takes a moment; more of them save some per cent of the adders.
+    return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
+
+
+def tables(count: int, **bits: int) -> Candidate:
+    """Small tables of learned functions, with at most so many adders between two registers.
+
+    ``bits`` are further keys of the design: the bits of samples, of hidden sums, of outputs.
+    """
+    return Candidate("table_graph", {"adders_per_clock": count, **bits})
+
+
+def lanes(count: int, interval: int = 0) -> Candidate:
+    """An engine with so many multipliers side by side, whose frames may overlap."""
+    return Candidate("lanes", {"lanes": count, **({"interval": interval} if interval else {})})
+
+
+SERIAL = Candidate("engine", {"multiplier": "serial", "pipeline": "short"})
+SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
+DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
+HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
+# A design more is a line here.
+CANDIDATES = (
+    SERIAL,
+    SHORT,
+    DEEP,
+    *map(lanes, (1, 2, 4, 8, 16)),
+    HYBRID,
+    PARALLEL,
+    adders(5),
+    adders(2),
+    adders(1),
+    tables(5),
+    tables(2),
+    tables(1),
+)
+
+
+@dataclass(frozen=True)
+class SizingTask:
+    """What is to be built.
+
+    settings: Those of the scene; the activation is "" if the scene leaves it to the design, and
+        ``options`` are those of its own design.
+    design: The scene's own design, whose options ``settings`` has; "auto" for none.
+    serial: What the scene has around its networks that needs outputs one after the other, such as
+        "a section [front_end]".
+    decides: Whether the scene asks for the number of the largest output.
+    frames, shape (frames, inputs): Codes of the recorded frames.
+    overlaps: Whether frames may overlap in the networks.
+    interval: The most clocks from frame to frame that the scene allows; 0 for no limit.
+    """
+
+    arrangement: str
+    networks: Sequence[Trained]
+    settings: Settings
+    design: str
+    serial: tuple[str, ...]
+    decides: bool
+    frames: Codes
+    overlaps: bool
+    interval: int
+
+
+@dataclass(frozen=True)
+class Sized:
+    """A design and what it costs.
+
+    options: All options of the design, those that the scene sets included.
+    size: Estimated LUTs and flip-flops of a Virtex-II.
+    block_rams: Of a Virtex-II.
+    worst, mean: The largest and the mean magnitude of the difference from the network in floating
+        point, over all outputs of the recorded frames, in units of 2**-13.
+    """
+
+    candidate: Candidate
+    options: Mapping[str, object]
+    network: Network
+    size: Size
+    multipliers: int
+    block_rams: int
+    worst: float
+    mean: float
+
+    @property
+    def clocks(self) -> int:
+        """Clocks from the last sample to the last output."""
+        return self.network.output_clocks[-1]
+
+    @property
+    def interval(self) -> int:
+        """Clocks from frame to frame."""
+        return self.network.interval
+
+    @property
+    def coarse(self) -> bool:
+        """See ``Design``."""
+        return DESIGNS[self.candidate.design].coarse
+
+    @property
+    def kind(self) -> str:
+        """The name under which recorded networks of the same design stand."""
+        return kind_of(self.candidate.design, self.options)
+
+    @property
+    def spread(self) -> float | None:
+        """See ``tactus.sizing.model.spread``."""
+        return spread(self.kind)
+
+    def routed(self) -> Routed | None:
+        """The same on an ECP5; None where no network of the kind was placed and routed."""
+        return routed_size(self.kind, self.options, self.size)
+
+    def cells(self, family: str) -> Cells | None:
+        """What it takes of a family; None where nothing is known of it."""
+        if family == "xc2v":
+            return Cells(self.size, self.multipliers, self.block_rams, self.spread, None)
+        found = self.routed()
+        if found is None:
+            return None
+        rams = block_rams(self.network, family)
+        return Cells(found.size, self.multipliers, rams, found.spread, found.clock_mhz)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """What a design takes of a family.
+
+    spread: The largest error of an estimate of LUTs in per cent; None if it is unknown.
+    clock_mhz: The clock that is expected; None if it is unknown.
+    """
+
+    size: Size
+    multipliers: int
+    block_rams: int
+    spread: float | None
+    clock_mhz: float | None
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A design that cannot be built for a scene, and why."""
+
+    candidate: Candidate
+    reason: str
+
+
+def kind_of(design: str, options: Mapping[str, object]) -> str:
+    """A design, and whether it is an engine without a multiplier, or adds three operands."""
+    if options.get("multiplier") == "serial":
+        return f"{design} serial"
+    return f"{design} ternary" if options.get("adder_operands") == 3 else design
+
+
+def build(task: SizingTask, candidate: Candidate) -> Network:
+    """The networks of a task in a design."""
+    design = DESIGNS[candidate.design]
+    if task.arrangement not in design.arrangements:
+        raise InputError(
+            f"network.arrangement: got {task.arrangement!r}, expected "
+            f"{' or '.join(design.arrangements)}"
+        )
+    around = [*task.serial, *["hardware.argmax"] * (task.decides and not design.decides_itself)]
+    if design.stream != "serial" and around:
+        raise InputError(f"got {around[0]}, expected none: all outputs come in one clock")
+    settings = settings_for(task, candidate)
+    return arrange(task.arrangement, task.networks, design, settings)
+
+
+def settings_for(task: SizingTask, candidate: Candidate) -> Settings:
+    """The settings of a task for a design: its own activation if it has one, and its options."""
+    design, settings = DESIGNS[candidate.design], task.settings
+    own = settings.options if candidate.design == task.design else {}
+    usual, options = settings.activation, settings.activation_options
+    if not usual or (usual not in known(candidate.design, settings.precision)):
+        usual, options = known(candidate.design, settings.precision)[0], {}
+    if not design.activation_choices:
+        options = {}
+    kept = {key: value for key, value in own.items() if key not in LEFT_OUT}
+    chosen = {**kept, **candidate.options}
+    return replace(settings, activation=usual, activation_options=options, options=chosen)
+
+
+def known(design: str, precision: Precision) -> list[str]:
+    """The activations that a design has in a precision, its usual one first."""
+    made = DESIGNS[design]
+    names = list(made.known_activations) or [precision.activation, *SCHEMES]
+    return [
+        name
+        for name in dict.fromkeys(names)
+        if precision in SCHEMES[name].precisions
+        and (made.half_codes or not SCHEMES[name].half_codes)
+    ] or names
+
+
+def all_sized(task: SizingTask, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
+    """What ``sized`` gives for each candidate, without those that are built as an earlier one.
+
+    Behind lanes stand their loops.
+    """
+    found: dict[str, Sized | Refused] = {}
+    for one in (sized(task, candidate) for candidate in candidates):
+        if one.candidate.name in found:
+            continue
+        found[one.candidate.name] = one
+        for loop in (sized(task, candidate) for candidate in loops(task, one)):
+            found.setdefault(loop.candidate.name, loop)
+    return list(found.values())
+
+
+def loops(task: SizingTask, plain: Sized | Refused) -> Iterator[Candidate]:
+    """The same design with frames that overlap: as often as they can, and as the scene demands."""
+    if not task.overlaps or isinstance(plain, Refused):
+        return
+    shortest = plain.network.shortest_interval
+    for interval in sorted({shortest, task.interval}):
+        if shortest <= interval < plain.interval:
+            options = {**plain.candidate.options, "interval": interval}
+            yield replace(plain.candidate, options=options)
+
+
+def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:
+    """A design of a task with its costs, or why it cannot be built or counted."""
+    try:
+        network = build(task, candidate)
+        candidate = replace(candidate, options={**candidate.options, **network.options_built})
+        found = size_of(network)
+        return Sized(
+            candidate,
+            settings_for(task, candidate).options,
+            network,
+            found,
+            multipliers(network),
+            block_rams(network, "xc2v"),
+            *errors(task, network),
+        )
+    except InputError as error:
+        return Refused(candidate, str(error))
+
+
+def errors(task: SizingTask, network: Network) -> tuple[float, float]:
+    """The largest and the mean difference from floating point, in units of 2**-13."""
+    if not len(task.frames):
+        return 0.0, 0.0
+    real = process_real(task.arrangement, task.networks, SIGNAL.to_real(task.frames), tanh)
+    reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
+    apart = np.abs(SIGNAL.to_real(network.process(task.frames)) - reached) * (1 << SIGNAL.frac)
+    return float(apart.max()), float(apart.mean())
+
+
+def front(rows: Sequence[Sized], family: str) -> list[bool]:
+    """Whether no other design is as good in every column and better in one."""
+    costs = []
+    for row in rows:
+        found = row.cells(family)
+        cells: tuple[float, ...] = ()
+        if found is not None:
+            sizes = round(found.size.luts), round(found.size.flip_flops)
+            cells = (*sizes, found.multipliers, found.block_rams, -(found.clock_mhz or 0))
+        costs.append((*cells, row.clocks, row.interval, row.worst, row.mean))
+
+    def beaten(own: tuple[Any, ...]) -> bool:
+        return any(
+            other != own and len(other) == len(own) and all(map(le, other, own)) for other in costs
+        )
+
+    return [not beaten(own) for own in costs]

@@ -1,0 +1,175 @@
+"""Chooses the smallest design that is fast enough, for ``design = "auto"``."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from golden.input_error import InputError
+from golden.networks.network import Network
+from tactus.sizing.candidates import (
+    CANDIDATES,
+    Candidate,
+    Cells,
+    Refused,
+    Sized,
+    SizingTask,
+    all_sized,
+)
+from tactus.sizing.price import Price
+
+# What a scene names in the place of a design.
+UNDECIDED = "auto"
+
+
+@dataclass(frozen=True)
+class Demand:
+    """How fast the networks of a scene must be; 0 stands for no limit.
+
+    clocks: The most clocks from the last sample to the last output.
+    interval: The most clocks from frame to frame.
+    frames_a_second: The rate from which ``interval`` comes, where the scene gives one.
+    """
+
+    clocks: int = 0
+    interval: int = 0
+    frames_a_second: float = 0.0
+
+    def misses(self, clocks: int, interval: int) -> list[str]:
+        """What is too slow, as texts without the name of a key."""
+        found = []
+        if self.clocks and clocks > self.clocks:
+            found.append(f"takes {clocks} clocks, {clocks - self.clocks} too many")
+        if self.interval and interval > self.interval:
+            over = interval - self.interval
+            found.append(f"takes a frame every {interval} clocks, {over} too many")
+        return found
+
+    def excess(self, clocks: int, interval: int) -> float:
+        """By which factor a design is too slow; 1 or less if it is fast enough."""
+        pairs = ((clocks, self.clocks), (interval, self.interval))
+        return max([got / most for got, most in pairs if most], default=0.0)
+
+    def refuse(self, network: Network, design: str, more: str = "") -> None:
+        """Refuse a network that is too slow."""
+        clocks, interval = network.output_clocks[-1], network.interval
+        if self.clocks and clocks > self.clocks:
+            raise InputError(
+                f"hardware.clocks: got {self.clocks}, expected {clocks} or more, which {design} "
+                f"takes from the last sample to the last output{more}"
+            )
+        if self.interval and interval > self.interval:
+            given = f"hardware.interval: got {self.interval}"
+            if self.frames_a_second:
+                given = (
+                    f"hardware.frames_a_second: got {self.frames_a_second:g}, a frame every "
+                    f"{self.interval} clocks"
+                )
+            raise InputError(
+                f"{given}, expected {interval} clocks or more, which {design} takes from frame to "
+                f"frame{more}"
+            )
+
+
+NO_DEMAND = Demand()
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The design that was chosen, and what is beside it.
+
+    smaller, faster: The dearest design that is cheaper, which is too slow or coarse; and the
+        cheapest that takes fewer clocks, or frames more often where there is only a limit to their
+        interval.
+    """
+
+    row: Sized
+    cells: Cells
+    demand: Demand
+    price: Price
+    smaller: Sized | None
+    faster: Sized | None
+
+    def lines(self) -> list[str]:
+        """What was chosen, by how much the next smaller one misses, and what would be faster."""
+        found = [f"chosen: {self._told(self.row)}"]
+        if self.smaller:
+            missing = self.demand.misses(self.smaller.clocks, self.smaller.interval) or [
+                f"is further from the networks: {_apart(self.smaller)}, not {self.row.mean:.3g}"
+            ]
+            found.append(
+                f"next smaller: {self.smaller.candidate.name} at {self._price(self.smaller)} "
+                f"{' and '.join(missing)}"
+            )
+        else:
+            found.append("next smaller: none, no other design is smaller")
+        if self.faster:
+            found.append(f"next faster: {self._told(self.faster)}")
+        else:
+            found.append("next faster: none, no other design is faster")
+        return found
+
+    def _told(self, row: Sized) -> str:
+        cells = _cells(row, self.price)
+        return (
+            f"{row.candidate.name}: {row.clocks} clocks, a frame every {row.interval}; about "
+            f"{cells.size.luts:.0f} LUTs, {_counted(cells.multipliers, 'multiplier')}, "
+            f"{_counted(cells.block_rams, 'block RAM')}, {self.price.text(cells)}"
+            f"{f'; {_apart(row)}' if row.coarse else ''}"
+        )
+
+    def _price(self, row: Sized) -> str:
+        return self.price.text(_cells(row, self.price))
+
+
+def choose(
+    task: SizingTask, demand: Demand, price: Price, candidates: Sequence[Candidate] = CANDIDATES
+) -> Choice:
+    """The cheapest design of a task that meets a demand.
+
+    A coarse design is taken only where no other one meets it.
+    """
+    found = all_sized(task, candidates)
+    rows = [one for one in found if isinstance(one, Sized) and one.cells(price.device.family)]
+    if not rows:
+        raise InputError(
+            "hardware.design: got 'auto', expected networks that some design takes: "
+            + "; ".join(
+                f"{one.candidate.name}: {one.reason}" for one in found if isinstance(one, Refused)
+            )
+        )
+    rows.sort(key=lambda row: (price.of(_cells(row, price)), row.clocks))
+    fit = [row for row in rows if not demand.misses(row.clocks, row.interval)]
+    if not fit:
+        nearest = min(rows, key=lambda row: demand.excess(row.clocks, row.interval))
+        name = f"the nearest design, {nearest.candidate.name},"
+        demand.refuse(nearest.network, name)
+    row = next((one for one in fit if not one.coarse), fit[0])
+    place = rows.index(row)
+    by_clocks = bool(demand.clocks or not demand.interval)
+    faster = [
+        one
+        for one in rows
+        if (one.clocks < row.clocks if by_clocks else one.interval < row.interval)
+    ]
+    return Choice(
+        row,
+        _cells(row, price),
+        demand,
+        price,
+        rows[place - 1] if place else None,
+        faster[0] if faster else None,
+    )
+
+
+def _apart(row: Sized) -> str:
+    return f"errors of 2^-13 times {row.mean:.3g} on average"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _cells(row: Sized, price: Price) -> Cells:
+    found = row.cells(price.device.family)
+    if found is None:
+        raise InputError(f"{row.candidate.name}: got no cells for {price.device.family}")
+    return found

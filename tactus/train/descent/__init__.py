@@ -1,0 +1,1 @@
+"""Trains multi-layer perceptrons by descent, from many starts, and chooses among them."""

@@ -1,0 +1,481 @@
+"""Weights with few signed digits: ``training.digits`` of a scene.
+
+A product with a constant is a sum of as many shifted numbers as the constant has signed digits. So
+the size of hardware without multipliers depends on the digits of all weights together. The trained
+weights have more digits than their error requires.
+
+The weights are rounded to few digits one after another, beginning with those where that costs
+least. After each one, all weights that are still free compensate for it, as in the optimal brain
+surgeon (B. Hassibi and D. G. Stork, 1993). With the Hessian H of the error, moving weight i by d,
+while the free ones compensate, costs ``d**2 / inverse(H)[i, i]``, and moves the free ones by ``d *
+inverse(H)[:, i] / inverse(H)[i, i]``. A weight gets the number for which the sum of this cost and
+of a price for each digit is least. The price determines how many digits all weights have in the
+end. After every few weights the free ones are refitted by Levenberg-Marquardt, and H is computed
+anew. The digits of biases cost nothing, because adding a constant takes one adder, whatever the
+constant is.
+
+The error is that of the rows that train and of further frames between and just beyond these rows,
+for which the trained network is the teacher. Without these frames the refit would leave the network
+undetermined where there is no row. Each output is weighted by the inverse of the trained network's
+error on validation rows. Networks for classes have an error of their own
+(``tactus.train.layer_digits``).
+
+Several weights can be rounded at once, for which all others compensate together. So the inverse is
+updated less often, which is most of the work.
+"""
+
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from golden.input_error import InputError, naming
+from golden.numbers.fixed import Fix
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.numbers.signed_digits import digit_counts, nearest_with
+from golden.trained.dense import Trained, layers_of, packed, unpacked
+from golden.trained.mlp import Activation
+from tactus.scene.schema import FEWEST
+from tactus.train.descent.objective import Objective, Rows
+from tactus.train.descent.search import shift_biases, signed_errors
+from tactus.train.descent.task import Frames, Task
+
+# Number of different orders in which the weights are rounded; random factors on their costs make
+# the orders differ.
+STARTS = 6
+SHUFFLE = 0.2
+
+# The teacher's frames: their number; among how many neighbours of a row one is chosen; how far each
+# frame is on the way to it, or beyond; how far it is off the way, as a part of a sensor's standard
+# deviation; and the weight of all frames against the rows.
+TEACHER_FRAMES = 600
+NEIGHBOURS = 4
+WAY = (-0.25, 0.75)
+ASIDE = 0.02
+TEACHER_WEIGHT = 2.0
+
+REFITS = 9  # between the first weight and the last
+STEPS = 2  # of each
+DAMPING = np.geomspace(1e-9, 1e3, 9)
+
+# The range of the price of a digit, as parts of the error of the trained network.
+PRICES = (1e-3, 1e8)
+PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
+NEAR = 1.5  # of the price of the first start those of the others are searched as near
+RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
+SLACK = 0.02  # so much fewer digits than asked for will do
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The numbers that the weights and biases of a network can have, in the order of ``packed``.
+
+    like: A network with the same layers.
+    low, high: The least and the largest code, which both formats share.
+    weights: Which of them are weights; the others are biases.
+    """
+
+    like: Trained
+    lsb: Real
+    low: int
+    high: int
+    weights: NDArray[np.bool_]
+
+    def network(self, vector: Real) -> Trained:
+        """The network with these weights and biases."""
+        return unpacked(vector, self.like)
+
+    def rounded(self, vector: Real) -> Real:
+        """The values of the nearest codes within the format."""
+        return np.asarray(self._codes(vector) * self.lsb)
+
+    def digits(self, vector: Real) -> int:
+        """The number of signed digits of all weights together."""
+        codes = self._codes(vector)[self.weights].astype(np.int64)
+        return int(digit_counts(codes).sum())
+
+    def within(self, vector: Real) -> Real:
+        """The vector, limited to the range of the formats."""
+        return np.asarray(np.clip(vector, self.low * self.lsb, self.high * self.lsb))
+
+    def _codes(self, vector: Real) -> Real:
+        return np.clip(np.floor(vector / self.lsb + 0.5), self.low, self.high)
+
+
+def grid_of(network: Trained, width: int) -> Grid:
+    """The grid of a network whose weights have ``width`` bits."""
+    layers = layers_of(network)
+    formats = [
+        Fix.largest_frac(
+            width, np.concatenate([layer.weights.ravel(), layer.biases]), f"layer {n} weights"
+        )
+        for n, layer in enumerate(layers, start=1)
+    ]
+    sizes = [size for layer in layers for size in (layer.weights.size, layer.nodes)]
+    lsb = np.repeat([2.0**-fmt.frac for fmt in formats for _ in range(2)], sizes)
+    low, high = formats[0].low, formats[0].high
+    return Grid(network, lsb, low, high, np.repeat([True, False] * len(layers), sizes))
+
+
+@dataclass(frozen=True)
+class Aim:
+    """The error that is minimised on a grid: that of the objective's training rows.
+
+    hold: How much the Hessian is damped from which compensations come, as a part of its diagonal.
+    together: How many weights are rounded at once.
+    """
+
+    objective: Objective
+    grid: Grid
+    hold: float = DAMPING[0]
+    together: int = 1
+
+    def value(self, vector: Real) -> float:
+        """The error at a point."""
+        residuals = self._residuals(vector)
+        return float(residuals @ residuals)
+
+    def around(self, vector: Real) -> tuple[float, Real, Real]:
+        """The error at a point, half its gradient, and half its Hessian by Gauss and Newton."""
+        residuals = self._residuals(vector)
+        jacobian = self.objective.jacobian(vector)[: len(residuals)]
+        return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
+
+    def _residuals(self, vector: Real) -> Real:
+        network = self.grid.network(vector)
+        return self.objective.training.residuals(network, self.objective.activation)
+
+
+def rows_of(task: Task, network: Trained, frames: Frames, recorded: Frames, misses: Real) -> Rows:
+    """The rows whose error is minimised when ``network`` gets fewer digits.
+
+    frames: The rows that train, with disturbance.
+    recorded: The same rows as recorded, each of them once.
+    misses, shape (outputs,): The error of each output against which its deviation is weighted, in
+        any unit.
+    """
+    activation = task.scene.scheme.real
+    taught = teacher_frames(recorded, task)
+    count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
+    return Rows(
+        np.concatenate([frames.inputs, taught.inputs]),
+        np.concatenate([frames.targets, network.process(taught.inputs, activation)]),
+        np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * misses,
+    )
+
+
+def teacher_frames(recorded: Frames, task: Task) -> Rows:
+    """Frames near recorded ones, close to the way from a row to one of its neighbours.
+
+    The targets and scales are those of the row from which a frame starts.
+    """
+    rng = np.random.default_rng([task.scene.training.seed, task.number, TEACHER_FRAMES])
+    spread = recorded.inputs.std(axis=0)
+    measured = recorded.inputs / np.where(spread > 0, spread, 1)
+    at = rng.integers(0, len(measured), TEACHER_FRAMES)
+    distances = cdist(measured[at], measured)
+    distances[np.arange(len(at)), at] = np.inf
+    near = np.argsort(distances, axis=1, kind="stable")[:, : min(NEIGHBOURS, len(measured) - 1)]
+    other = near[np.arange(len(at)), rng.integers(0, near.shape[1], len(at))]
+    way = rng.uniform(*WAY, (len(at), 1))
+    here, there = recorded.inputs[at], recorded.inputs[other]
+    aside = ASIDE * spread * rng.normal(size=here.shape)
+    inputs = np.clip(here + way * (there - here) + aside, -1, 1)
+    return Rows(inputs, recorded.targets[at], recorded.scale[at])
+
+
+def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
+    """Refit the free weights by some steps of Levenberg and Marquardt.
+
+    Returns the new point, and the Hessian of the free weights there, damped so that it can be
+    inverted.
+    """
+    at = np.flatnonzero(free)
+    value, gradient, whole = aim.around(vector)
+    for _ in range(STEPS):
+        for damping in DAMPING:
+            moved = vector.copy()
+            moved[at] -= np.linalg.solve(_damped(whole, at, damping), gradient[at])
+            moved = aim.grid.within(moved)
+            if aim.value(moved) < value:
+                break
+        else:
+            break
+        vector = moved
+        value, gradient, whole = aim.around(vector)
+    return vector, _damped(whole, at, aim.hold)
+
+
+def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
+    """Part of a Hessian, damped so that it has an inverse even if it is zero."""
+    diagonal = whole.diagonal()
+    least = 1e-12 * diagonal.max() + sys.float_info.min
+    part: Real = whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
+    return part
+
+
+def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Real:
+    """Round a trained network, giving each weight as many digits as are worth their price.
+
+    price: Price of a digit, in the unit of the error.
+    rng: Source of the random factors that change the order.
+    """
+    grid, vector = aim.grid, start.copy()
+    free = np.ones(len(start), dtype=bool)
+    each = -(-int(grid.weights.sum()) // REFITS)
+    while (free & grid.weights).any():
+        vector, hessian = refitted(aim, vector, free)
+        at = np.flatnonzero(free)
+        inverse = np.linalg.inv(hessian)
+        lsb, values, left = grid.lsb[at], vector[at], grid.weights[at].copy()
+        many = min(each, int(left.sum()))
+        while many:
+            found = np.flatnonzero(left)
+            stiff = _stiffness(np.diag(inverse)[found])
+            targets = values[found]
+            numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
+            moves = numbers * lsb[found] - targets
+            costs = moves**2 / stiff * np.exp(SHUFFLE * rng.normal(size=len(found)))
+            best = found[np.argsort(costs, kind="stable")[: min(aim.together, many)]]
+            # The inverse is updated for all of them at once; until then, ``along`` and ``rows``
+            # hold what each of them changes.
+            along, rows = np.zeros((len(at), len(best))), np.zeros((len(best), len(at)))
+            for n, i in enumerate(best):
+                rows[n] = inverse[i] - along[i] @ rows
+                column = inverse[:, i] - along @ rows[:, i]
+                one = _stiffness(column[[i]])
+                number = _cheapest(values[[i]] / lsb[i], lsb[i] ** 2 / one, price, grid)
+                along[:, n] = column / one
+                values = values + along[:, n] * (number * lsb[i] - values[i])
+                values[i] = number[0] * lsb[i]
+            inverse = inverse - along @ rows
+            left[best] = False
+            free[at[best]] = False
+            many -= len(best)
+        vector[at] = values
+        vector = grid.within(vector)
+    vector, _ = refitted(aim, vector, free)
+    return grid.rounded(vector)
+
+
+def _stiffness(diagonal: Real) -> Real:
+    """Elements of a diagonal, which a rounding error may have made 0 or negative."""
+    found: Real = np.maximum(diagonal, sys.float_info.min)
+    return found
+
+
+def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
+    """For each value the whole number with the least cost.
+
+    The cost is the squared distance times the stiffness, plus the price of each digit.
+    """
+    values = np.clip(values, grid.low, grid.high)
+    # A number of n bits has at most n / 2 + 1 signed digits.
+    numbers = nearest_with(values, grid.high.bit_length() // 2 + 1)
+    costs = (numbers - values) ** 2 * stiffness + price * np.arange(len(numbers))[:, np.newaxis]
+    costs[(numbers < grid.low) | (numbers > grid.high)] = np.inf
+    found: Real = numbers[costs.argmin(axis=0), np.arange(len(values))].astype(np.float64)
+    return found
+
+
+def at_most(
+    aim: Aim,
+    start: Real,
+    count: int,
+    rng: np.random.Generator,
+    prices: tuple[float, float] | None = None,
+) -> tuple[Real, float]:
+    """Round a trained network to ``count`` digits, or slightly fewer.
+
+    Returns the point, and the price that led to it, as a part of ``_unit``.
+
+    prices: The range in which the price is searched; ``PRICES`` by default.
+    """
+    low, high = np.log(prices or PRICES)
+    best: tuple[Real, float] | None = None
+    while high - low > PRICE_STEP:
+        middle = (low + high) / 2
+        price = float(np.exp(middle))
+        point = priced(aim, start, price * _unit(aim, start), rng)
+        digits = aim.grid.digits(point)
+        if digits > count:
+            low = middle
+            continue
+        high = middle
+        if best is None or aim.value(point) < aim.value(best[0]):
+            best = point, price
+        if digits >= count * (1 - SLACK):
+            break
+    if best is None:
+        raise InputError(f"got {count}, expected at least {digits}: no weights with fewer digits")
+    return best
+
+
+def _unit(aim: Aim, start: Real) -> float:
+    """The unit of prices: the error of the trained network, but at least that of an LSB."""
+    return max(aim.value(start), float(SIGNAL.to_real(1)) ** 2)
+
+
+@dataclass(frozen=True)
+class FewDigits:
+    """Reduces the digits of one network of a scene.
+
+    task: Task of the chosen network, whose validation rows decide.
+    chosen: The network as it was trained.
+    """
+
+    task: Task
+    chosen: Trained
+
+    @property
+    def asked(self) -> int | str:
+        """The value of ``training.digits``."""
+        return self.task.scene.training.digits
+
+    def errors(self, network: Trained) -> Real:
+        """Mean bit-true error of each output on the validation rows."""
+        errors = signed_errors(self.task, network, self.task.validation)
+        misses: Real = np.abs(errors).mean(axis=0)
+        return misses
+
+    def misses(self) -> Real:
+        """The relative error of each output, where no error counts as a small one."""
+        found = self.errors(self.chosen)
+        found = np.maximum(found, 1e-3 * found.max())
+        return found / found.mean() if found.max() else np.ones(len(found))
+
+    def worst(self, network: Trained) -> float:
+        """The largest growth of an output's error on the validation rows, as a ratio."""
+        return float((self.errors(network) / np.maximum(self.errors(self.chosen), 1e-12)).max())
+
+    def on_training_rows(self) -> Trained:
+        """The chosen network with the requested digits, selected by the validation rows."""
+        task = self.task
+        aim = self.aim(task, self.chosen, task.training, task.split.training)
+        if self.asked != FEWEST:
+            return min(self._starts(aim, self.chosen, task, task.training), key=self.worst)
+        start = packed(self.chosen)
+        best = aim.grid.network(aim.grid.rounded(start))
+        for price in _unit(aim, start) * np.geomspace(*PRICES, RUNGS):
+            points = (priced(aim, start, price, rng) for rng in self._generators())
+            found = [self._whole(aim, point, task, task.training) for point in points]
+            network = min(found, key=self.worst)
+            if self.worst(network) > 1 + task.scene.training.digits_tolerance:
+                break
+            best = min(best, network, key=lambda one: aim.grid.digits(packed(one)))
+        return best
+
+    def on_more_rows(
+        self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64], count: int
+    ) -> list[Trained]:
+        """Networks trained further on more rows, rounded to ``count`` digits from each start.
+
+        No rows are left to rank them by, so they are sorted by how well they fit these rows.
+        """
+        aim = self.aim(task, network, frames, rows)
+        found = self._starts(aim, network, task, frames, count)
+        return sorted(found, key=lambda one: aim.value(packed(one)))
+
+    def aim(self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]) -> Aim:
+        """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
+        aimed = self.rows(task, network, frames, rows)
+        grid = grid_of(network, task.scene.precision.coeff_width)
+        return self.aim_on(network, aimed, task.scene.scheme.real, grid)
+
+    def rows(
+        self, task: Task, network: Trained, frames: Frames, recorded: NDArray[np.int64]
+    ) -> Rows:
+        """The rows whose error is minimised; see ``rows_of``."""
+        return rows_of(task, network, frames, task.recorded.take(recorded), self.misses())
+
+    def aim_on(self, network: Trained, rows: Rows, activation: Activation, grid: Grid) -> Aim:
+        """The aim of some rows for networks like this one; nothing ends its objective early."""
+        inputs, hidden, outputs = network.shape
+        shape = inputs, hidden, outputs
+        return Aim(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid)
+
+    @property
+    def starts(self) -> int:
+        """How many orders of the weights are tried."""
+        return STARTS
+
+    def shifted(self, task: Task, network: Trained, frames: Frames) -> Trained:
+        """The network with output biases shifted by the mean bit-true error."""
+        return shift_biases(task, network, frames)
+
+    def _starts(
+        self, aim: Aim, network: Trained, task: Task, frames: Frames, count: int | None = None
+    ) -> Iterator[Trained]:
+        """A network from each start, or only the rounded one where it has few enough digits."""
+        wanted = self.asked if count is None else count
+        assert isinstance(wanted, int)
+        start = packed(network)
+        if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
+            yield aim.grid.network(aim.grid.rounded(start))
+            return
+        prices = None
+        for rng in self._generators():
+            with naming(f"{task.scene.path}: training.digits"):
+                point, price = self._near(aim, start, wanted, rng, prices)
+            prices = price / NEAR, price * NEAR
+            yield self._whole(aim, point, task, frames)
+
+    @staticmethod
+    def _near(
+        aim: Aim,
+        start: Real,
+        count: int,
+        rng: np.random.Generator,
+        prices: tuple[float, float] | None,
+    ) -> tuple[Real, float]:
+        """See ``at_most``. If no price in the given range gives so few digits, try them all."""
+        if prices:
+            with suppress(InputError):
+                return at_most(aim, start, count, rng, prices)
+        return at_most(aim, start, count, rng)
+
+    def _generators(self) -> Iterator[np.random.Generator]:
+        seed = self.task.scene.training.seed
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(self.starts))
+
+    def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Trained:
+        """The network of a point, whose biases are shifted and rounded."""
+        network = self.shifted(task, aim.grid.network(point), frames)
+        return aim.grid.network(aim.grid.rounded(packed(network)))
+
+
+def count_digits(network: Trained, width: int) -> int:
+    """The number of signed digits of all weights of a network in ``width`` bits."""
+    grid = grid_of(network, width)
+    return grid.digits(packed(network))
+
+
+def with_few_digits(
+    few: FewDigits, tested: tuple[Task, Trained], written: tuple[Task, Trained]
+) -> list[Trained]:
+    """The chosen network with few digits, then the tested and the written one.
+
+    Each is fitted on the rows that it has seen. Without ``training.refit`` there is one.
+
+    few: For the chosen network.
+    tested, written: The networks that were trained further, on training and validation rows and on
+        all rows.
+    """
+    found = [few.on_training_rows()]
+    settings, count = few.task.scene.training, few.asked
+    if not settings.refit:
+        return found * 3
+    if not isinstance(count, int):
+        count = count_digits(found[0], few.task.scene.precision.coeff_width)
+    task, network = tested
+    rows = np.concatenate([task.split.training, task.split.validation])
+    found.append(few.on_more_rows(task, network, task.known, rows, count)[0])
+    task, network = written
+    rows = np.arange(len(task.recorded.codes))
+    found.append(few.on_more_rows(task, network, task.every, rows, count)[0])
+    return found

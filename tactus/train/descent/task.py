@@ -1,0 +1,164 @@
+"""The data from which one network of a scene learns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.input_error import InputError
+from golden.networks.arrangement import seen
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.dense import Trained
+from golden.trained.mlp import Mlp
+from tactus.scene import Scene, Vectors
+from tactus.scene.scale import Scale, range_scale, readings
+from tactus.train.descent.objective import Rows
+from tactus.train.descent.split import Split, split_of
+
+# The parts of the rows, each of which is disturbed with its own random numbers. The first three are
+# the split.
+PARTS = ("training", "validation", "test", "known", "every")
+
+# A disturbed part of the rows is repeated until it has at least so many rows. With fewer, chance
+# decides which network looks best; more would make training slow.
+TRAINED_ROWS = 300
+MEASURED_ROWS = 600
+# This is for a single descent that nothing ends early: only the random draws prevent it from
+# learning the disturbance.
+REFITTED_ROWS = 600
+LEAST_ROWS = {"training": TRAINED_ROWS, "validation": MEASURED_ROWS, "test": MEASURED_ROWS}
+
+
+@dataclass(frozen=True)
+class Frames(Rows):
+    """Rows as the sensors give them.
+
+    inputs, shape (rows, inputs): The inputs in training: the quantised samples and, in a cascade,
+        the outputs of earlier networks, bit-true or in floating point according to
+        ``training.earlier_outputs``.
+    codes, shape (rows, inputs): The inputs of the hardware.
+    """
+
+    codes: Codes
+
+    def take(self, rows: NDArray[np.int64]) -> Frames:
+        """Select some of the rows."""
+        return Frames(self.inputs[rows], self.targets[rows], self.scale[rows], self.codes[rows])
+
+
+@dataclass(frozen=True)
+class Task:
+    """The training of one network, with its inputs and targets.
+
+    number: Index of the network in the scene.
+    recorded: All rows as they were recorded.
+    training, validation, test: The parts of the split under ``training.noise`` and
+        ``training.drift``; without these, as recorded. They are the same for every candidate.
+    known, every: Training and validation rows together, and all rows, under the same disturbance.
+    """
+
+    scene: Scene
+    number: int
+    split: Split
+    recorded: Frames
+    training: Frames
+    validation: Frames
+    test: Frames
+    known: Frames
+    every: Frames
+
+    @property
+    def normal(self) -> list[Scale]:
+        """The scale of each input during training.
+
+        If ``data.scale`` names the column, it is the range of the training rows, whatever the range
+        of the converter is. Weights start in proportion to it and are kept small in proportion to
+        it. The scale is folded into the weights. Other columns are used without a scale.
+        """
+        columns = self.scene.columns_of(self.number)
+        return [
+            range_scale(inputs)
+            if self.scene.column(name) in self.scene.known_scales and np.ptp(inputs)
+            else Scale()
+            for name, inputs in zip(columns, self.training.inputs.T, strict=False)
+        ]
+
+    def bit_true(self, network: Trained, frames: Frames) -> Real:
+        """Outputs of a network in the scene's hardware."""
+        return SIGNAL.to_real(self.scene.build(network).process(frames.codes))
+
+
+def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
+    """The task of the network that follows ``earlier``, the networks trained before it."""
+    _refuse_constant(scene, vectors)
+    split = split_of(scene)
+    number = len(earlier)
+    outputs = scene.members[number].outputs
+    columns = [scene.outputs.index(name) for name in outputs]
+    targets = vectors.targets[:, columns]
+    scale = vectors.scale[:, columns]
+
+    recorded_readings = readings(vectors.inputs, scene.scales(scene.inputs))
+    sensors = [tap.sensor for tap in scene.window.taps]
+    places = {
+        "training": split.training,
+        "validation": split.validation,
+        "test": split.test,
+        "known": np.concatenate([split.training, split.validation]),
+        "every": np.arange(len(targets)),
+    }
+
+    def frames(codes: Codes, rows: NDArray[np.int64]) -> Frames:
+        return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
+
+    def disturbed(part: str) -> Frames:
+        rows = places[part]
+        disturbance = scene.training.disturbance
+        if disturbance.none:
+            return recorded.take(rows)
+        rows = np.tile(rows, -(-LEAST_ROWS.get(part, REFITTED_ROWS) // len(rows)))
+        rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
+        # Each row has its own drift, because a few drifts with many rows each would be a chance
+        # sample.
+        disturbed = [disturbance.of(recorded_readings[[row]], rng, sensors) for row in rows]
+        return frames(scene.codes_of(np.concatenate(disturbed)), rows)
+
+    recorded = frames(vectors.codes, places["every"])
+    return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
+
+
+def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
+    """The inputs of the network after ``earlier``, as numbers and as codes."""
+    samples = SIGNAL.to_real(codes)
+    bit_true: list[Codes] = []
+    given: list[Real] = []
+    for mlp in earlier:
+        bit_true.append(scene.build(mlp).process(seen(scene.arrangement, codes, bit_true)))
+        if scene.training.earlier_outputs == "float":
+            real = seen(scene.arrangement, samples, given)
+            given.append(mlp.process(real, scene.scheme.real))
+        else:
+            given.append(SIGNAL.to_real(bit_true[-1]))
+    return {
+        "inputs": seen(scene.arrangement, samples, given),
+        "codes": seen(scene.arrangement, codes, bit_true),
+    }
+
+
+def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
+    for key, names, values in (
+        ("sensors", scene.inputs, readings(vectors.inputs, scene.scales(scene.inputs))),
+        ("outputs", scene.outputs, scene.in_units(vectors.targets)),
+    ):
+        for name, column in zip(names, values.T, strict=True):
+            if (column == column[0]).all():
+                raise InputError(
+                    f"{scene.data_text}: column {scene.column(name)!r}: got {column[0]:g} in every "
+                    f"row, expected values that differ; take it out of data.{key} in {scene.path}"
+                )

@@ -1,0 +1,199 @@
+"""Trains networks of several layers, or with an activation other than tanh.
+
+The training is that of one hidden layer of tanh (``tactus.train``): each candidate is a descent
+from random weights, the validation rows choose one of the candidates, and the output biases are
+shifted by the mean bit-true error. The scene names the nodes of each layer, or it asks for a search
+with ``training.layers``. The search tries every number of layers, with some numbers of nodes
+(``widths``), which all hidden layers of a candidate share.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.trained.dense import Dense, Trained, network_of, packed, unpacked
+from golden.trained.function import Function, by_name, functions_of
+from tactus.scene import Scene
+from tactus.scene.scale import Scale, on_readings, on_signals, signals
+from tactus.train import class_descent
+from tactus.train.candidate_runs import in_order
+from tactus.train.descent.few_digits import with_few_digits
+from tactus.train.descent.objective import Rows
+from tactus.train.descent.search import OPTIMISERS, Result, shift_biases
+from tactus.train.descent.task import Frames, Task, task_for
+from tactus.train.layer_digits import ClassDigits, LayerDigits
+from tactus.train.layer_objective import ClassObjective, LabelledRows, LayeredObjective
+from tactus.train.task_errors import as_read, bit_true_error
+
+CLASS_OPTIMISERS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_descent.descend}
+
+
+@dataclass(frozen=True)
+class LayersResult(Result):
+    """The result of one candidate of several layers.
+
+    layers: The nodes of each hidden layer.
+    weights: How many weights the network has, without the biases.
+    """
+
+    layers: tuple[int, ...] = ()
+    weights: int = 0
+
+    @property
+    def rank(self) -> tuple[float, int, int]:
+        """The least is best; equal errors go to fewer weights, then to the earlier start."""
+        return self.validation, self.weights, self.restart
+
+
+def random_layers(
+    shape: Sequence[int],
+    activations: Sequence[str],
+    rng: np.random.Generator,
+    functions: Mapping[str, Function] | None = None,
+) -> Trained:
+    """A network with random weights, such that values have about the same size in every layer.
+
+    ``functions`` are those that activations name.
+    """
+    layers = []
+    for (inputs, nodes), kind in zip(pairwise(shape), (*activations, "linear"), strict=True):
+        # A ReLU passes on half of the values.
+        gain = 2.0 if "relu" in kind else 1.0
+        weights = rng.normal(0, np.sqrt(gain / inputs), (nodes, inputs))
+        tables = functions_of(kind, nodes, functions or {})
+        layers.append(Dense(weights, rng.normal(0, 0.1, nodes), kind, functions=tables))
+    return network_of(layers)
+
+
+def descended(task: Task, start: Trained, training: Frames, validation: Frames) -> Trained:
+    """The network to which a descent from ``start`` leads.
+
+    Its output biases are shifted. If the scene has classes, its outputs are logits, which nothing
+    shifts.
+    """
+    settings = task.scene.training
+    outputs = start.shape[-1]
+    normal, plain = task.normal, [Scale()] * outputs
+    normalised: list[Rows] = [
+        replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)
+    ]
+    like = on_signals(start, normal, plain)
+    point = packed(like)
+    objective_of: type[LayeredObjective] = LayeredObjective
+    optimisers: dict[str, Any] = OPTIMISERS
+    if task.scene.labels:
+        objective_of, optimisers = ClassObjective, CLASS_OPTIMISERS
+        normalised = [LabelledRows(f.inputs, f.targets, f.scale) for f in normalised]
+    objective = objective_of(
+        like,
+        training=normalised[0],
+        validation=normalised[1],
+        weight_decay=settings.weight_decay,
+        patience=settings.patience,
+    )
+    point = objective.search(optimisers[settings.optimiser], point, settings.steps)
+    network = on_readings(unpacked(point, like), normal, plain)
+    return network if task.scene.labels else shift_biases(task, network, training)
+
+
+def widths(low: int, high: int) -> list[int]:
+    """The numbers of nodes that a search tries: from low to high, each about half as much again."""
+    found = [low]
+    while found[-1] < high:
+        found.append(min(high, found[-1] + max(1, found[-1] // 2)))
+    return found
+
+
+def layers_searched(scene: Scene) -> list[tuple[int, ...]]:
+    """The hidden layers of every candidate: those that the scene names, or all of the search."""
+    settings = scene.training
+    if not settings.layers:
+        return [scene.members[0].layers]
+    low, high = settings.layers
+    found = [(nodes,) * n for n in range(low, high + 1) for nodes in widths(*settings.hidden)]
+    # Without a hidden layer there is one network, whatever the nodes would be.
+    return list(dict.fromkeys(found))
+
+
+def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
+    """The hidden layers and the number of the start of every candidate."""
+    starts = range(task.scene.training.restarts)
+    return [(layers, restart) for layers in layers_searched(task.scene) for restart in starts]
+
+
+def train(task: Task, hidden: tuple[int, ...], restart: int) -> Trained:
+    """The network of one candidate, with the nodes ``hidden`` in its hidden layers."""
+    member = task.scene.members[task.number]
+    shape = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
+    settings = task.scene.training
+    kinds = member.activations or (settings.activation,) * len(hidden)
+    rng = np.random.default_rng([settings.seed, task.number, *hidden, restart])
+    random = random_layers(shape, kinds, rng, by_name(member.functions))
+    start = on_readings(random, task.normal, [Scale()] * shape[-1])
+    return descended(task, start, task.training, task.validation)
+
+
+def measured(task: Task, hidden: tuple[int, ...], restart: int) -> LayersResult:
+    """Train one candidate and measure its bit-true errors."""
+    sizes = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
+    weights = sum(one * other for one, other in pairwise(sizes))
+    try:
+        network = as_read(task, train(task, hidden, restart))[1]
+        validation = bit_true_error(task, network, task.validation)
+        test = bit_true_error(task, network, task.test)
+    except InputError as error:
+        infinite = float("inf")
+        return LayersResult(
+            sum(hidden), restart, infinite, infinite, str(error), layers=hidden, weights=weights
+        )
+    return LayersResult(sum(hidden), restart, validation, test, layers=hidden, weights=weights)
+
+
+def search(task: Task, workers: int = -1) -> Iterator[LayersResult]:
+    """The results of all candidates, in order, each as soon as it is known."""
+    return in_order(measured, task, candidates(task), workers)
+
+
+@dataclass
+class LayerStages:
+    """The stages in which training makes a scene's network; see ``tactus.train.descent.stages``."""
+
+    scene: Scene
+    chosen: list[Trained] = field(default_factory=list)
+    tested: list[Trained] = field(default_factory=list)
+    written: list[Trained] = field(default_factory=list)
+    files: list[Trained] = field(default_factory=list)
+    full: list[dict[str, Trained]] = field(default_factory=list)
+
+    def task(self, earlier: list[Trained], number: int) -> Task:
+        """The task of the only network."""
+        return task_for(self.scene, self.scene.vectors(), [])
+
+    def add(self, hidden: tuple[int, ...], restart: int) -> None:
+        """Add the network of the chosen candidate, with the nodes ``hidden`` in its layers."""
+        task = self.task([], 0)
+        chosen = as_read(task, train(task, hidden, restart))
+        tested = written = chosen
+        if self.scene.training.refit:
+            start = self._on_signals(chosen)
+            tested = as_read(task, descended(task, start, task.known, task.known))
+            written = as_read(task, descended(task, start, task.every, task.every))
+        if self.scene.training.digits:
+            self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
+            kind = ClassDigits if self.scene.labels else LayerDigits
+            few = kind(task, self._on_signals(chosen))
+            others = (task, self._on_signals(tested)), (task, self._on_signals(written))
+            found = with_few_digits(few, *others)
+            chosen, tested, written = (as_read(task, network) for network in found)
+        self.chosen.append(chosen[1])
+        self.tested.append(tested[1])
+        self.written.append(written[1])
+        self.files.append(written[0])
+
+    def _on_signals(self, read: tuple[Trained, Trained]) -> Trained:
+        """The network of a file on signals, as training has it: logits have no scale."""
+        return on_signals(read[0], *self.scene.scales_of(0))

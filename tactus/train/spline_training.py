@@ -1,0 +1,152 @@
+"""``make train`` for networks of learned functions: the search, the choice and pruning.
+
+A candidate has a number of hidden sums, a number of intervals of each input, a stiffness of its
+functions, and a random start (``tactus.train.splines``). It is trained with what the design says of
+how exact its hidden words are. The one with the least bit-true error on the validation rows is
+chosen; where the scene has classes, that is the one with the fewest wrong decisions, and hidden
+words count as exact. Then edges become straight, or are left out, where that costs next to nothing,
+and with ``training.refit`` the network is trained on with more rows.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.networks.design import Design
+from golden.networks.designs import DESIGNS
+from golden.trained.dense import DenseNetwork, Trained
+from tactus.scene import Scene
+from tactus.scene.scale import Scale, on_readings
+from tactus.train.candidate_runs import in_order
+from tactus.train.descent.search import Result, shift_biases
+from tactus.train.descent.task import Frames, Task, task_for
+from tactus.train.spline_layers import function_network
+from tactus.train.splines import training as splines
+from tactus.train.splines.loss import SQUARES, CrossEntropy, Loss
+from tactus.train.splines.training import Learned, SplineSettings
+from tactus.train.task_errors import as_read, bit_true_error
+
+# Intervals of the splines of a hidden sum.
+HIDDEN_INTERVALS = 4
+# The penalties on bends that are tried, and those for classes: the cross-entropy of a row is larger
+# than the square of an error.
+BENDS = (0.01, 0.03, 0.1)
+CLASS_BENDS = (0.1, 0.3, 1.0)
+
+
+def candidates(task: Task) -> list[tuple[int, int]]:
+    """The hidden sums and the number of every candidate, the smallest networks first."""
+    settings = task.scene.training
+    hidden = task.scene.members[task.number].hidden
+    low, high = (hidden, hidden) if hidden else settings.hidden
+    return [(h, n) for h in range(low, high + 1) for n in range(len(choices(task.scene)))]
+
+
+def choices(scene: Scene) -> list[tuple[int, float, int]]:
+    """Intervals of an input, penalty and random start of each candidate with the same sums."""
+    settings = scene.training
+    bends = CLASS_BENDS if scene.labels else BENDS
+    return list(product(settings.intervals, bends, range(settings.restarts)))
+
+
+def train(task: Task, hidden: int, number: int) -> Learned:
+    """The network of one candidate."""
+    intervals, bend, start = choices(task.scene)[number]
+    own = task.scene.training
+    rng = np.random.default_rng([own.seed, task.number, hidden, start])
+    descent = own.weight_decay, own.steps, own.patience
+    loss, word_error = _aim(task.scene, task.training.inputs.shape[1])
+    settings = SplineSettings(hidden, intervals, HIDDEN_INTERVALS, bend, *descent, loss, word_error)
+    return splines.trained(settings, rng, task.training, task.validation)
+
+
+def _aim(scene: Scene, inputs: int) -> tuple[Loss, float]:
+    """What a training minimises, and how far hidden words are from their sums."""
+    if scene.labels:
+        return CrossEntropy(), 0.0
+    design = DESIGNS.get(scene.design, Design)
+    return SQUARES, design.word_error(inputs, scene.design_options)
+
+
+def as_layers(task: Task, learned: Learned, frames: Frames) -> DenseNetwork:
+    """A network for hardware, with the constants of its outputs as these frames want them.
+
+    If the scene has classes, its outputs are logits, which nothing shifts.
+    """
+    earlier = frames.inputs.shape[1] - task.scene.members[0].inputs
+    # A design for learned functions alone has no multiplier.
+    products = not DESIGNS.get(task.scene.design, Design).learned_functions
+    network = function_network(learned, frames.inputs, earlier, products).layers()
+    if not task.scene.labels:
+        return shift_biases(task, network, frames)
+    # The functions have to fill the words of logits as the network is read. They are made again in
+    # this measure, and the last layer has the weights for it.
+    scale = class_scale(task, network)
+    divided = learned.divided(scale.factor)
+    network = function_network(divided, frames.inputs, earlier, products).layers()
+    outputs = [scale] * network.shape[-1]
+    return on_readings(network, [Scale()] * network.shape[0], outputs)
+
+
+def class_scale(task: Task, network: DenseNetwork) -> Scale:
+    """The scale of the logits of a network when it is read from its file."""
+    file, _ = as_read(task, network)
+    return task.scene.scales_as_read(file, task.number)[1][0]
+
+
+def measured(task: Task, hidden: int, number: int) -> Result:
+    """Train one candidate and measure its bit-true errors."""
+    try:
+        _, network = as_read(task, as_layers(task, train(task, hidden, number), task.training))
+        validation, test = (
+            bit_true_error(task, network, part) for part in (task.validation, task.test)
+        )
+    except InputError as error:
+        return Result(hidden, number, float("inf"), float("inf"), str(error))
+    return Result(hidden, number, validation, test)
+
+
+def search(task: Task, workers: int = -1) -> Iterator[Result]:
+    """The results of all candidates, in order, each as soon as it is known."""
+    return in_order(measured, task, candidates(task), workers)
+
+
+@dataclass
+class SplineStages:
+    """The stages in which training makes a scene's networks; see
+    ``tactus.train.descent.stages``."""
+
+    scene: Scene
+    chosen: list[Trained] = field(default_factory=list)
+    tested: list[Trained] = field(default_factory=list)
+    written: list[Trained] = field(default_factory=list)
+    files: list[Trained] = field(default_factory=list)
+    edges: list[dict[str, int]] = field(default_factory=list)
+
+    def task(self, earlier: list[Any], number: int) -> Task:
+        """The task of a network that follows the earlier ones of a stage."""
+        return task_for(self.scene, self.scene.vectors(), earlier[:number])
+
+    def add(self, hidden: int, number: int) -> None:
+        """Add the next network, from the candidate that was chosen."""
+        task = self.task(self.chosen, len(self.chosen))
+        found = train(task, hidden, number)
+        found = splines.pruned(found, task.training, task.validation, Learned.error)
+        stages = [(self.chosen, found, task.training, task)]
+        if self.scene.training.refit:
+            for networks, part in ((self.tested, "known"), (self.written, "every")):
+                own = self.task(networks, len(self.chosen))
+                frames = getattr(own, part)
+                stages.append((networks, splines.refitted(found, frames), frames, own))
+        else:
+            stages += [(self.tested, *stages[0][1:]), (self.written, *stages[0][1:])]
+        made = [as_read(own, as_layers(own, one, frames)) for _, one, frames, own in stages]
+        for (networks, *_), (_, read) in zip(stages, made, strict=True):
+            networks.append(read)
+        self.files.append(made[-1][0])
+        kinds = found.edges.kinds.tolist()
+        self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})

@@ -1,0 +1,154 @@
+"""The function that training minimises for a network of learned functions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.numbers.real import Real
+from tactus.train.descent.objective import Rows
+from tactus.train.splines.loss import Loss
+from tactus.train.splines.network import SplineNetwork
+from tactus.train.splines.word_errors import WordErrors
+
+
+@dataclass(frozen=True)
+class Penalty:
+    """What a coefficient costs besides the errors.
+
+    bend: Factor of the squared second differences of the coefficients of each function, which keeps
+        functions smooth (P. H. C. Eilers and B. D. Marx, 1996).
+    size: Factor of the squared coefficients.
+    """
+
+    bend: float
+    size: float = 1e-6
+
+
+@dataclass(frozen=True)
+class SplineObjective:
+    """The loss of the outputs on the training rows, and penalties.
+
+    Where the words of hidden sums are not exact, the errors that come from them are added.
+
+    like: A network with the splines that are trained.
+    freedom, shape (coefficients, parameters): The coefficients are ``freedom @ parameters``; see
+        ``Edges.freedom``.
+    word_error: The error of the word of a hidden sum as a part of its range; see ``WordErrors``.
+    """
+
+    like: SplineNetwork
+    rows: Rows
+    penalty: Penalty
+    freedom: Real
+    loss: Loss
+    word_error: float = 0.0
+
+    @cached_property
+    def _spread(self) -> Real:
+        return self.like.spread(self.rows.inputs)
+
+    @cached_property
+    def _words(self) -> WordErrors:
+        return WordErrors(self.word_error, self._spread, self.rows.scale)
+
+    @cached_property
+    def stiffness(self) -> Real:
+        """The matrix P of the penalty ``p' P p`` of the parameters p."""
+        whole = np.zeros((len(self.freedom),) * 2)
+        at = 0
+        for functions in (self.like.first, self.like.second):
+            count = functions.shape[-1]
+            bends = np.diff(np.eye(count), 2, axis=0)
+            block = self.penalty.bend * bends.T @ bends + self.penalty.size * np.eye(count)
+            for _ in range(functions.size // count):
+                whole[at : at + count, at : at + count] = block
+                at += count
+        return np.asarray(self.freedom.T @ whole @ self.freedom)
+
+    def network(self, parameters: Real) -> SplineNetwork:
+        """The network with these parameters."""
+        return self.like.unpacked(self.freedom @ parameters)
+
+    def errors(self, parameters: Real) -> Real:
+        """The numbers whose squares add up to the loss; see ``Loss.errors``."""
+        network = self.network(parameters)
+        values, _ = network.hidden.at(network.sums(self._spread))
+        return self.loss.errors(_outputs(network, values), self.rows)
+
+    def value(self, parameters: Real) -> float:
+        """The function at a point."""
+        found = float(
+            (self.errors(parameters) ** 2).sum() + parameters @ self.stiffness @ parameters
+        )
+        if self.word_error:
+            found += self._words.value(self.network(parameters))
+        return found
+
+    @cached_property
+    def _places(self) -> list[NDArray[np.int64]]:
+        """Of each hidden sum the parameters that it depends on; of each output its own.
+
+        Those of an output are the parameters of the functions that it adds up, and its constant.
+        """
+        first, second = self.like.first, self.like.second
+        sums, outputs = len(first), len(second)
+        shapes = [first[0].size] * sums + [second[0].size] * outputs
+        ends = np.cumsum(shapes)
+        found = []
+        for n, (end, size) in enumerate(zip(ends, shapes, strict=True)):
+            own = np.flatnonzero(np.any(self.freedom[end - size : end], axis=0))
+            constant = len(self.freedom.T) - outputs + n - sums
+            found.append(own if n < sums else np.append(own, constant))
+        return found
+
+    @cached_property
+    def _inputs(self) -> list[Real]:
+        """The derivatives of each hidden sum by its parameters, on every row."""
+        parts = np.split(self.freedom[: self.like.first.size], len(self.like.first))
+        return [self._spread @ part[:, own] for part, own in zip(parts, self._places, strict=False)]
+
+    def around(self, parameters: Real) -> tuple[float, Real, Real]:
+        """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
+
+        The gradient of the loss is J' m, and its Hessian J' J, where m are the misses, and J has
+        the derivatives of the outputs by the parameters, times the roots of ``Loss.around``. In a
+        row, each column of J is the derivative of a hidden sum, or of an output, by a parameter of
+        its own, times a factor for each miss. So J' J is made of blocks.
+        """
+        network = self.network(parameters)
+        values, slopes = network.hidden.at(network.sums(self._spread))
+        misses, roots = self.loss.around(_outputs(network, values), self.rows)
+        through = np.einsum("rhk,ohk->roh", slopes, network.second, optimize=True)
+        factors = np.concatenate([roots @ through, roots], axis=2)
+        pulls = np.einsum("rqn,rq->rn", factors, misses)
+        matrices = [*self._inputs, *self._values(values)]
+        gradient, hessian = self.stiffness @ parameters, self.stiffness.copy()
+        for n, (own, matrix) in enumerate(zip(self._places, matrices, strict=True)):
+            gradient[own] += matrix.T @ pulls[:, n]
+            weights = np.einsum("rq,rqn->rn", factors[:, :, n], factors[:, :, : n + 1])
+            for k, (other, also) in enumerate(zip(self._places[: n + 1], matrices, strict=False)):
+                block = matrix.T @ (weights[:, k, np.newaxis] * also)
+                hessian[np.ix_(own, other)] += block
+                if k < n:
+                    hessian[np.ix_(other, own)] += block.T
+        if self.word_error:
+            pushed, curved = self._words.around(self.network(parameters))
+            gradient += self.freedom.T @ pushed
+            hessian += self.freedom.T @ curved @ self.freedom
+        return self.value(parameters), gradient, hessian
+
+    def _values(self, values: Real) -> Iterator[Real]:
+        """The derivatives of each output by its parameters, on every row."""
+        start, flat = self.like.first.size, values.reshape(len(values), -1)
+        for own in self._places[len(self.like.first) :]:
+            end = start + flat.shape[1]
+            mine = flat @ self.freedom[start:end, own[:-1]]
+            yield np.append(mine, np.ones((len(flat), 1)), axis=1)
+            start = end
+
+
+def _outputs(network: SplineNetwork, values: Real) -> Real:
+    return np.asarray(np.einsum("rhk,ohk->ro", values, network.second) + network.biases)

@@ -1,0 +1,1 @@
+"""Runs benches, proves properties, and proves that an export computes its network."""

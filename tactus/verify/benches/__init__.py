@@ -1,0 +1,1 @@
+"""Runs the benches of blocks in simulators, and keeps their results."""

@@ -1,0 +1,191 @@
+"""The results of benches that passed, each kept under a key of all that it depends on.
+
+The key holds the simulated files, the code of the bench and of everything that it imports, the
+twin, the seed, the number of frames, and the versions of the tools. Failures are not kept.
+
+A bench is given the whole design and the recorded frames of its scene. Most benches use less: their
+own twin. So the key holds the value of the twin and the code of every class in it. Some benches
+also ask for the recorded frames or for the blocks around their own. Only for these the key also
+holds the code that reads scenes, the files of the scene, and the twins of the whole design.
+"""
+
+import platform
+import re
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+from golden.common.block import Block, walk
+from tactus.core import store
+from tactus.core.closure import closure, code, code_of, digest_of, imported_by
+from tactus.core.fingerprint import ROOT
+from tactus.synth.tools import digest
+from tactus.verify.benches.runner import Job, Outcome, run_job
+from tactus.verify.benches.tools import version
+
+FACTS = ("compared", "seconds", "facts")
+PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
+# This module gives every bench its twin, and the rest of the design to the benches that ask for it.
+BENCH = "tb.common.bench"
+ASKS = re.compile(r"\.(given|around)\b")
+# The effect of these modules is in the exported files.
+ELSEWHERE = ("tb.common.cases", "tb.common.small")
+NAMES = ("CASES",)
+SCENE = "tactus.scene"
+# These list everything that a scene can choose. The blocks that they import matter only as twins.
+REGISTRIES = ("golden.activation.schemes", "golden.networks.designs")
+BLOCKS = tuple(
+    f"golden.{area}."
+    for area in (
+        "activation",
+        "engine",
+        "instruments",
+        "layers",
+        "link",
+        "networks",
+        "sensing",
+        "visualisation",
+    )
+)
+
+
+def kept(job: Job, key: store.Key | None = None) -> Outcome | None:
+    """The kept result of a bench, if nothing that it depends on has changed.
+
+    A result of all tests of a bench also counts as the result of one of them. ``key`` is the
+    bench's key, where the caller has it already.
+    """
+    key = key or bench_key(job)
+    for test in dict.fromkeys((job.test, "")):
+        found = store.read(replace(key, parts=key.parts | {"test": test}), job.build)
+        if found is not None:
+            return Outcome(job, True, **{name: found[name] for name in FACTS})
+    return None
+
+
+def run_and_keep(job: Job, key: store.Key | None = None) -> Outcome:
+    """Run a bench, even if a result is kept, and keep the new result."""
+    key = key or bench_key(job)
+    outcome = run_job(job)
+    if outcome.passed:
+        store.write(key, {name: getattr(outcome, name) for name in FACTS}, job.build)
+    return outcome
+
+
+def run_kept(job: Job) -> Outcome:
+    """The kept result of a bench, which runs if there is none."""
+    key = bench_key(job)
+    return kept(job, key) or run_and_keep(job, key)
+
+
+def bench_key(job: Job) -> store.Key:
+    """The key of the result of a bench."""
+    return store.key(
+        "bench",
+        entity=job.entity,
+        test=job.test,
+        seed=job.seed,
+        frames=job.frames,
+        simulated=digest(job.hdl_folder, job.files),
+        bench=digest_of(bench_modules(job.area, job.block), without=NAMES),
+        tools=_tools(job.simulator),
+        **_twin_parts(job),
+    )
+
+
+def _twin_parts(job: Job) -> dict[str, store.Part]:
+    """The parts of the key from ``golden``: the twin and, if the bench asks for it, the scene."""
+    twin = job.twin
+    found: dict[str, store.Part] = {"twin": repr(twin), "twins": code_of_twins(twin)}
+    modules = bench_modules(job.area, job.block)
+    if loads_scenes(modules):
+        shipped = [ROOT / "scenes"]
+        found |= {"reading": code([SCENE]), "scene": job.scene.files, "shipped": shipped}
+    elif asks_for_scene(modules):
+        design = job.scene.twin()
+        found |= {"design": repr(design), "designs": code_of_twins(design)}
+        found |= {"reading": _reading(), "scene": job.scene.files}
+    return found
+
+
+@cache
+def _modules(area: str, block: str) -> dict[str, Path]:
+    return closure([f"tb.{area}.tb_{block}"], _follow_from_bench)
+
+
+def bench_modules(area: str, block: str) -> dict[str, Path]:
+    """The bench and all modules that it imports, except those that read scenes or make cases."""
+    return dict(_modules(area, block))
+
+
+def _follow_from_bench(importer: str, imported: str) -> bool:
+    others = imported in ELSEWHERE or _is_scene(imported)
+    return not others and _follow(importer, imported)
+
+
+def _follow(importer: str, imported: str) -> bool:
+    """Whether an import is followed: blocks that a scene or a registry imports are not."""
+    chooses = _is_scene(importer) or importer in REGISTRIES
+    return not (chooses and imported.startswith(BLOCKS))
+
+
+def _is_scene(module: str) -> bool:
+    return module == SCENE or module.startswith(f"{SCENE}.")
+
+
+def loads_scenes(modules: dict[str, Path]) -> bool:
+    """Whether a bench reads scenes by itself."""
+    return any(
+        _is_scene(imported)
+        for name, path in modules.items()
+        if name.startswith("tb.") and name != BENCH
+        for imported in imported_by(name, path)
+    )
+
+
+def asks_for_scene(modules: dict[str, Path]) -> bool:
+    """Whether a bench asks for more of its scene than its own twin."""
+    return any(
+        ASKS.search(code_of(path))
+        for name, path in modules.items()
+        if name.startswith("tb.") and name != BENCH
+    )
+
+
+def code_of_twins(twin: Block) -> str:
+    """A digest of the code of all classes in a twin."""
+    return _code(frozenset(module for block in walk(twin) for module in _classes(block)))
+
+
+@cache
+def _code(modules: frozenset[str]) -> str:
+    return code(modules, _follow)
+
+
+@cache
+def _reading() -> str:
+    """A digest of the code that reads scenes, without the code that builds twins."""
+    return digest_of(closure([SCENE], _follow))
+
+
+def _classes(value: object) -> Iterator[str]:
+    """The modules of the classes of a value and of everything that it holds."""
+    if is_dataclass(value):
+        yield type(value).__module__
+        inner = [getattr(value, field.name) for field in fields(value)]
+    elif isinstance(value, dict):
+        inner = [*value.keys(), *value.values()]
+    else:
+        inner = list(value) if isinstance(value, (tuple, list, set, frozenset)) else []
+    for one in inner:
+        if not isinstance(one, (int, float, str)):
+            yield from _classes(one)
+
+
+@cache
+def _tools(simulator: str) -> list[str]:
+    """The versions of the tools, asked only once because a scene may have hundreds of benches."""
+    packages = [f"{name} {version_of(name)}" for name in PACKAGES]
+    return [version(simulator), f"python {platform.python_version()}", *packages]

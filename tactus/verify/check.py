@@ -1,0 +1,57 @@
+"""``make check``: looks for everything that can be wrong with a scene, and prints each check."""
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+from golden.input_error import InputError
+from tactus.core.cli import run
+from tactus.core.finding import OK, WARNING, Finding, collect_faults, faults
+from tactus.core.folders import BUILD
+from tactus.core.machine import versions
+from tactus.core.progress import stage
+from tactus.rig.check import everything
+from tactus.scene import load_scene
+from tactus.verify.benches.tools import SIMULATORS, version
+
+
+def tools() -> list[Finding]:
+    """Findings about the simulators, which training and export do not need."""
+    found = versions("tactus", "python", "numpy", "scipy", "myhdl", "cocotb")
+    text = ", ".join(f"{name} {number}" for name, number in found.items())
+    findings = [Finding(OK, "versions", text)]
+    for name, (program, package, _) in SIMULATORS.items():
+        if shutil.which(program):
+            findings.append(Finding(OK, program, version(name)))
+        else:
+            text = f"not installed, make sim and make demo need it; apt-get install {package}"
+            findings.append(Finding(WARNING, program, text))
+    return findings
+
+
+def check(name: str, build: Path) -> list[Finding]:
+    """All findings about a scene and this machine."""
+    findings: list[Finding] = []
+    with collect_faults(findings):
+        findings += everything(load_scene(name), build)
+    return findings + tools()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make check", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--build", type=Path, default=BUILD)
+    arguments = parser.parse_args()
+    with stage(f"checking {arguments.scene}", quick=True):
+        findings = check(arguments.scene, arguments.build)
+    print("\n".join(map(str, findings)))
+    wrong = len(faults(findings))
+    if wrong:
+        raise InputError(
+            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, listed above"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,372 @@
+"""The theorem: what is shown of hardware and network, for frames in any sequence.
+
+Every claim is a run of the hardware in which data are symbols or unknown. Unknown stands for every
+value, so what is shown with it holds whatever a register held before.
+"""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import reduce
+from itertools import count
+from typing import Any
+
+from tactus.verify.every_frame.bits import Bits, X, agreed, apart
+from tactus.verify.every_frame.netlist import Netlist
+from tactus.verify.every_frame.network import Network
+from tactus.verify.every_frame.sums import Space, UnsupportedError, Value
+from tactus.verify.every_frame.unrolled import State, Unrolled
+from tactus.verify.every_frame.values import Values
+
+# Rounds in which the state between frames must have settled, and behind which any two are joined.
+ROUNDS, LATE = 30, 6
+IDLE: dict[str, Bits] = {"in_valid": 0}
+# Idle clocks that are tried where no number of them can be shown to change nothing.
+TRIED = 8
+# The most states between two samples of a frame, after gaps of all lengths, and idle clocks behind
+# which these may be joined, because what a sample wrote is written.
+MOST_STATES, SETTLED = 150, 2
+
+
+class RefusedError(Exception):
+    """What cannot be shown, with the reason; it is not known to be wrong."""
+
+
+class WrongError(Exception):
+    """Control that is wrong, whatever the samples are."""
+
+
+@dataclass
+class DiffersError(Exception):
+    """An output that is not what the network says: its number, its clock, and both values."""
+
+    output: int
+    clock: int
+    got: Value
+    expected: Value
+
+
+@dataclass
+class Claim:
+    """A sentence of the theorem, and whether it is shown for all cases."""
+
+    text: str
+    shown: bool
+
+
+def before(given: dict[str, Any]) -> list[dict[str, int]]:
+    """The inputs of the clocks between reset and frames: each stream, and clocks for its work."""
+    found: list[dict[str, int]] = []
+    for stream in given["before"]:
+        name, last = stream["name"], len(stream["data"]) - 1
+        found += [
+            {f"{name}_valid": 1, f"{name}_data": v, f"{name}_last": int(k == last)}
+            | stream.get("beside", {})
+            for k, v in enumerate(stream["data"])
+        ]
+        found += [{}] * stream["clocks"]
+    return found
+
+
+class Sequences:
+    def __init__(
+        self,
+        hardware: Netlist,
+        description: dict[str, Any],
+        clock: Callable[[int], None] = lambda _: None,
+    ):
+        sys.setrecursionlimit(1 << 20)
+        self.given, self.network = description, Network(description)
+        self.run = Unrolled(hardware)
+        self.told = clock
+        self.bits: int = description["bits"]
+        self.count: int = description["samples"]
+        self.words = description["stream"] == "words"
+        self.clocks: list[int] = description["output_clocks"]
+        self.still = dict.fromkeys(description["still"], 0)
+        self.space = Space()
+        top = 1 << self.bits - 1
+        self.symbols = [self.run.sample(f"x{k}", self.bits) for k in range(self.count)]
+        self.samples = [self.space.sample(f"x{k}", -top, top - 1) for k in range(self.count)]
+        self.values = Values(self.space, {f"x{k}": v for k, v in enumerate(self.samples)})
+        # Every word of the network, and those of the outputs, once they are needed.
+        self.inner: list[Value] = []
+        self.expected: list[Value] | None = None
+
+    # Driving.
+
+    def _frame(self, data: Sequence[Bits]) -> list[dict[str, Bits]]:
+        """The inputs of the clocks of a frame; slots behind its samples hold nothing."""
+        if self.words:
+            return [{"in_valid": 1, **{f"in_data_{k}": v for k, v in enumerate(data)}}]
+        elements = [*data, *[X] * (self.given["elements"] - self.count)]
+        return [
+            {"in_valid": 1, "in_data": v, "in_last": int(k == len(elements) - 1)}
+            for k, v in enumerate(elements)
+        ]
+
+    def _clock(self, inputs: dict[str, Bits]) -> None:
+        """A clock with these inputs. Of the others nothing is known, but for those that stay 0."""
+        others = dict.fromkeys(self.run.hardware.inputs, X)
+        self.run.step({**others, "clk": 0, "rst": 0, **self.still, **inputs})
+
+    def _outputs(self) -> dict[str, Bits]:
+        return {name: self.run.out(name) for name in self.run.hardware.outputs}
+
+    def _play(self, inputs: Sequence[dict[str, Bits]]) -> list[dict[str, Bits]]:
+        """The outputs of these clocks; control must be known in each."""
+        found = []
+        for one in inputs:
+            self._clock(one)
+            out = self._outputs()
+            for name in ("out_valid", "out_last", "frame_error"):
+                if (
+                    name in out
+                    and not isinstance(out[name], int)
+                    and (name != "out_last" or out["out_valid"] == 1)
+                ):
+                    raise RefusedError(
+                        f"{name} is not known in clock {self.run.clocks}: it hangs on data, or "
+                        "on what nothing has set"
+                    )
+            found.append(out)
+            self.run.clock()
+            self.told(self.run.clocks)
+        return found
+
+    # Checking.
+
+    def _check(
+        self, found: list[dict[str, Bits]], ended: Sequence[int], watched: int | None
+    ) -> None:
+        """The outputs of frames whose last elements came in these clocks; `watched` has the
+        symbols."""
+        due: dict[int, list[tuple[int, int]]] = {}
+        for number, clock in enumerate(ended):
+            for k, after in enumerate(self.clocks):
+                due.setdefault(clock + after, []).append((number, k))
+        for clock, out in enumerate(found):
+            if out.get("frame_error", 0):
+                raise WrongError(f"frame_error in clock {clock} of good frames")
+            expected = int(clock in due)
+            if out["out_valid"] != expected:
+                raise WrongError(
+                    f"out_valid is {out['out_valid']} in clock {clock}, expected {expected}"
+                )
+            for number, k in due.get(clock, []):
+                if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
+                    raise WrongError(f"out_last is {out['out_last']} at output {k}")
+                if number == watched:
+                    self._compare(
+                        k, clock - ended[number], out[f"out_data_{k}" if self.words else "out_data"]
+                    )
+
+    def _compare(self, k: int, clock: int, bits: Bits) -> None:
+        if self.expected is None:
+            self.inner = self.network.words(self.space, self.samples)
+            self.expected = self.network.outputs(self.inner)
+        try:
+            got = self.values.number(bits, self.bits, True)
+        except UnsupportedError as reason:
+            raise RefusedError(f"output {k}: {reason}, {getattr(reason, 'place', '')}") from None
+        if not self.space.equal(got, self.expected[k]):
+            raise DiffersError(k, clock, got, self.expected[k])
+
+    # States.
+
+    def _joined(self, a: State, b: State) -> State:
+        """What two states have in common; the rest is unknown."""
+        hardware = self.run.hardware
+        registers = [
+            agreed(x, y, r.width) for x, y, r in zip(a[0], b[0], hardware.registers, strict=True)
+        ]
+        memories = [
+            p
+            if p is q or not m.writes
+            else [agreed(x, y, m.width) for x, y in zip(p, q, strict=True)]
+            for p, q, m in zip(a[1], b[1], hardware.memories, strict=True)
+        ]
+        return registers, memories
+
+    @staticmethod
+    def _same(a: State, b: State) -> bool:
+        return a[0] == b[0] and all(p is q or p == q for p, q in zip(a[1], b[1], strict=True))
+
+    def _apart(self, a: State, b: State) -> bool:
+        """Whether the states differ in a bit that both know."""
+        netlist = self.run.hardware
+        words = [(r.width, [x], [y]) for r, x, y in zip(netlist.registers, a[0], b[0], strict=True)]
+        words += [(m.width, p, q) for m, p, q in zip(netlist.memories, a[1], b[1], strict=True)]
+        pairs = ((n, zip(p, q, strict=True)) for n, p, q in words if p is not q)
+        return any(apart(x, y, n) for n, both in pairs for x, y in both)
+
+    # The claims.
+
+    def prove(self) -> Iterator[Claim]:
+        """The claims in their order; an error where one fails."""
+        run = self.run
+        self._clock({"rst": 1, **dict.fromkeys(self.still, X)})
+        run.clock()
+        reset, begins = run.state(), [{**IDLE, **one} for one in before(self.given)]
+        self._play(begins)
+        first = run.abstracted(run.state())
+        tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
+        overlap = self.given["interval"] < ends + tail
+        wait = max(max(self.clocks), self.given["interval"] - self.given["elements"])
+        # States between frames, and the outputs of the next frame. What two states that do not
+        # contradict each other have in common stands for both.
+        reached: list[tuple[State, list[dict[str, Bits]]]] = []
+        waiting, rounds = [first], 0
+        while waiting:
+            state = waiting.pop()
+            # A counter that nothing resets has too many states, so they are joined at last.
+            late = rounds > LATE
+            alike = [r for r in reached if late or not self._apart(r[0], state)]
+            alike = alike if late else alike[:1]
+            state = reduce(self._joined, [one for one, _ in alike], state)
+            if any(self._same(one, state) for one, _ in alike):
+                continue
+            for one in alike:
+                reached.remove(one)
+            if (rounds := rounds + 1) > ROUNDS:
+                raise RefusedError(
+                    f"the state between frames has not settled after {ROUNDS} rounds: something "
+                    "counts frames or idle clocks"
+                )
+            run.restore(state)
+            self._check(self._play([IDLE]), [], None)
+            waiting.append(run.abstracted(run.state()))
+            run.restore(state)
+            found = self._play([*self._frame(self.symbols), *[IDLE] * wait])
+            # A loop of a program is run to its end.
+            for _ in range(2 * self.given["interval"] if overlap else 0):
+                last = run.abstracted(run.state())
+                found += self._play([IDLE])
+                if self._same(last, run.abstracted(run.state())):
+                    break
+            waiting.append(run.abstracted(run.state()))
+            reached.append((state, found))
+            if "load_valid" in self.still:
+                # What the memory holds of another image is not known.
+                run.restore(self._joined(reset, state))
+                self._play(begins)
+                waiting.append(run.abstracted(run.state()))
+        states = [state for state, _ in reached]
+        quiet = max(len(found) for _, found in reached) - ends
+        for _, found in reached:
+            self._check(found, [ends], 0)
+        yield Claim(
+            "after one clock of reset, control is known in every clock, and no bit of data "
+            "reaches it",
+            True,
+        )
+        yield Claim("no value that a register or a memory held before reaches an output", True)
+        yield Claim(
+            f"the outputs are those of the network, {self._listed()} clocks after the last sample",
+            True,
+        )
+        yield Claim(
+            f"{quiet} clocks after a last sample, and after an idle clock, control is where it was"
+            + (f", or in one of {len(states)} such states" if len(states) > 1 else "")
+            + ", so this holds for any number of frames",
+            True,
+        )
+        if not self.words and self.count > 1:
+            shown = min(self._gaps(state, wait) for state in states)
+            text = (
+                "any number of idle clocks between samples changes nothing"
+                if shown
+                else f"idle clocks between samples change nothing (1 to {TRIED} were tried, at "
+                "each place and at all)"
+            )
+            yield Claim(text, shown)
+        if overlap:
+            for state in states:
+                self._close(state, tail, ends)
+            yield Claim(
+                f"frames {self.given['interval']} clocks apart do not disturb each other, in "
+                "any number",
+                True,
+            )
+
+    def _listed(self) -> str:
+        return (
+            ", ".join(map(str, self.clocks))
+            if len(self.clocks) < 5 and not self.words
+            else str(self.clocks[0])
+            if self.words
+            else f"{self.clocks[0]} to {self.clocks[-1]}"
+        )
+
+    def _gaps(self, start: State, wait: int) -> bool:
+        """Whether any gaps give the outputs; else some are tried."""
+        for exact in (SETTLED, MOST_STATES):
+            with suppress(RefusedError):
+                if self._any_gaps(start, wait, exact):
+                    return True
+        frame = self._frame(self.symbols)
+        plans = [
+            [g if j == k else 0 for j in range(len(frame) - 1)]
+            for k in range(len(frame) - 1)
+            for g in (1, TRIED)
+        ]
+        for gaps in [*plans, *([g] * (len(frame) - 1) for g in range(1, TRIED + 1))]:
+            self.run.restore(start)
+            spaced = [i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[IDLE] * g)]
+            self._check(self._play([*spaced, *[IDLE] * wait]), [len(spaced) - 1], 0)
+        return False
+
+    def _any_gaps(self, start: State, wait: int, exact: int) -> bool:
+        """Whether few states come of gaps of all lengths, and all give the outputs. Those behind
+        more than so many idle clocks are joined."""
+        run, frame = self.run, self._frame(self.symbols)
+        states = [start]
+        for inputs in frame[:-1]:
+            following: list[State] = []
+            for state in states:
+                run.restore(state)
+                self._check(self._play([inputs]), [], None)
+                for gap in count():
+                    state = run.state()
+                    if any(self._same(state, s) for s in following):
+                        break
+                    # A joined state has the one before it within.
+                    following[len(following) - (gap > exact) :] = [state]
+                    if len(following) > MOST_STATES:
+                        return False
+                    self._check(self._play([IDLE]), [], None)
+                    if gap >= exact:
+                        run.restore(self._joined(state, run.state()))
+            states = following
+        for state in states:
+            run.restore(state)
+            self._check(self._play([frame[-1], *[IDLE] * wait]), [0], 0)
+        return True
+
+    def _close(self, start: State, tail: int, ends: int) -> None:
+        """Frames as close as they may be: what the others hold is unknown, so it does not
+        matter."""
+        run, interval = self.run, self.given["interval"]
+        nothing, symbols = self._frame([X] * self.count), self._frame(self.symbols)
+        pause = [IDLE] * (interval - len(nothing))
+        around = -(-(ends + tail) // interval)
+        states: list[State] = []
+        run.restore(start)
+        while True:
+            state = run.abstracted(run.state())
+            if any(self._same(state, s) for s in states):
+                break
+            states.append(state)
+            if len(states) > ROUNDS + around:
+                raise RefusedError("close frames do not come to a state that repeats")
+            self._play([*nothing, *pause])
+        for before in range(len(states)):
+            run.restore(start)
+            inputs = [
+                i
+                for n in range(before + 1 + around)
+                for i in (*(symbols if n == before else nothing), *pause)
+            ]
+            found = self._play([*inputs, *[IDLE] * tail])
+            self._check(found, [n * interval + ends for n in range(before + 1 + around)], before)

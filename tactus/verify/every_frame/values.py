@@ -1,0 +1,186 @@
+"""Expressions as sums of functions of words."""
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from tactus.verify.every_frame.bits import Bits, Expression, X, join
+from tactus.verify.every_frame.operators import COMPARISONS, ONE, SHIFTS, TWO, array, signed
+from tactus.verify.every_frame.sums import (
+    MOST,
+    Space,
+    UnsupportedError,
+    Value,
+    ends,
+    minus,
+    plus,
+    times,
+)
+
+
+class Values:
+    """What expressions are, over all frames. `samples` maps names to values."""
+
+    def __init__(self, space: Space, samples: dict[str, Value]):
+        self.space, self.samples = space, samples
+
+    def number(self, v: Bits, width: int, sign: bool) -> Value:
+        """The number that bits are, with or without a sign."""
+        if isinstance(v, int):
+            return signed(v, width) if sign else v
+        return self.space.modulo(self.residue(v, width), width, sign)
+
+    def residue(self, v: Bits, width: int) -> Value:
+        """A number that is what the bits are, modulo 2^width."""
+        if isinstance(v, int):
+            return signed(v, width)
+        if isinstance(v, Expression):
+            return self.of(v)
+        if v is X:
+            raise UnsupportedError("something that nothing has set reaches a result")
+        v, core = _core(v, width)
+        if core < width:
+            # The bits above repeat the highest one.
+            return self.space.modulo(self.residue(v, core), core, True)
+        total: Value = 0
+        place = 0
+        for k, (source, low, count) in enumerate(v):
+            piece = (
+                source
+                if isinstance(source, int)
+                else self.residue(source, getattr(source, "width", 0))
+            )
+            if not isinstance(source, int):
+                piece = self.space.floor(piece, low)
+            if k < len(v) - 1:
+                piece = self.space.modulo(piece, count, False)
+            total = plus(total, times(piece, 1 << place))
+            place += count
+        return total
+
+    def of(self, e: Expression) -> Value:
+        if e.result is None:
+            try:
+                e.result = self._of(e)
+            except UnsupportedError as reason:
+                if not hasattr(reason, "place"):
+                    reason.place = e.name  # type: ignore[attr-defined]
+                raise
+        return e.result  # type: ignore[no-any-return]
+
+    def _of(self, e: Expression) -> Value:
+        kind, space = e.kind, self.space
+        if kind == "sample":
+            return self.samples[e.extra]
+        if kind == "$mux":
+            s, yes, no = e.arguments
+            c = self.number(s, 1, False)
+            if isinstance(c, int):
+                return self.residue(yes if c else no, e.width)
+            branches = [self.residue(v, e.width) for v in (yes, no)]
+            # Only bits of the result count: what lies above them may be left out, or help.
+            with suppress(UnsupportedError):
+                return space.choose(c, *(space.reduced(v, e.width) for v in branches))
+            return space.choose(c, *branches)
+        if kind == "read":
+            return self._read(e)
+        if kind in ("$add", "$sub", "$mul", "$neg", "$not"):
+            a, *rest = [self.residue(v, n) for v, n, _ in e.arguments]
+            if kind == "$add":
+                return plus(a, rest[0])
+            if kind == "$sub":
+                return minus(a, rest[0])
+            if kind == "$neg":
+                return times(a, -1)
+            if kind == "$not":
+                return minus(-1, a)
+            if isinstance(a, int) or isinstance(rest[0], int):
+                return times(rest[0], a) if isinstance(a, int) else times(a, rest[0])  # type: ignore[arg-type]
+            a, b = [self.number(v, n, s) for v, n, s in e.arguments]
+            if max(map(abs, ends(a))) * max(map(abs, ends(b))) >= MOST:
+                raise UnsupportedError("a product of more than 62 bits")
+            return space.of(TWO[kind], a, b)
+        if kind in COMPARISONS:
+            return self._compared(kind, *[self.number(v, n, s) for v, n, s in e.arguments])
+        if kind in ("$logic_not", "$reduce_or", "$reduce_bool") and isinstance(
+            e.arguments[0][0], tuple
+        ):
+            zero = self._zero(*e.arguments[0][:2])
+            return zero if kind == "$logic_not" else minus(1, zero)
+        numbers = [self.number(v, n, s) for v, n, s in e.arguments]
+        if kind in ONE:
+            n = e.arguments[0][1]
+            if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
+                zero = space.zero(numbers[0])
+                return zero if kind == "$logic_not" else minus(1, zero)
+            return space.of(lambda a: array(ONE[kind](a, n)), numbers[0])
+        if kind in SHIFTS:
+            if kind in ("$shr", "$sshr"):
+                return space.of(lambda a, b: a >> np.minimum(b, 62), *numbers)
+            width = e.width
+            return space.of(
+                lambda a, b: np.where(b < width, (a & (1 << width) - 1) << np.minimum(b, width), 0),
+                *numbers,
+            )
+        if kind in ("$logic_and", "$logic_or") and e.width >= 1:
+            a, b = (minus(1, space.zero(v)) for v in numbers)
+            if isinstance(a, int) or isinstance(b, int):
+                known, other = (a, b) if isinstance(a, int) else (b, a)
+                return (other if known else 0) if kind == "$logic_and" else (1 if known else other)
+            return space.of(lambda x, y: array(TWO[kind](x, y)), a, b)
+        return space.of(lambda x, y: array(TWO[kind](x, y)), *numbers)
+
+    def _zero(self, v: Bits, width: int) -> Value:
+        """1 where bits are 0: piece by piece, since together they may be wider than a number, or
+        at once, since pieces of one sum may be those of others."""
+        zero: Value = 1
+        try:
+            for piece in v:
+                alone = self.space.zero(self.number(join((piece,)), piece[2], False))
+                zero = alone if zero == 1 else self.space.of(lambda a, b: a & b, zero, alone)
+        except UnsupportedError:
+            return self.space.zero(self.number(v, width, False))
+        return zero
+
+    def _compared(self, kind: str, a: Value, b: Value) -> Value:
+        space, d = self.space, minus(a, b)
+        if kind in ("$eq", "$eqx"):
+            return space.zero(d)
+        if kind in ("$ne", "$nex"):
+            return minus(1, space.zero(d))
+        if kind in ("$lt", "$ge"):
+            below = space.negative(d)
+            return below if kind == "$lt" else minus(1, below)
+        above = space.negative(times(d, -1))
+        return above if kind == "$gt" else minus(1, above)
+
+    def _read(self, e: Expression) -> Value:
+        v, n, _ = e.arguments[0]
+        address, table = self.number(v, n, False), e.extra
+        words = np.array(
+            [0 if w is None else signed(w, e.width) for w in table.words], dtype=np.int64
+        )
+        known = np.array([w is not None for w in table.words])
+
+        def looked_up(a: Any) -> Any:
+            places = np.asarray(a) - table.offset
+            if (places < 0).any() or (places >= len(words)).any() or not known[places].all():
+                raise UnsupportedError("a read of a word that nothing has set")
+            return words[places]
+
+        return self.space.of(looked_up, address)
+
+
+def _core(v: Bits, width: int) -> tuple[Bits, int]:
+    """The value without bits above that repeat the highest one."""
+    if not isinstance(v, tuple):
+        return v, width
+    parts = list(v)
+    while len(parts) > 1 and not isinstance(parts[-1][0], int) and parts[-1][2] == 1:
+        source, low, count = parts[-2]
+        if source is not parts[-1][0] or low + count - 1 != parts[-1][1]:
+            break
+        parts.pop()
+        width -= 1
+    return (v, width) if len(parts) == len(v) else (join(parts), width)

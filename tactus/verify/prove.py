@@ -1,0 +1,190 @@
+"""``make prove``: with a scene, that its export computes its network for every frame.
+
+Verilog is read by Yosys, VHDL by GHDL, whose netlist Yosys reads; neither proof rests on the other
+(docs/every-frame.md). With a block, or with nothing, the properties of blocks are proved
+(``tactus.verify.sign_off.prove``).
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.input_error import InputError
+from golden.networks.arrangement import seen
+from golden.numbers.precision import SIGNAL
+from golden.trained.dense import layers_of
+from tactus.core.cli import run, whole, would
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.core.progress import PAUSE, Heartbeat, duration, stage
+from tactus.export.exporter import compile_order
+from tactus.scene import Scene, load_scene
+from tactus.verify.benches.runner import export
+from tactus.verify.benches.tools import check_simulator
+from tactus.verify.every_frame.counterexample import bench
+from tactus.verify.every_frame.distance import bounds, farthest
+from tactus.verify.every_frame.kept import keep, read_export, yosys
+from tactus.verify.every_frame.netlist import Netlist, NotReadableError, read_verilog
+from tactus.verify.every_frame.specify import description
+from tactus.verify.every_frame.verdict import PROVED, Verdict, judge
+from tactus.verify.sign_off import prove as blocks
+from tactus.verify.sign_off.equal_gates import dump, read_dump
+from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
+
+
+def hardware(folder: Path, entity: str, language: str) -> Netlist:
+    """The netlist of an entity of an export."""
+    if language == "verilog":
+        return read_export(folder, entity)
+    try:
+        files = [folder / name for name in compile_order(folder)]
+        with tempfile.TemporaryDirectory() as made:
+            modules = read_dump(dump(files, entity, Path(made)))
+            written = []
+            for name, module in modules.items():
+                source = folder / f"{name}.vhd"
+                lists = list_lengths(source.read_text(encoding="utf-8")) if source.exists() else {}
+                written.append(Path(made) / f"{name}.v")
+                written[-1].write_text(to_verilog(module, lists), encoding="utf-8")
+            return read_verilog(written, entity, yosys)
+    except (NotReadableError, ValueError) as error:
+        raise InputError(f"{folder}: {error}") from None
+
+
+def prove_netlist(
+    given: dict[str, Any], netlist: Netlist, folder: Path, tell: Callable[[str], None] = print
+) -> Verdict:
+    """Prove a netlist of an export in a folder. Icarus plays a frame at which Verilog differs."""
+    clocks, began, printed = 0, time.monotonic(), time.monotonic()
+
+    def ran(count: int) -> None:
+        nonlocal clocks
+        clocks = count
+
+    def beat() -> None:
+        nonlocal printed
+        now = time.monotonic()
+        if now - printed >= PAUSE:
+            printed = now
+            print(f"  {clocks} clocks are run, {duration(now - began)}", flush=True)
+
+    with Heartbeat(beat):
+        found = judge(given, netlist, tell, ran)
+    if found.frame and compile_order(folder)[0].endswith(".v"):
+        shown = play(given, np.array([found.frame]), folder)
+        gives = "other clocks or X" if shown is None else shown[0, found.output]
+        found.reason += f"; Icarus gives {gives}"
+    return found
+
+
+def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
+    """The outputs that Icarus gives for frames, shape (frames, outputs), or None where it gives
+    more, fewer, or what is not known."""
+    with tempfile.TemporaryDirectory() as made:
+        test, mask = Path(made) / "bench.v", (1 << given["bits"]) - 1
+        test.write_text(bench(given, len(frames)), encoding="ascii")
+        samples = "\n".join(f"{x & mask:x}" for x in frames.flat)
+        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
+        files = [str((folder / name).resolve()) for name in compile_order(folder)]
+        for command in (["iverilog", "-g2001", "-o", "run", str(test), *files], ["vvp", "run"]):
+            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
+    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.stdout.split()])
+    outputs = len(given["outputs"])
+    whole = len(values) == len(frames) * outputs and -mask not in values
+    return values.reshape(-1, outputs) if whole else None
+
+
+def prove_scene(scene: Scene, given: dict[str, Any], rig: Scene) -> int:
+    """Prove a scene on the hardware of ``rig`` in each language; the code of the worst.
+
+    What is proved to compute the network is compared with the trained one.
+    """
+    codes = set()
+    for language in ("verilog", "vhdl"):
+        folder = BUILD / rig.name / language
+        with stage(f"{rig.name}: exporting and reading {language}", quick=True):
+            export(rig, language)
+            netlist = hardware(folder, given["entity"], language)
+        begun = time.process_time()
+        print(f"{scene.name}, {language}:", flush=True)
+        found = prove_netlist(given, netlist, folder)
+        print(f"{found}; {time.process_time() - begun:.1f} s of processor time", flush=True)
+        if language == "verilog":
+            keep(given, folder, found)
+        codes.add(found.code)
+    if codes == {PROVED}:
+        print("\n".join(from_trained(scene, given)))
+    return min(codes - {PROVED}, default=PROVED)
+
+
+def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
+    """How far each output can be from the trained network, and how far a search found it."""
+    networks, tanh = scene.networks(), scene.scheme.real
+    layers = [layers_of(one) for one in networks]
+    try:
+        ends, own = (bounds(given, layers, tanh, apart) for apart in (False, True))
+    except InputError as reason:
+        return [f"{scene.name}: {reason}"]
+
+    def real(samples: Any) -> Any:
+        results: list[Any] = []
+        for one in networks:
+            found = one.process(seen(scene.arrangement, samples, results), tanh)
+            results.append(np.clip(found, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high])))
+        return np.concatenate(results, axis=-1)
+
+    lines = [f"{scene.name}: from the trained network, in units of 2^-{SIGNAL.frac}, in any frame:"]
+    for name, every, alone, (met, _) in zip(
+        scene.outputs, ends, own, farthest(given, real), strict=True
+    ):
+        far, near = (max(-low, high) for low, high in (every, alone))
+        bounded = far < 1 << SIGNAL.width
+        text = f"at most {far:.1f}" if bounded else "no bound"
+        if far > near:
+            text += f", for the earlier outputs as they are at most {near:.1f}"
+        ratio = f" (1 of {far / met:.1f})" if bounded and met else ""
+        lines.append(f"  {name}: {text}; {met:.1f} found{ratio}")
+    if scene.labels:
+        margin = max(
+            ends[j][1] - ends[i][0] for i in range(len(ends)) for j in range(len(ends)) if i != j
+        )
+        lines.append(f"  no class differs where the first output leads by {margin:.1f} or more")
+    return lines
+
+
+def main() -> int:
+    """Run as ``python -m tactus.verify.prove``."""
+    parser = argparse.ArgumentParser(prog="make prove", description=__doc__)
+    parser.add_argument("--block")
+    parser.add_argument("--scene")
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("--theta", default="")
+    parser.add_argument("--hardware")
+    arguments = parser.parse_args()
+    if (arguments.theta or arguments.hardware) and not arguments.scene:
+        raise InputError("SCENE: got none beside THETA or HARDWARE, expected a scene")
+    if not arguments.scene:
+        return blocks.run_blocks(arguments.block, arguments.record)
+    if arguments.block or arguments.record:
+        raise InputError("SCENE: got BLOCK or RECORD beside it, expected one of SCENE and BLOCK")
+    for simulator in ("ghdl", "icarus"):
+        check_simulator(simulator)
+    scene = load_scene(arguments.scene)
+    one = whole("THETA", SIGNAL.low, SIGNAL.high)
+    theta = [one(text) for text in arguments.theta.split(",") if text]
+    rig = load_scene(arguments.hardware) if arguments.hardware else None
+    given, built = description(scene, theta, rig), rig or scene
+    would(f"export {built.name} and prove it for every frame")
+    with held([BUILD / built.name]):
+        return prove_scene(scene, given, built)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

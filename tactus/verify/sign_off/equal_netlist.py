@@ -1,0 +1,273 @@
+"""Writes the netlist that GHDL's synthesis makes of VHDL as Verilog that Yosys and Icarus read.
+
+Each gate becomes one line, and an unknown gate is an error. One fault of GHDL 2.0 is corrected: it
+cuts a number to the width of the signal with which it is compared, so that ``slot < 2`` with one
+bit becomes ``slot < 0``, though GHDL prints the whole number. Here both are compared as numbers, as
+numeric_std does.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+from tactus.verify.sign_off.equal_gates import UNNAMED, Gate, Module, Net, constant, wire_range
+from tactus.verify.sign_off.equal_memory import split_memories, write_memory
+
+
+def list_lengths(text: str) -> dict[str, int]:
+    """The number of elements of each array signal in an entity that MyHDL wrote."""
+    ends = dict(re.findall(r"type (\w+) is array\(0 to (\d+)\)", text))
+    signals = re.findall(r"signal (\w+): (t_array_\w+);", text)
+    return {name: int(ends[kind]) + 1 for name, kind in signals}
+
+
+def to_verilog(module: Module, lists: dict[str, int]) -> str:
+    """The Verilog of a netlist.
+
+    lists: The number of elements of each array signal. GHDL makes one wire of an array. Here each
+        element gets its own name, ``name[0]``, as in Yosys' netlist of the Verilog.
+    """
+    return _Writer(module, lists).text()
+
+
+class _Writer:
+    """Writes one module, in which wires that have a name in VHDL keep it."""
+
+    def __init__(self, module: Module, lists: dict[str, int]) -> None:
+        own, *self.gates = module.gates
+        if own.kind != module.name:
+            raise ValueError(f"{module.name}: GHDL's netlist: got {own.kind}, expected its ports")
+        self.module, self.own, self.lists = module, own, lists
+        self.maker = {net: gate for gate in self.gates for net in gate.outputs.values()}
+        self.names = {net: port for port, net in own.outputs.items()}
+        for gate in self.gates:
+            if gate.name.startswith(UNNAMED):
+                raise ValueError(
+                    f"{module.name}: {gate.name}: got a name that begins with {UNNAMED}, expected "
+                    "another one: only unnamed wires begin so"
+                )
+            if gate.kind == "$signal":
+                self.names[gate.outputs["o"]] = gate.name
+        self.memories, self.gates = split_memories(self.gates, lists)
+        # A wire without a name that drives a signal or a port takes the name of that. So registers
+        # have the same names in both languages.
+        for gate in self.gates:
+            if gate.kind == "$signal":
+                self.names.setdefault(gate.inputs["i"], gate.name)
+        for port, net in own.inputs.items():
+            self.names.setdefault(net, port)
+
+    def text(self) -> str:
+        """The whole module."""
+        lines = [f"module {self.module.name} ({', '.join(self.module.ports)});"]
+        for name, (direction, width) in self.module.ports.items():
+            lines.append(f"{direction} {wire_range(width) if width > 1 else ''}{name};")
+        made = [
+            net for gate in self.gates if gate.kind != "$posedge" for net in gate.outputs.values()
+        ]
+        read = [access.data for memory in self.memories for access in memory.reads]
+        declared = set(self.own.outputs)
+        for net in (*made, *read):
+            name = self.name(net)
+            if name not in declared:
+                declared.add(name)
+                scalar = net.width == 1 and name in self.module.ports
+                word = "reg" if self.is_register(net) else "wire"
+                lines.append(f"{word} {'' if scalar else wire_range(self.width(net))}{name};")
+        for gate in self.gates:
+            lines += self.statements(gate)
+        for memory in self.memories:
+            lines += write_memory(memory, self.name, self.clock, self.from_left)
+        for port, net in self.own.inputs.items():
+            lines += self.alias(port, net)
+        return "\n".join([*lines, "endmodule", ""])
+
+    def width(self, net: Net) -> int:
+        """The width of a wire; it is wider than in GHDL's netlist where its number needs that."""
+        gate = self.maker.get(net)
+        if gate is None or not gate.kind.startswith("$const_"):
+            return net.width
+        value = constant(gate)
+        return max(net.width, value.bit_length() + (gate.kind == "$const_SB32" and value < 0))
+
+    def is_register(self, net: Net) -> bool:
+        """Whether a wire is assigned in a process."""
+        gate = self.maker[net]
+        if gate.kind == "$signal" and self.name(gate.inputs["i"]) == gate.name:
+            return self.is_register(gate.inputs["i"])
+        return gate.kind == "$dff" and self.name(net) not in self.lists
+
+    def alias(self, name: str, net: Net) -> list[str]:
+        """An assignment of the wire to ``name``, unless the wire has that name already."""
+        return [f"assign {name} = {self.name(net)};"] if self.name(net) != name else []
+
+    def name(self, net: Net) -> str:
+        """The name of a wire."""
+        return self.names.get(net, f"{UNNAMED}{net.number}")
+
+    def clock(self, net: Net) -> str:
+        """The wire whose rising edge clocks a register."""
+        edge = self.maker[net]
+        if edge.kind != "$posedge":
+            raise ValueError(f"{self.module.name}: a clock: got {edge.kind}, expected $posedge")
+        return self.name(edge.inputs["i"])
+
+    def from_left(self, index: Net, last: int) -> str:
+        """The address of the word with an index that counts from the right.
+
+        GHDL makes such an index by a subtraction from ``last``. Where it does, that is undone, so
+        that both languages have the same gates at an address, and no solver must find this out.
+        """
+        gate = self.maker.get(index)
+        if gate is not None and gate.kind == "$sub":
+            minuend = self.maker.get(gate.inputs["a"])
+            known = minuend is not None and minuend.kind.startswith("$const_")
+            if minuend is not None and known and constant(minuend) == last:
+                return self.name(gate.inputs["b"])
+        return f"{last} - {self.name(index)}"
+
+    def statements(self, gate: Gate) -> list[str]:
+        """The lines of a gate."""
+        inputs = {port: self.name(net) for port, net in gate.inputs.items()}
+        if not gate.kind.startswith("$"):
+            outputs = {port: self.name(net) for port, net in gate.outputs.items()}
+            ports = ", ".join(f".{port}({wire})" for port, wire in (inputs | outputs).items())
+            return [f"{gate.kind} {gate.name} ({ports});"]
+        if gate.kind == "$posedge":
+            return []  # The registers state their clock edge themselves.
+        if gate.kind == "$dff":
+            return self.register(gate)
+        out = gate.outputs["o"]
+        if gate.kind == "$signal":
+            lines = self.alias(gate.name, gate.inputs["i"])
+            if gate.name in self.lists and self.maker[gate.inputs["i"]].kind != "$dff":
+                lines += [
+                    f"wire {wire_range(1 + high - low)}{name} = {gate.name}[{high}:{low}];"
+                    for name, high, low in self.elements(gate.name, out.width)
+                ]
+            return lines
+        if gate.kind.startswith("$const_"):
+            width = self.width(out)
+            value = constant(gate) & ((1 << width) - 1)
+            return [f"assign {self.name(out)} = {width}'h{value:x};"]
+        if gate.kind not in GATES:
+            raise ValueError(f"{self.module.name}: {gate.name}: got gate {gate.kind}, not known")
+        if any(self.width(net) > net.width for net in gate.inputs.values()):
+            self.check_numbers(gate)
+        return [f"assign {self.name(out)} = {GATES[gate.kind](gate, inputs, out.width)};"]
+
+    def check_numbers(self, gate: Gate) -> None:
+        """Refuse a number that does not fit its wire, unless it is compared as an unsigned one."""
+        signs = {self.maker[net].kind for net in gate.inputs.values() if net in self.maker}
+        if gate.kind not in UNSIGNED or "$const_SB32" in signs:
+            raise ValueError(f"{self.module.name}: {gate.name}: {gate.kind}: a number is too wide")
+
+    def register(self, gate: Gate) -> list[str]:
+        """A register, or one for each element of a list of signals."""
+        net = gate.outputs["q"]
+        name, data = self.name(net), self.name(gate.inputs["d"])
+        edge = f"always @(posedge {self.clock(gate.inputs['clk'])})"
+        if name not in self.lists:
+            return [f"{edge} {name} <= {data};"]
+        lines = []
+        elements = list(self.elements(name, net.width))
+        for element, high, low in elements:
+            lines.append(f"reg {wire_range(1 + high - low)}{element};")
+            lines.append(f"{edge} {element} <= {data}[{high}:{low}];")
+        return [*lines, f"assign {name} = {{{', '.join(element for element, *_ in elements)}}};"]
+
+    def elements(self, name: str, width: int) -> Iterator[tuple[str, int, int]]:
+        """For each element of a list its name and its range; the first one stands at the left."""
+        count = self.lists[name]
+        each = width // count
+        for n in range(count):
+            low = (count - 1 - n) * each
+            yield f"\\{name}[{n}] ", low + each - 1, low
+
+
+def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
+    """The input of the rightmost select bit that is set, or the default if none is."""
+    select, default, *choices = wires.values()
+    if gate.parameters != [len(wires)] or gate.inputs["s"].width != len(choices):
+        raise ValueError(f"{gate.name}: got {gate.parameters}, expected {len(wires)} inputs")
+    if len(choices) == 1:
+        return f"{select} ? {choices[0]} : {default}"
+
+    def among(first: int, last: int) -> str:
+        if first == last:
+            return choices[first]
+        middle = (first + last) // 2
+        low = f"|{select}[{middle}:{first}]"
+        return f"({low} ? {among(first, middle)} : {among(middle + 1, last)})"
+
+    return f"|{select} ? {among(0, len(choices) - 1)} : {default}"
+
+
+def _two(operator: str, signed: bool = False) -> Writing:
+    """An operator whose operands have the width of the result, or both the same width."""
+    form = "$signed({0}) {2} $signed({1})" if signed else "{0} {2} {1}"
+    return lambda gate, wires, _: form.format(wires["a"], wires["b"], operator)
+
+
+def _extended(gate: Gate, wires: dict[str, str], width: int) -> str:
+    wire, given = wires["i"], gate.inputs["i"].width
+    sign = f"{wire}[{given - 1}]" if given > 1 else wire
+    bit = sign if gate.kind == "$sextend" else "1'b0"
+    return f"{{{{{width - given}{{{bit}}}}}, {wire}}}" if width > given else wire
+
+
+def _part(gate: Gate, wires: dict[str, str], width: int) -> str:
+    low = gate.parameters[0] if gate.parameters else 0
+    if gate.inputs["i"].width == 1:
+        return wires["i"]
+    return f"{wires['i']}[{low + width - 1}:{low}]"
+
+
+def _joined(_: Gate, wires: dict[str, str], __: int) -> str:
+    """The first input stands at the left."""
+    return f"{{{', '.join(wires.values())}}}"
+
+
+Writing = Callable[[Gate, dict[str, str], int], str]
+# The expression for the output of each gate.
+GATES: dict[str, Writing] = {
+    "$not": lambda gate, wires, width: f"~{wires['i']}",
+    "$neg": lambda gate, wires, width: f"-{wires['i']}",
+    "$and": _two("&"),
+    "$or": _two("|"),
+    "$xor": _two("^"),
+    "$add": _two("+"),
+    "$sub": _two("-"),
+    "$smul": _two("*", signed=True),
+    "$umul": _two("*"),
+    "$lsl": _two("<<"),
+    "$lsr": _two(">>"),
+    "$asr": lambda gate, wires, width: f"$signed({wires['a']}) >>> {wires['b']}",
+    "$eq": _two("=="),
+    "$ne": _two("!="),
+    "$ult": _two("<"),
+    "$ule": _two("<="),
+    "$ugt": _two(">"),
+    "$uge": _two(">="),
+    "$slt": _two("<", signed=True),
+    "$sle": _two("<=", signed=True),
+    "$sgt": _two(">", signed=True),
+    "$sge": _two(">=", signed=True),
+    "$mux2": lambda gate, wires, width: f"{wires['s']} ? {wires['i1']} : {wires['i0']}",
+    "$mux4": lambda gate, wires, width: (
+        "{s}[1] ? {s}[0] ? {i3} : {i2} : {s}[0] ? {i1} : {i0}".format(**wires)
+    ),
+    "$pmux": _choose,
+    "$extract": _part,
+    "$utrunc": _part,
+    "$strunc": _part,
+    "$uextend": _extended,
+    "$sextend": _extended,
+    "$concat2": _joined,
+    "$concat3": _joined,
+    "$concat4": _joined,
+    "$concatn": _joined,
+}
+# Comparisons of numbers without a sign.
+UNSIGNED = {"$eq", "$ne", "$ult", "$ule", "$ugt", "$uge"}

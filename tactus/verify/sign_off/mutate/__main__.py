@@ -1,0 +1,116 @@
+"""``make mutate``: find the mutation score of one block, or of every block."""
+
+import argparse
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from golden.input_error import InputError
+from tactus.core.cli import MOST_SEED, run, whole, would
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.scene import load_scene
+from tactus.verify.benches.runner import Job
+from tactus.verify.benches.where import check_block
+from tactus.verify.sign_off.mutate.initial import score_words
+from tactus.verify.sign_off.mutate.score import SEED, score
+from tactus.verify.sign_off.processor import processor_line, processor_minutes
+from tactus.verify.sign_off.record import recorded, write_record
+from tactus.verify.sign_off.subject import (
+    cases_line,
+    chosen_blocks,
+    hold_recorded,
+    recorded_subjects,
+    subjects_of,
+)
+
+KIND = "mutation"
+BESIDE = 2
+
+
+def line(block: str, facts: dict[str, Any]) -> str:
+    """A row of the table."""
+    real = len(facts["survivors"]) - facts["explained"]
+    return (
+        f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} detected "
+        f"{facts['same']:4} equivalent {facts['explained']:3} explained {real:3} not explained  "
+        f"score {100 * facts['score']:6.2f} %"
+    )
+
+
+def words_line(name: str, words: dict[str, Any]) -> str:
+    """A row about the words of memories."""
+    return (
+        f"{name:22} {words['mutants']:4} bits of {words['words']} words of memories "
+        f"{words['killed']:4} detected  score {100 * words['score']:6.2f} %"
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
+    parser.add_argument("--block")
+    parser.add_argument("--scene", help="mutate the entities of a scene")
+    parser.add_argument("--all", action="store_true", help="find again what is recorded already")
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
+    arguments = parser.parse_args()
+    if arguments.record and arguments.seed != SEED:
+        raise InputError(
+            f"RECORD=1: got SEED={arguments.seed}, expected none: records are of seed {SEED}, so "
+            "that another run can compare itself with them"
+        )
+    if arguments.scene and arguments.record:
+        raise InputError(
+            "RECORD=1: got SCENE= too, expected none: only the cases of benches are recorded"
+        )
+    if arguments.scene:
+        scene = load_scene(arguments.scene)
+        check_block(scene, arguments.block)
+        would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")
+        with held([BUILD / scene.name]):
+            jobs = subjects_of(arguments.scene, arguments.block)
+            return mutate({job.block: job for job in jobs}, arguments)
+    blocks = chosen_blocks(arguments.block)
+    print(f"seed {arguments.seed}")
+    print(cases_line(arguments.block), flush=True)
+    would(f"export and mutate {len(blocks)} blocks")
+    with hold_recorded(blocks):
+        return mutate(recorded_subjects(blocks), arguments)
+
+
+def mutate(planned: dict[str, Job], arguments: argparse.Namespace) -> int:
+    """Find the score of each entity, print it, and return the exit code."""
+    found = True
+
+    def work(name: str, job: Job) -> dict[str, Any]:
+        before = None if arguments.scene or arguments.all else recorded(KIND, name)
+
+        def tell(text: str) -> None:
+            print(f"{name}: {text}", flush=True)
+
+        facts = score(job, seed=arguments.seed, before=before, tell=tell)
+        words = score_words(job, seed=arguments.seed, tell=tell)
+        if words:
+            facts["words"] = words
+        if arguments.record:
+            write_record(KIND, name, facts)
+        return facts
+
+    # Two blocks run side by side, because parts of the work, such as the first run of the bench,
+    # use a single processor.
+    with ThreadPoolExecutor(BESIDE) as pool:
+        for name, facts in zip(
+            planned, pool.map(work, *zip(*planned.items(), strict=True)), strict=True
+        ):
+            print(line(name, facts), flush=True)
+            if "words" in facts:
+                print(words_line(name, facts["words"]), flush=True)
+            for one in facts["survivors"]:
+                print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
+            found &= all(one["explained"] for one in facts["survivors"])
+    print(processor_line(processor_minutes()))
+    return 0 if found else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,255 @@
+"""An entity with its parts as one netlist, and what a change in it reaches.
+
+Whatever a change does not reach is shared between the sound netlist and the changed one; what it
+reaches is there twice, and ``trigger`` is high where the two differ.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from tactus.synth.tools import run_tool
+from tactus.verify.sign_off.mutate.mutants import ONE_CHOICE, SELECT, selected
+
+Bit = int | str
+Netlist = dict[str, Any]
+# Bits that are compared, and the bit that says when they count.
+End = tuple[list[Bit], Bit | None]
+STATE = ("$dff", "$mem_v2")
+# Yosys takes out a comparison of a single bit with 1, because that is the bit itself.
+NARROWEST = 2
+
+
+def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
+    """The entity with all of these mutants, each behind a selection of its own.
+
+    A selection that is missing in the end is one that nothing reads: all are there before
+    ``opt_clean``, which takes out nothing else.
+    """
+    width = max(NARROWEST, len(commands).bit_length())
+    lines = ["read_rtlil base.il"]
+    lines += [selected(command, width, n) for n, command in enumerate(commands, start=1)]
+    lines += [ONE_CHOICE, f"hierarchy -top {entity}", "flatten", "memory_collect", "dffunmap"]
+    # What only carries below a rounding then has no reader.
+    lines += ["opt_expr -fine"]
+    lines += [f"select -assert-count {len(commands)} w:{SELECT} %co1:+$eq[A] t:$eq %i"]
+    lines += ["opt_clean", "write_json flat.json"]
+    (folder / "flat.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    run_tool("yosys", ["-q", "-s", "flat.ys"], folder)
+    return Flat(json.loads((folder / "flat.json").read_text(encoding="utf-8"))["modules"][entity])
+
+
+class Flat:
+    """A netlist by its bits: what drives and what reads them, and what selects each mutant."""
+
+    def __init__(self, module: Netlist) -> None:
+        self.ports: dict[str, Netlist] = module["ports"]
+        self.cells: dict[str, Netlist] = module["cells"]
+        self.driver: dict[Bit, str] = {}
+        self.readers: dict[Bit, list[str]] = {}
+        for name, cell in self.cells.items():
+            for bit in bits_of(cell, "output"):
+                self.driver[bit] = name
+            for bit in bits_of(cell, "input"):
+                self.readers.setdefault(bit, []).append(name)
+        select = self.ports[SELECT]["bits"]
+        # One that nothing reads was cleaned away (see ``flatten``).
+        self.chosen: dict[int, Bit] = {}
+        for cell in self.cells.values():
+            if cell["type"] == "$eq" and cell["connections"]["A"] == select:
+                number = int("".join(reversed(cell["connections"]["B"])), 2)
+                self.chosen[number] = cell["connections"]["Y"][0]
+
+    def outputs(self) -> dict[str, list[Bit]]:
+        """The bits of each output."""
+        return {n: p["bits"] for n, p in self.ports.items() if p["direction"] == "output"}
+
+    def within_a_clock(self, number: int) -> Netlist:
+        """A mutant's ``trigger``: an output or the next state differs, from whatever state."""
+        ends = [*self._output_ends({}), *self._state_ends()]
+        return self._product(number, ends, STATE, self._reached(self.chosen[number], STATE))
+
+    def from_reset(self, number: int, masks: dict[str, str]) -> Netlist:
+        """A mutant's ``trigger``: an output or the next state differs, as the sound netlist runs.
+
+        That runs from a first clock of reset on. Where none ever differs, the mutant has the same
+        states, so that what is behind the first registers takes no part.
+        """
+        ends = [*self._output_ends(masks), *self._state_ends()]
+        product = self._product(number, ends, (), self._reached(self.chosen[number], STATE))
+        if "rst" in self.ports:
+            self._reset_first(product, counts=True)
+        return product
+
+    def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
+        """A mutant's ``trigger``: an output differs, after a first clock of reset."""
+        ends = self._output_ends(masks)
+        product = self._product(number, ends, (), self._reached(self.chosen[number], ()))
+        if "rst" in self.ports:
+            self._reset_first(product, counts=False)
+        return product
+
+    def _output_ends(self, masks: dict[str, str]) -> list[End]:
+        """By ``masks`` some outputs count only with a flag."""
+        outputs = self.outputs()
+        return [
+            (bits, outputs[masks[name]][0] if name in masks else None)
+            for name, bits in outputs.items()
+        ]
+
+    def _state_ends(self) -> list[End]:
+        """What goes into registers and memories; what nothing reads of a register is no state."""
+        ends: list[End] = []
+        read = {*self.readers, *(bit for bits in self.outputs().values() for bit in bits)}
+        for cell in self.cells.values():
+            bits = bits_of(cell, "input")
+            if cell["type"] == "$dff":
+                ports = cell["connections"]
+                pairs = zip(ports["D"], ports["Q"], strict=True)
+                bits = [*ports["CLK"], *(d for d, q in pairs if q in read)]
+            if cell["type"] in STATE:
+                ends.append((bits, None))
+        return ends
+
+    def _product(
+        self, number: int, ends: list[End], shared: tuple[str, ...], twice: set[str]
+    ) -> Netlist:
+        """The netlist, with some cells ``twice``: as they are and as the mutant changes them.
+
+        It ends at cells of the ``shared`` kinds, whose outputs are inputs here.
+        """
+        control = self.chosen[number]
+        most = max((b for b in [*self.driver, *self.readers] if isinstance(b, int)), default=1)
+        new = itertools.count(most + 1)
+        sound: dict[Bit, Bit] = dict.fromkeys(self.chosen.values(), "0")
+        changed: dict[Bit, Bit] = {
+            bit: next(new) for name in sorted(twice) for bit in bits_of(self.cells[name], "output")
+        }
+        cells: dict[str, Netlist] = {}
+        asked: list[Bit] = []
+        differ: list[Bit] = []
+        for bits, flag in ends:
+            pairs = [(bit, changed[bit]) for bit in dict.fromkeys(bits) if bit in changed]
+            if pairs:
+                found = next(new)
+                cells[f"differ.{found}"] = _cell("$ne", found, *map(list, zip(*pairs, strict=True)))
+                asked += [bit for bit, _ in pairs]
+                if flag is not None:
+                    asked.append(flag)
+                    counts = next(new)
+                    cells[f"counts.{counts}"] = _cell("$and", counts, [found], [flag])
+                    found = counts
+                differ.append(found)
+        needed, inputs = self._made_of(asked, shared)
+        for name in needed:
+            cells[name] = _renamed(self.cells[name], sound)
+            if name in twice:
+                copy = _renamed(self.cells[name], sound | {control: "1"} | changed)
+                if "MEMID" in copy["parameters"]:
+                    copy["parameters"] = copy["parameters"] | {"MEMID": f"\\other.{name}"}
+                cells[f"other.{name}"] = copy
+        trigger = next(new)
+        cells["any"] = _cell("$reduce_or", trigger, differ or ["0"])
+        ports = {
+            "given": {"direction": "input", "bits": inputs},
+            "trigger": {"direction": "output", "bits": [trigger]},
+        }
+        return {"attributes": {}, "ports": ports, "cells": cells, "netnames": {}}
+
+    def _reset_first(self, product: Netlist, counts: bool) -> None:
+        """In the first clock a product is reset; its trigger counts in it or not."""
+        clock, reset = (self.ports[name]["bits"] for name in ("clk", "rst"))
+        cells, ports = product["cells"], product["ports"]
+        found = ports["trigger"]["bits"]
+        started, begins, forced, trigger = (found[0] + n for n in range(1, 5))
+        for name, cell in cells.items():
+            cells[name] = _renamed(cell, {reset[0]: forced})
+        cells["started"] = {
+            "hide_name": 0,
+            "type": "$dff",
+            "parameters": {"CLK_POLARITY": "1", "WIDTH": "1"},
+            "attributes": {},
+            "port_directions": {"CLK": "input", "D": "input", "Q": "output"},
+            "connections": {"CLK": clock, "D": ["1"], "Q": [started]},
+        }
+        cells["begins"] = _cell("$not", begins, [started])
+        cells["forced"] = _cell("$or", forced, reset, [begins])
+        ports["given"]["bits"] = sorted({*ports["given"]["bits"], *clock, *reset})
+        if not counts:
+            cells["counts"] = _cell("$and", trigger, found, [started])
+            ports["trigger"]["bits"] = [trigger]
+
+    def _reached(self, control: Bit, shared: tuple[str, ...]) -> set[str]:
+        """The cells whose outputs may hang on a bit."""
+        found: set[str] = set()
+        waiting = [control]
+        while waiting:
+            for name in self.readers.get(waiting.pop(), []):
+                if name not in found and self.cells[name]["type"] not in shared:
+                    found.add(name)
+                    waiting += bits_of(self.cells[name], "output")
+        return found
+
+    def _made_of(self, asked: list[Bit], shared: tuple[str, ...]) -> tuple[set[str], list[Bit]]:
+        """The cells that some bits come from, and the bits that no cell here drives."""
+        needed: set[str] = set()
+        inputs: set[int] = set()
+        waiting = list(asked)
+        while waiting:
+            bit = waiting.pop()
+            if isinstance(bit, str) or bit in self.chosen.values():
+                continue
+            name = self.driver.get(bit)
+            if name is None or self.cells[name]["type"] in shared:
+                inputs.add(bit)
+            elif name not in needed:
+                needed.add(name)
+                waiting += bits_of(self.cells[name], "input")
+        return needed, sorted(inputs)
+
+
+def bits_of(cell: Netlist, direction: str) -> list[Bit]:
+    """The bits on a cell's inputs or outputs."""
+    return [
+        bit
+        for port, bits in cell["connections"].items()
+        if cell["port_directions"][port] == direction
+        for bit in bits
+        if isinstance(bit, int)
+    ]
+
+
+def stored_bits(netlist: Netlist) -> int:
+    """How many bits its registers and memories hold."""
+    found = 0
+    for cell in netlist["cells"].values():
+        given = cell["parameters"]
+        if cell["type"] == "$dff":
+            found += len(cell["connections"]["Q"])
+        elif cell["type"] == "$mem_v2":
+            found += int(given["SIZE"], 2) * int(given["WIDTH"], 2)
+    return found
+
+
+def _renamed(cell: Netlist, names: dict[Bit, Bit]) -> Netlist:
+    connections = {p: [names.get(b, b) for b in bits] for p, bits in cell["connections"].items()}
+    return cell | {"connections": connections}
+
+
+def _cell(kind: str, output: Bit, *inputs: Iterable[Bit]) -> Netlist:
+    connections = dict(zip("AB", map(list, inputs), strict=False))
+    parameters = {"Y_WIDTH": "1"}
+    for port, bits in connections.items():
+        parameters |= {f"{port}_SIGNED": "0", f"{port}_WIDTH": f"{len(bits):b}"}
+    return {
+        "hide_name": 0,
+        "type": kind,
+        "parameters": parameters,
+        "attributes": {},
+        "port_directions": {**dict.fromkeys(connections, "input"), "Y": "output"},
+        "connections": {**connections, "Y": [output]},
+    }

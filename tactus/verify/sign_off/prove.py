@@ -1,0 +1,202 @@
+"""``make prove BLOCK=``: prove the properties of each block, and refute broken copies.
+
+Three things are asked of each property: that it holds in every clock after reset, whatever drives
+the block, or to a stated depth where no induction closes; that what it is about can happen at all;
+that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
+the Verilog (``tactus.verify.sign_off.equal``). Answers are kept in the store. A property that
+does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` the proofs are
+recorded in ``tactus/verify/sign_off/records``. Without it, a record of anything else is an error.
+"""
+
+import os
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tactus.core.cli import would
+from tactus.core.files import replace_file
+from tactus.core.fingerprint import fingerprint
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.synth.tools import digest
+from tactus.verify.benches.collected import CASES_OF
+from tactus.verify.benches.runner import Job
+from tactus.verify.sign_off.equal import command, prove_equal
+from tactus.verify.sign_off.processor import processor_line, processor_minutes
+from tactus.verify.sign_off.proofs import PROOFS, proof_file, properties_of
+from tactus.verify.sign_off.record import read_record, short, write_record
+from tactus.verify.sign_off.solver import Answer, Inquiry
+from tactus.verify.sign_off.subject import case_line, chosen_blocks, subject
+from tb.common.properties import Property
+
+KIND = "proof"
+
+
+@dataclass(frozen=True)
+class Result:
+    """The answers to all questions about a property."""
+
+    job: Job
+    item: Property
+    answer: Answer
+    reached: Answer
+    refuted: tuple[Answer, ...]
+
+    @property
+    def faults(self) -> list[str]:
+        """Why the property is not proved, or why its proof means nothing; empty if all is well."""
+        found = []
+        if not self.answer.holds:
+            found.append(self.answer.failed)
+        if not self.reached.holds:
+            found.append(f"{self.reached.failed} is not reached in {self.reached.depth} clocks")
+        for (pattern, text), answer in zip(self.item.refuted_by, self.refuted, strict=True):
+            if answer.holds:
+                found.append(f"{pattern} replaced by {text} does not refute it")
+        return found
+
+    def line(self) -> str:
+        """The line that is printed."""
+        if self.faults:
+            return "; ".join(self.faults)
+        if self.item.induction:
+            clocks = "1 clock" if self.answer.depth == 1 else f"{self.answer.depth} clocks"
+            how = f"proved by induction over {clocks}"
+        else:
+            how = f"holds for {self.answer.depth} clocks from reset"
+        return f"{how}, {len(self.refuted)} broken copies refuted"
+
+    def facts(self) -> dict[str, Any]:
+        """The facts that are recorded."""
+        return {**_stated(self.job, self.item), "depth": self.answer.depth}
+
+
+def _stated(job: Job, item: Property) -> dict[str, Any]:
+    """The facts about a property that are known before it is proved."""
+    return {
+        "case": job.scene.name,
+        "entity": job.entity,
+        "name": item.name,
+        "sentence": item.sentence,
+        "assumes": list(item.assumes),
+        "free": list(item.free),
+        "method": "induction" if item.induction else "depth from reset",
+        "refuted_by": len(item.refuted_by),
+    }
+
+
+def _exported(block: str, case: str) -> Job:
+    return subject(block, case=case)
+
+
+def settle(job: Job, item: Property, folder: Path) -> Result:
+    """Ask all questions about a property."""
+    inquiry = Inquiry(job, item, folder)
+    return Result(
+        job,
+        item,
+        inquiry.prove(),
+        inquiry.reach() if item.reached else Answer(True, 0),
+        tuple(inquiry.refute(n) for n in range(len(item.refuted_by))),
+    )
+
+
+def source_of(planned: list[Job]) -> str:
+    """A digest of the exported Verilog of entities and their parts."""
+    return fingerprint([], *(digest(job.hdl_folder, job.files) for job in planned))
+
+
+def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[Job]:
+    """The entities that stand for a block.
+
+    They are its first entity in the first case of its bench, and in the cases that its proofs name
+    in ``ALSO``.
+
+    export: Makes the entity from block and case.
+    """
+    return [export(block, case) for case in cases(block)]
+
+
+def cases(block: str) -> list[str]:
+    """The cases in which a block is proved."""
+    return [CASES_OF[block][0], *getattr(PROOFS.get(block), "ALSO", ())]
+
+
+def check_record(planned: list[Job]) -> list[str]:
+    """A message for each way in which a record differs from the block's entities or properties."""
+    block = planned[0].block
+    try:
+        found = read_record(KIND, block)
+    except FileNotFoundError as error:
+        return [f"{error}; run: {command(block)}"]
+    stale = []
+    if found["source"] != short(source_of(planned)):
+        stale.append("is of another source")
+    recorded = [
+        {key: value for key, value in entry.items() if key != "depth"}
+        for entry in found["properties"]
+    ]
+    here = [_stated(job, item) for job in planned for item in properties_of(job)]
+    if recorded != here:
+        stale.append(f"has other properties than {proof_file(block).name}")
+    return [f"{block}: the record of proofs {fault}; run: {command(block)}" for fault in stale]
+
+
+def prove_blocks(blocks: list[str], record: bool) -> bool:
+    """Prove blocks, print a line for each property, and return whether all is as it should be."""
+    planned = {block: entities(block) for block in blocks}
+    items = [(job, i) for jobs in planned.values() for job in jobs for i in properties_of(job)]
+    results: dict[str, list[Result]] = {block: [] for block in blocks}
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        folders = [Path(name) / str(n) for n in range(len(items))]
+        for result in pool.map(settle, *zip(*items, strict=True), folders):
+            of = f"{result.job.entity} of {result.job.scene.name}"
+            print(f"{of:44} {result.item.name:24} {result.line()}", flush=True)
+            results[result.job.block].append(result)
+            if not result.answer.holds:
+                print(f"{'':44} counterexample: {_keep_trace(result)}")
+    sound = True
+    for block, found in results.items():
+        faults = any(result.faults for result in found)
+        if record and not faults:
+            write_record(
+                KIND,
+                block,
+                {
+                    "source": source_of(planned[block]),
+                    "solver": f"z3 {version('z3-solver')}",
+                    "properties": [result.facts() for result in found],
+                },
+            )
+        stale = [] if faults else check_record(planned[block])
+        for line in stale:
+            print(line)
+        sound = sound and not faults and not stale
+    return sound
+
+
+def _keep_trace(result: Result) -> Path:
+    """Keep the counterexample, and return its file."""
+    name = f"{result.job.entity}-{result.item.name.replace(' ', '-')}.vcd"
+    trace = BUILD / "prove" / name
+    with replace_file(trace) as temporary:
+        temporary.write_text(result.answer.trace, encoding="utf-8")
+    return trace
+
+
+def run_blocks(block: str | None, recorded: bool) -> int:
+    """Prove the properties of a block or of all, and that VHDL and Verilog are the same."""
+    blocks = chosen_blocks(block)
+    print(case_line(block), flush=True)
+    would(f"export and prove {len(blocks)} blocks")
+    with held(BUILD / case for block in blocks for case in cases(block)):
+        proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
+        properties = processor_minutes()
+        print(f"properties: {processor_line(properties)}", flush=True)
+        equal = prove_equal(blocks, recorded)
+        print(f"VHDL and Verilog: {processor_line(processor_minutes() - properties)}")
+    return 0 if proved and equal else 1

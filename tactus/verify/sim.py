@@ -1,0 +1,111 @@
+"""``make sim``: the benches of one block, or of every block of a scene.
+
+Without a scene the benches of the default scenes are run. A block that these do not contain is
+searched elsewhere (``tactus/verify/benches/where.py``), and a line says where it was found. Benches
+run on the exported VHDL and Verilog, or on the netlist that ``--netlist`` names
+(``tactus/verify/sign_off/netlist.py``).
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from golden.common.block import walk
+from golden.input_error import InputError
+from tactus.core.cli import MOST_SEED, dry, run, whole, would
+from tactus.core.folders import BUILD
+from tactus.core.hold import held
+from tactus.core.progress import Progress, stage
+from tactus.verify.benches.kept import run_and_keep
+from tactus.verify.benches.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
+from tactus.verify.benches.tools import SIMULATORS, check_simulator
+from tactus.verify.benches.where import Place, places
+from tactus.verify.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
+from tactus.verify.sign_off.netlist_record import record
+
+MOST_FRAMES = 1_000_000
+
+
+def conclude(outcomes: list[Outcome]) -> int:
+    """Print the closing line and return the exit code."""
+    failed = sum(not o.passed for o in outcomes)
+    compared = sum(o.compared for o in outcomes)
+    print(f"{len(outcomes)} benches, {failed} failed, {compared} results compared")
+    return 1 if failed else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make sim", description=__doc__)
+    parser.add_argument("scene", nargs="?", help="the default scenes when left out")
+    parser.add_argument("--block")
+    parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
+    parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=FRAMES)
+    parser.add_argument("--waves", action="store_true")
+    parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(CELLS)}")
+    parser.add_argument("--record", action="store_true", help="with --netlist: every block's")
+    arguments = parser.parse_args()
+    if arguments.record:
+        if not arguments.netlist:
+            raise InputError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
+        return conclude(record(arguments.netlist, arguments.block, tell))
+    families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
+    simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
+    for simulator in simulators:
+        check_simulator(simulator)
+    with TemporaryDirectory() as folder:
+        # A dry run must not leave the scene of a case behind.
+        build = Path(folder) if dry() else BUILD
+        found = places(arguments.scene, arguments.block, build)
+        count = 0
+        for place in found:
+            if place.why:
+                print(place.why, flush=True)
+            design = place.scene.twin()
+            entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
+            count += len(mapped(design, entities, families or simulators))
+        would(f"export, then run {count} benches on {', '.join(families or simulators)}")
+    with held(BUILD / place.scene.name for place in found):
+        return simulate(found, list(simulators), families, arguments)
+
+
+def simulate(
+    found: list[Place],
+    simulators: list[str],
+    families: list[str],
+    arguments: argparse.Namespace,
+) -> int:
+    """Run the benches of scenes, and return the exit code."""
+    jobs: list[Job] = []
+    for place in found:
+        with stage(f"{place.scene.name}: exporting, and compiling"):
+            planned = plan(
+                place.scene,
+                simulators,
+                arguments.block,
+                arguments.seed,
+                arguments.waves,
+                frames=arguments.frames,
+            )
+            jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
+    with Progress("simulating", len(jobs), "benches") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            tell(outcome, progress.say)
+            progress.step()
+
+        def work(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return run_and_keep(job)
+
+        outcomes = run_jobs(jobs, listen, work=work)
+    if arguments.waves:
+        for outcome in outcomes:
+            for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):
+                print(f"waves: {wave}")
+    return conclude(outcomes)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
