@@ -21,6 +21,7 @@ from golden.networks.constants import constants_of
 from golden.networks.engine import Engine
 from golden.sensing.scan import Scan
 from tactus.core.fingerprint import ROOT
+from tactus.report.page.made import made
 from tactus.scene import load_scene, scene_names
 from tactus.scene.write_image import hex_text
 from tactus.verify.benches.collected import CASES, CASES_OF
@@ -47,8 +48,8 @@ def engines(shared: Shared) -> dict[str, Engine]:
 
 
 def row(name: str, registers: int) -> int:
-    """The clocks that the table of the pipeline on the page gives."""
-    return int(cells(PAGE, f"`{name}`")[registers])
+    """The clocks that the table of the pipeline on the site gives."""
+    return int(cells(made("pipeline"), f"`{name}`")[registers])
 
 
 def test_step_n_leaves_in_clock_begin_n_result(engines: dict[str, Engine]) -> None:

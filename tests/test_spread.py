@@ -65,9 +65,7 @@ def test_the_command_measures_tables_under_settings() -> None:
 
 
 def test_what_fails_says_why() -> None:
-    with pytest.raises(
-        InputError, match=r"tactus\.cli\.train nowhere: error: scene 'nowhere'"
-    ):
+    with pytest.raises(InputError, match=r"tactus\.cli\.train nowhere: error: scene 'nowhere'"):
         spread.finished([sys.executable, "-m", "tactus.cli.train", "nowhere"], {})
 
 
