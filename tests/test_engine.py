@@ -26,7 +26,6 @@ from golden.engine.formats import (
 )
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
-from golden.engine.listing import listing
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import Instruction, Program, assemble
@@ -51,7 +50,7 @@ SCENES = (
     "swing-multiple",
     "swing-cascade",
 )
-PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
+PAGE = Path(__file__).parents[1] / "docs" / "instruction-set.md"
 PIPELINES = [Pipeline(), Pipeline(memory_registers=1)]
 
 
@@ -321,17 +320,6 @@ def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
     assert rows[-1][-1].endswith(f"leaves in clock {engine.output_clocks[-1]}")
     stored = [int(row[-1].split()[2].rstrip(",")) for row in rows if row[-1]]
     assert stored == list(range(engine.inputs, program.addresses))
-
-
-def test_the_page_shows_lines_of_a_listing() -> None:
-    shown = re.search(r"`make listing SCENE=digit`:\n\n```\n(.*?)```", PAGE.read_text(), re.S)
-    assert shown
-    scene = load_scene("digit")
-    engine = Engine.of(scene.mlps(), arrangement=scene.arrangement)
-    lines = listing(engine.graph, engine.program)
-    found = [line for line in shown[1].splitlines() if line != "..."]
-    assert len(found) > 5
-    assert [line for line in lines if line in found] == found
 
 
 def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None:

@@ -281,19 +281,6 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     assert any("node 1 sum = 1 x" in line for line in lines)
 
 
-def test_the_page_shows_what_the_command_prints(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
-) -> None:
-    """The example is a shipped scene on the shipped hardware that can be reloaded."""
-    page = (ROOT / "docs" / "blocks" / "image_loader.md").read_text()
-    shown = re.search(r"\$ make image SCENE=(\S+) HARDWARE=(\S+)\nwrote build(/.*)\n", page)
-    assert shown
-    name, other, printed = shown.groups()
-    monkeypatch.setattr("sys.argv", ["image", name, "--hardware", other, "--build", str(tmp_path)])
-    main()
-    assert capsys.readouterr().out == f"wrote {tmp_path}{printed}\n"
-
-
 def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     small = reloadable("digit-load", tmp_path, "program_words = 256\noperand_words = 32").path
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"

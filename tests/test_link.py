@@ -1,7 +1,6 @@
 """Tests the serial line of an instrument: its twins, and the keys of a scene."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ from tactus.scene import load_scene
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
 from tb.common.small import PLAIN_UART, UART
 
-PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "uart_instrument.md"
 PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
 CLOCK = "clock_mhz = 4.0\n"
 
@@ -201,29 +199,3 @@ def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
     with pytest.raises(InputError, match="uart_instrument: got analogue without a profile"):
         replace(PLAIN_UART.scene(tmp_path, "plain").twin(), analogue=True)
     assert twin.readout.output_clocks[-1] <= reader.scan_clocks - reader.slots
-
-
-def test_the_page_of_the_instrument_shows_the_figures_of_its_twin() -> None:
-    """The page shows the clocks of scene digit-board, and the times at its clock frequency."""
-    scene = load_scene("digit-board")
-    twin = scene.twin()
-    assert isinstance(twin, UartInstrument)
-    text = PAGE.read_text(encoding="utf-8")
-    packet = twin.packet_sender.layout.packet_bytes
-
-    def row(what: str, clocks: int) -> str:
-        us = clocks / scene.clock_mhz
-        shown = f"{us:.6g} us" if us < 1000 else f"{us / 1000:.6g} ms"
-        return f"| {what} | {clocks} | {shown} |"
-
-    for line in (
-        row("from the last bit of a scan to the first output", twin.output_clocks[0]),
-        row("to the last output", twin.output_clocks[-1]),
-        row("from scan to scan, four samples", twin.interval),
-        row(f"a packet of {packet} bytes at 1 000 000 bits a second", 250 * packet),
-        row("from packet to packet, every second scan", twin.packet_scans * twin.interval),
-        row(f"an image of {len(twin.image)} bytes", 250 * len(twin.image)),
-    ):
-        assert line in text, line
-    packets = scene.clock_mhz * 1e6 / (twin.packet_scans * twin.interval)
-    assert f"{packets:.6g} packets, {packets * twin.inputs:.0f} samples a second" in text

@@ -1,14 +1,12 @@
-"""Computes the formulas of datasheets, and compares them with what the twins publish."""
+"""Formulas that pages state, compared with what the twins publish."""
 
 import math
 import re
-from collections.abc import Iterator
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from pages import DOCS, cells
+from pages import DOCS
 from shared import Shared
 
 from golden.common.block import walk
@@ -21,15 +19,12 @@ from golden.networks.constants import constants_of
 from golden.networks.engine import Engine
 from golden.sensing.scan import Scan
 from tactus.core.fingerprint import ROOT
-from tactus.report.page.made import made
 from tactus.scene import load_scene, scene_names
 from tactus.scene.write_image import hex_text
 from tactus.verify.benches.collected import CASES, CASES_OF
 
 pytestmark = pytest.mark.pages
 
-PAGE = (DOCS / "blocks" / "engine.md").read_text(encoding="utf-8")
-TEXT = " ".join(PAGE.split())
 COMPARISON = ROOT / "scenes" / "comparison"
 
 
@@ -47,85 +42,6 @@ def engines(shared: Shared) -> dict[str, Engine]:
     return found
 
 
-def row(name: str, registers: int) -> int:
-    """The clocks that the table of the pipeline on the site gives."""
-    return int(cells(made("pipeline"), f"`{name}`")[registers])
-
-
-def test_step_n_leaves_in_clock_begin_n_result(engines: dict[str, Engine]) -> None:
-    assert "leaves in clock `begin` + n + `result` after the last sample" in TEXT
-    registers = set()
-    for name, engine in engines.items():
-        if engine.serial:
-            continue
-        deep = engine.program.pipeline.memory_registers
-        registers.add(deep)
-        found = [row("begin", deep) + n + row("result", deep) for n in engine.program.output_steps]
-        assert tuple(found) == engine.output_clocks, name
-    assert registers == {0, 1}
-
-
-def neurons(engine: Engine) -> Iterator[tuple[int, int, int, bool]]:
-    """For each neuron: its words, its deep or wide words, its deep words, and whether it is an
-    output.
-
-    They are decoded from the words by the fields of docs/blocks/replay_memory.md.
-    """
-    group: list[int] = []
-    words = engine.program.words
-    for word, following in pairwise(words):
-        kind, source = word >> 28 & 3, word >> 18 & 1023
-        deep = kind == Kind.DISTANCE or (kind == Kind.WORD and source >= engine.inputs)
-        group.append(2 if deep else 1 if kind == Kind.WORD else 0)
-        if word >> 30 & 3 == 3:
-            wide, far = (
-                max((k + 1 for k, depth in enumerate(group) if depth >= least), default=1)
-                for least in (1, 2)
-            )
-            yield len(group), wide, far, (following >> 33 & 3) >= 2
-            group = []
-
-
-def test_clocks_without_a_multiplier(engines: dict[str, Engine]) -> None:
-    assert "1 + n + 14 w + 3 d" in PAGE
-    assert "1 + n + 14 w + 3 d clocks" in (DOCS / "blocks" / "replay_memory.md").read_text()
-    assert "leaves in clock `begin` + c - 1 + `result` after the last sample" in TEXT
-    stated = re.search(
-        r"`done` is (\d+), `result` (\d+) and `result_ready` (\d+); `begin` and `free` are (\d+)",
-        TEXT,
-    )
-    assert stated
-    done, result, ready, begin = map(int, stated.groups())
-    serial = {name: engine for name, engine in engines.items() if engine.serial}
-    assert {"digit-serial", "digit-single-serial"} < serial.keys()
-    for name, engine in serial.items():
-        pipeline = engine.program.pipeline
-        published = (pipeline.done, pipeline.result, pipeline.result_ready, pipeline.begin)
-        assert published == (done, result, ready, begin), name
-        assert pipeline.free == begin, name
-        clocks, found = 0, []
-        for n, w, d, leaves in neurons(engine):
-            clocks += 1 + n + 14 * w + 3 * d
-            if leaves:
-                found.append(begin + clocks - 1 + result)
-        assert tuple(found) == engine.output_clocks, name
-
-
-def test_the_interval(engines: dict[str, Engine]) -> None:
-    assert "last output + free + samples - 1" in PAGE
-    for name, engine in engines.items():
-        free = row("free", engine.program.pipeline.memory_registers)
-        assert engine.interval == engine.output_clocks[-1] + free + engine.inputs - 1, name
-    printed = re.findall(r"(\d+) \+ (\d+) \+ (\d+) - 1 = (\d+) (?:clocks )?for `([\w-]+)`", TEXT)
-    assert [name for *_, name in printed] == ["digit", "digit-serial"]
-    for *figures, name in printed:
-        engine = engines[name]
-        last, free, samples, interval = map(int, figures)
-        assert last == engine.output_clocks[-1]
-        assert (samples, interval) == (engine.inputs, engine.interval)
-        assert last + free + samples - 1 == interval
-
-
 def test_words_that_are_read(engines: dict[str, Engine]) -> None:
     """The counter runs until the clock of the last output, to one word after the padding."""
     for name, engine in engines.items():
@@ -139,7 +55,7 @@ def test_words_that_are_read(engines: dict[str, Engine]) -> None:
         )
         begin, memory = len(engine.program.table), len(engine.program_memory.contents)
         end = max(n for n, word in enumerate(engine.program.words) if word >> 35)
-        behind = row("padding", pipeline.memory_registers) + 1
+        behind = pipeline.padding + 1
         expected = {(begin + n) % memory for n in range(end + behind + 1)}
         assert set(read.tolist()) == expected, name
         # An image contains these words too, so that they are defined.
@@ -147,7 +63,6 @@ def test_words_that_are_read(engines: dict[str, Engine]) -> None:
 
 
 def test_a_later_networks_bias_is_rounded_once(engines: dict[str, Engine]) -> None:
-    assert "floor(2^14 (b - 2^-14 (sum of w) 2^-11) + 1/2)" in PAGE
     scene, graph = load_scene("digit"), engines["digit"].graph
     sums = {neuron.name: neuron for neuron in graph.neurons if neuron.name.endswith(" sum")}
     rounded_apart = 0
@@ -199,8 +114,8 @@ def matrices(design: AdderGraph) -> list[ConstantMatrix]:
     return [*design.layers]
 
 
-def test_bits_are_cut_as_the_page_says(adders: AdderGraph) -> None:
-    """Applies the rules of docs/blocks/constant_matrix.md to nodes, their shifts and rows."""
+def test_bits_are_cut(adders: AdderGraph) -> None:
+    """A node keeps the lowest place that any of its users needs."""
     for matrix in matrices(adders):
         graph = matrix.graph
         p = max(0, matrix.out_shift - matrix.guard)
@@ -233,17 +148,8 @@ def test_a_listing_computes_what_the_matrix_does(adders: AdderGraph) -> None:
         assert np.array_equal(np.clip(found, low, high), matrix.process(frames))
 
 
-def test_the_page_shows_lines_of_a_listing_of_adders() -> None:
-    page = (DOCS / "blocks" / "constant_matrix.md").read_text(encoding="utf-8")
-    name, text = re.search(r"`make listing SCENE=([\w-]+)`:\n\n```\n(.*?)```", page, re.S).groups()
-    shown = [line for line in text.splitlines() if line != "..."]
-    assert len(shown) > 5
-    lines = listing(load_scene(name).twin().core.layers[0])
-    assert [line for line in lines if line in shown] == shown
-
-
 def test_the_sums_of_an_adder_graph() -> None:
-    """Tests the table of docs/blocks/adder_graph.md, which is for one network and its codes."""
+    """The constants of both matrices, from the codes of one network."""
     scene = load_scene("digit-fast")
     core = scene.twin().core
     (mlp,) = scene.mlps()

@@ -95,8 +95,6 @@ def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
         for g, p in zip(exact, points, strict=True)
     ]
     assert coefficient_codes(24, 14, 13) == (words, common)
-    page = (NUMBERS.parents[2] / "docs" / "blocks" / "g_memory.md").read_text()
-    assert f"{', '.join(map(str, words[:4]))}, ... with {common} fraction" in page
 
 
 def test_too_large_a_factor_names_segment_and_format() -> None:

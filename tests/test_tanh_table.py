@@ -1,9 +1,7 @@
 """Compares tanh of the engine over every code with a reference in integers."""
 
-import re
 from fractions import Fraction
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,7 +24,6 @@ from tactus.report.measure.tanh_words import tanh_words
 
 WIDTHS = (7, 8, 9)
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
-PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
 # The number of fraction bits of the reference.
 FRAC = 40
 # So fine a part of a code is enough to find a line for four codes or fewer, if there is one.
@@ -69,28 +66,6 @@ def test_monotone(width: int) -> None:
 def test_odd(width: int) -> None:
     found = results(width)[1:]
     assert np.array_equal(found, -found[::-1])
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_the_page_says_how_far_it_errs(width: int, floors: Codes) -> None:
-    """It states the largest error in units of a signal, and how many codes are not correct."""
-    unit = 1 << (FRAC - SIGNAL.frac)
-    row = re.search(
-        rf"^\| {width} \| (\d+) \| ([\d.]+) \| ([\d.]+) % \| ([\d.]+) % \|",
-        PAGE.read_text(encoding="utf-8"),
-        re.M,
-    )
-    assert row
-    # An output is the word plus half of its last place, without the lowest bits.
-    drop = RESULT.frac - SIGNAL.frac
-    rounded = np.minimum((results(width) + (1 << (drop - 1))) >> drop, SIGNAL.high)
-    nearest = (floors[np.abs(CODES)] + unit // 2) // unit
-    wanted = np.minimum(np.where(CODES < 0, -nearest, nearest), SIGNAL.high)
-    wrong = rounded != wanted
-    assert int(row[1]) == len(tanh_table(width).slopes)
-    assert row[2] == f"{errors(width, floors).max() / unit:.3f}"
-    assert row[3] == f"{100 * wrong.mean():.2f}"
-    assert row[4] == f"{100 * wrong[CODES >= 0].mean():.2f}"
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -47,7 +47,7 @@ FRONT_END = KeyTable(
             "",
             "An analogue-to-digital converter on an SPI, with sensor n at its channel n: `mcp3208` "
             "(12 bits), `mcp3208-5v` (the same with a supply of 5 V), `ads8344` or `ads8345` (16 "
-            "bits). See [converter_reader](blocks/converter_reader.md#parts). The limits of its "
+            "bits). See [converter_reader](boards.md#converters). The limits of its "
             "timing are kept for a clock of `clock_mhz`, and `sample_at` is not used. Without this "
             "key the hardware takes codes of Fix(14,13) from behind an analogue multiplexer.",
         ),

@@ -28,7 +28,6 @@ from tactus.report.measure.clocks import clocks
 from tactus.report.measure.costs import with_network_cells
 from tactus.report.measure.digits import digits
 from tactus.report.measure.left_out import left_out
-from tactus.report.measure.search_runs import search_runs
 from tactus.report.measure.sensors_dropped import EACH, IN_ORDER
 from tactus.report.measure.stability.margins import cases as margin_cases
 from tactus.report.measure.table import Cell, Table
@@ -152,7 +151,6 @@ def pages() -> dict[Path, str]:
     found[EDITOR_SCHEMA] = editor_schema()
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
-    found[docs / "search-runs.svg"] = findings.search_plot(search_runs(SEED)).draw() + "\n"
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"

@@ -4,22 +4,16 @@ It is written when the site is built and committed nowhere, so it cannot be out 
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import Pipeline
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.errors.scene_errors import disturbed_errors
-from tactus.report.measure.adder_chains import adder_chains
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.measure.digits import digits
-from tactus.report.measure.search_runs import search_runs
-from tactus.report.measure.table import Cell, Table
-from tactus.report.measure.table_records import SEED, read
-from tactus.report.measure.word_widths import word_widths
+from tactus.report.measure.table_records import read
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
@@ -127,25 +121,8 @@ def disturbed() -> str:
 def outside() -> str:
     """How many unlike readings are found, to tenths of a percent."""
     found = read("outside")
-    return _rows(
-        found.columns,
-        [[f"{c:.1f}" if isinstance(c, float) else c or "" for c in row] for row in found.rows],
-    )
-
-
-def _measured(measure: Callable[[int], Table]) -> str:
-    table = measure(SEED)
-    return _rows(table.columns, [list(map(_shown, row)) for row in table.rows])
-
-
-def _shown(cell: Cell) -> str:
-    if cell is None:
-        return ""
-    return f"`{cell}`" if isinstance(cell, str) else f"{cell:,}"
-
-
-def _rows(heads: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
-    lines = [heads, ["---"] * len(heads), *rows]
+    rows = [[f"{c:.1f}" if isinstance(c, float) else c or "" for c in row] for row in found.rows]
+    lines = [found.columns, ["---"] * len(found.columns), *rows]
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
@@ -167,13 +144,9 @@ MADE: dict[str, Callable[[], str]] = {
     "learned": partial(designs.rows, designs.LEARNED),
     "held-out": designs.spreads,
     "disturbance": disturbed,
-    "digits": partial(_measured, digits),
     "outside": outside,
     "segments": segments,
     "pipeline": pipeline,
-    "adder_chains": partial(_measured, adder_chains),
-    "word_widths": partial(_measured, word_widths),
-    "search_runs": partial(_measured, search_runs),
 }
 MARK = re.compile(r"<!-- made: ([\w-]+) -->")
 
