@@ -183,6 +183,22 @@ def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
     assert outcome(description(scene), folder) == "DiffersError"
 
 
+def test_frames_at_every_distance_are_looked_at(tmp_path: Path) -> None:
+    """A frame is lost if the one before it came two clocks earlier."""
+    scene = CASES["wide-parallel"].scene(tmp_path, "wide")
+    export(scene, "verilog", tmp_path)
+    folder = tmp_path / "wide" / "verilog"
+    assert outcome(description(scene), folder) == "proved"
+    lost = r"late <= out_valid;\nout_valid <= \1 && (out_valid || !late);"
+    for old, new in (
+        (r"out_valid <= 0;", "out_valid <= 0;\nlate <= 0;"),
+        (r"out_valid <= (delay1_taps[^;]*);", lost),
+        (r"reg out_valid;", "reg out_valid;\nreg late;"),
+    ):
+        replaced("parallel.v", old, new)(folder)
+    assert outcome(description(scene), folder) == "RefusedError"
+
+
 @pytest.mark.parametrize("name", tiered(["lesson"], ["digit-learning"]))
 def test_an_engine_that_learns_is_proved_with_theta(name: str, tmp_path: Path) -> None:
     """With another theta in the hardware a frame is shown, which Icarus plays behind it."""

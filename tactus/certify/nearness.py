@@ -1,9 +1,11 @@
 """How near the hardware is to the network in floating point, for the page of a certificate."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.engine import Engine
 from golden.networks.network import Network
@@ -11,11 +13,14 @@ from golden.networks.oracle import error_bounds
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
+from golden.trained.dense import layers_of
 from tactus.errors.decisions import decisions_of
 from tactus.errors.scene_errors import scene_errors
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
 from tactus.scene.saturation import hidden_saturations, saturating
+from tactus.verify.every_frame.distance import bounds, up
+from tactus.verify.every_frame.specify import description
 
 
 @dataclass(frozen=True)
@@ -41,12 +46,12 @@ def nearness(scene: Scene, design: Network, random: Codes) -> Nearness:
     real = scene.process_real(SIGNAL.to_real(codes))
     exact = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
     met = np.abs(SIGNAL.to_real(design.core.process(codes)) - exact)
-    bounds = _bounds(scene, design.core)
+    limits = _bounds(scene, design.core)
     unit = float(1 << SIGNAL.frac)
     percent = scene_errors(scene)
     rows: list[list[Cell]] = []
     for n, name in enumerate(scene.outputs):
-        bound = None if bounds is None else round(float(bounds[n] * unit), 1)
+        bound = None if limits is None else up(float(limits[n] * unit))
         row: list[Cell] = [name, round(float(met[:, n].max() * unit), 1), bound]
         for kind in ("float", "bit-true"):
             error = percent[kind][n]
@@ -67,24 +72,29 @@ def nearness(scene: Scene, design: Network, random: Codes) -> Nearness:
         f"Differences are those of {len(codes)} frames, errors are those of the recorded frames. "
         "Floating point saturates where the hardware does.",
     )
-    sentences = [] if bounds is None else _decisions(scene, real[: len(recorded)], bounds)
+    sentences = [] if limits is None else _decisions(scene, exact[: len(recorded)], limits)
     if scene.labels:
         sentences.append(f"Decisions on recorded rows: {decisions_of(scene).text}.")
     sentences += _saturations(scene, random)
-    return Nearness(table, sentences, bounds is not None)
+    return Nearness(table, sentences, limits is not None)
 
 
 def _bounds(scene: Scene, design: Network) -> Real | None:
     """The bound of each output; None where none is known.
 
-    That is so for networks that read each other's outputs, and for several networks side by side,
-    unless they run on an engine.
+    That is so for networks that read each other's outputs. The bounds of what is proved for every
+    frame keep the signs of differences, so they are half as large, but not known for every design;
+    then several networks side by side have bounds on an engine alone.
     """
     networks = scene.networks()
     several = len(networks) > 1
-    if not isinstance(design, Design) or (several and scene.arrangement == "cascade"):
+    if several and scene.arrangement == "cascade":
         return None
-    if several and not isinstance(design, Engine):
+    with suppress(InputError):
+        layers = [layers_of(network) for network in networks]
+        ends = bounds(description(scene), layers, scene.scheme.real)
+        return np.abs(ends).max(axis=1) / (1 << SIGNAL.frac)
+    if not isinstance(design, Design) or (several and not isinstance(design, Engine)):
         return None
     met = scene.settings().met or [()] * len(networks)
     return np.concatenate(
@@ -95,13 +105,13 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
     )
 
 
-def _decisions(scene: Scene, real: Real, bounds: Real) -> list[str]:
+def _decisions(scene: Scene, real: Real, limits: Real) -> list[str]:
     """How many decisions the bound proves to be those of floating point."""
     if not scene.labels:
         return []
     first = real.argmax(axis=1)
     rows = np.arange(len(real))
-    ahead = real[rows, first][:, None] - real - bounds - bounds[first][:, None]
+    ahead = real[rows, first][:, None] - real - limits - limits[first][:, None]
     ahead[rows, first] = np.inf
     proved = int((ahead > 0).all(axis=1).sum())
     return [

@@ -29,7 +29,7 @@ from tactus.scene import Scene, load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator
 from tactus.verify.every_frame.counterexample import bench
-from tactus.verify.every_frame.distance import bounds, farthest
+from tactus.verify.every_frame.distance import bounds, farthest, up
 from tactus.verify.every_frame.kept import keep, read_export, yosys
 from tactus.verify.every_frame.netlist import Netlist, NotReadableError, read_verilog
 from tactus.verify.every_frame.specify import description
@@ -144,7 +144,7 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
     for name, every, alone, (met, _) in zip(
         scene.outputs, ends, own, farthest(given, real), strict=True
     ):
-        far, near = (max(-low, high) for low, high in (every, alone))
+        far, near = (up(max(-low, high)) for low, high in (every, alone))
         bounded = far < 1 << SIGNAL.width
         text = f"at most {far:.1f}" if bounded else "no bound"
         if far > near:
@@ -155,7 +155,8 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
         margin = max(
             ends[j][1] - ends[i][0] for i in range(len(ends)) for j in range(len(ends)) if i != j
         )
-        lines.append(f"  no class differs where the first output leads by {margin:.1f} or more")
+        text = f"  no class differs where the first output leads by more than {up(margin):.1f}"
+        lines.append(f"{text}, both saturated")
     return lines
 
 

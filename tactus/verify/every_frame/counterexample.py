@@ -92,7 +92,7 @@ def first_apart(proof: Sequences, frame: Sequence[int]) -> str:
     for k in reversed(range(len(given))):
         if k in sound or now.value(proof.inner[len(words) + k]).tobytes() in held:
             used = [i for i, _ in given[k].get("sum", [])] + [given[k].get("of", 0)]
-            sound |= {k, *(i - len(words) for i in [*used, *given[k].get("largest", [])])}
+            sound |= {k, *(i - len(words) for i in used)}
     apart = next((k for k in range(len(given)) if k not in sound), None)
     if apart is None:
         return "an output"

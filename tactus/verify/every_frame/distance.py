@@ -9,6 +9,7 @@ Differences keep their sign. So the bound is reached if all nodes are at their w
 Floating point saturates where an output or a sum without a table does.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -54,6 +55,11 @@ class Known:
 UNBUILT = Known(0, 0, 1.0, (-1.0, 1.0))
 
 
+def up(bound: float) -> float:
+    """A bound with one decimal, which is not below it."""
+    return math.ceil(bound * 10) / 10
+
+
 def _power(real: float, code: float) -> float:
     """The power of two that a code stands for."""
     if not real or not code:
@@ -94,11 +100,11 @@ def bounds(
             of = known[word["of"]]
             layer = networks[place[0]][place[1]]
             known.append(_table(given["tables"][word["table"]], of, layer, tanh))
-        elif "largest" in word or ("round" not in word and len(terms) == 1 and terms[0][1] == 1):
+        elif "round" not in word and len(terms) == 1 and terms[0][1] == 1:
             # The same word with fewer bits, or in another place.
-            if "largest" in word or np.ndim(known[terms[0][0]].low):
-                raise InputError("no bound is known for what follows a table")
             one = known[terms[0][0]]
+            if np.ndim(one.low):
+                raise InputError("no bound is known for what follows a table")
             unit = one.unit * 2.0 ** (shift - left)
             lost = (1 - 2.0**-shift) * one.unit * 2.0**shift
             off = one.off[0] - lost, one.off[1]

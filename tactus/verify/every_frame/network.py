@@ -6,8 +6,7 @@
   `shift` bits are dropped (`round`: "down", "up" for the nearest and halves up, or "even"), the
   code
   is clipped to `clip`, and shifted left by `left`;
-- a look-up: `table` names one of `tables`, `of` the word;
-- `largest`: the number of the largest of these words, the first of equal ones.
+- a look-up: `table` names one of `tables`, `of` the word.
 
 `place` names network, layer and node to which a word belongs, for messages alone.
 
@@ -22,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from tactus.verify.every_frame.sums import Space, UnsupportedError, Value, minus, plus, times
+from tactus.verify.every_frame.sums import Space, UnsupportedError, Value, plus, times
 
 
 class Network:
@@ -35,9 +34,7 @@ class Network:
         """Every word, in order."""
         words: list[Value] = list(samples)
         for word in self.given["words"]:
-            if "largest" in word:
-                words.append(_largest(space, [words[k] for k in word["largest"]]))
-            elif "table" in word:
+            if "table" in word:
                 table = self.given["tables"][word["table"]]
                 words.append(space.of(looked_up(table), words[word["of"]]))
             else:
@@ -98,12 +95,3 @@ def looked_up(table: dict[str, Any]) -> Callable[[Any], Any]:
         )
 
     return line
-
-
-def _largest(space: Space, words: Sequence[Value]) -> Value:
-    best, number = words[0], 0
-    found: Value = number
-    for k, word in enumerate(words[1:], 1):
-        greater = space.negative(minus(best, word))
-        best, found = space.choose(greater, word, best), space.choose(greater, k, found)
-    return found
