@@ -93,7 +93,8 @@ def _bounds(scene: Scene, design: Network) -> Real | None:
     with suppress(InputError):
         layers = [layers_of(network) for network in networks]
         ends = bounds(description(scene), layers, scene.scheme.real)
-        return np.abs(ends).max(axis=1) / (1 << SIGNAL.frac)
+        found: Real = np.abs(ends).max(axis=1) / (1 << SIGNAL.frac)
+        return found
     if not isinstance(design, Design) or (several and not isinstance(design, Engine)):
         return None
     met = scene.settings().met or [()] * len(networks)

@@ -23,13 +23,8 @@ class Expression:
     __slots__ = ("arguments", "extra", "kind", "name", "result", "width")
 
     def __init__(self, kind: str, width: int, arguments: tuple[Any, ...], extra: Any, name: str):
-        self.kind, self.width, self.arguments, self.extra, self.name = (
-            kind,
-            width,
-            arguments,
-            extra,
-            name,
-        )
+        self.kind, self.width, self.extra, self.name = kind, width, extra, name
+        self.arguments = arguments
         self.result: Any = None
 
 
@@ -112,12 +107,6 @@ def agreed(a: Bits, b: Bits, width: int) -> Bits:
     """What two values have in common, X elsewhere."""
     if a is b or a == b:
         return a
-    if isinstance(a, int) and isinstance(b, int):
-        return (
-            X
-            if width == 1
-            else join((a >> k & 1 if not (a ^ b) >> k & 1 else X, 0, 1) for k in range(width))
-        )
     return join(
         p if p == q else (X, 0, 1)
         for k in range(width)
@@ -136,10 +125,6 @@ def apart(a: Bits, b: Bits, width: int) -> bool:
 def _bit(v: Bits, k: int) -> tuple[Piece, ...]:
     found = cut(v, k, 1)
     source, low, _ = found[0]
-    return (
-        ((source >> low & 1, 0, 1),)
-        if isinstance(source, int)
-        else ((X, 0, 1),)
-        if source is X
-        else found
-    )
+    if isinstance(source, int):
+        return ((source >> low & 1, 0, 1),)
+    return ((X, 0, 1),) if source is X else found

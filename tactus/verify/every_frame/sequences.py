@@ -293,13 +293,8 @@ class Sequences:
             yield Claim(text, True)
 
     def _listed(self) -> str:
-        return (
-            ", ".join(map(str, self.clocks))
-            if len(self.clocks) < 5 and not self.words
-            else str(self.clocks[0])
-            if self.words
-            else f"{self.clocks[0]} to {self.clocks[-1]}"
-        )
+        shown = [*dict.fromkeys(self.clocks)]
+        return ", ".join(map(str, shown)) if len(shown) < 5 else f"{shown[0]} to {shown[-1]}"
 
     def _gaps(self, start: State, wait: int) -> bool:
         """Whether any gaps give the outputs; else some are tried."""

@@ -115,10 +115,8 @@ class Curve:
         if a == low and b == high:
             return self.values[a - self.first : b - self.first + 1]
         result = np.empty(high - low + 1, dtype=np.int64)
-        left, right = (
-            max(0, min(self.first, high + 1) - low),
-            max(0, high - max(self.last, low - 1)),
-        )
+        left = max(0, min(self.first, high + 1) - low)
+        right = max(0, high - max(self.last, low - 1))
         if left:
             result[:left] = int(self.values[0]) + self.left * (
                 np.arange(low, low + left) - self.first
@@ -205,22 +203,15 @@ def _refined(c: Curve, word: Word) -> tuple[Curve | None, int]:
     low, high = max(low - 1, word.low), min(high + 1, word.high)
     if high - low >= LONGEST:
         raise UnsupportedError(f"a function of a word that takes {high - low} values")
-    return curve(
-        word,
-        low,
-        f.at(low, high),
-        0 if c.word.shift > word.shift else c.left,
-        0 if c.word.shift > word.shift else c.right,
-    )
+    left, right = (0, 0) if c.word.shift > word.shift else (c.left, c.right)
+    return curve(word, low, f.at(low, high), left, right)
 
 
 def _divided(c: Curve, bits: int) -> Curve:
     """The function over 2^bits, which divides it."""
-    return (
-        c
-        if bits == 0
-        else Curve(c.word, c.first, c.values >> bits, c.left >> bits, c.right >> bits)
-    )
+    if bits == 0:
+        return c
+    return Curve(c.word, c.first, c.values >> bits, c.left >> bits, c.right >> bits)
 
 
 def _straight(word: Word, slope: int) -> Curve:
@@ -423,17 +414,19 @@ def value(constant: int, terms: dict[Word, Curve]) -> Value:
     return Sum(constant, terms) if terms else constant
 
 
+def _drawn(word: Word, first: int, values: np.ndarray, left: int, right: int) -> Value:
+    """The function as `curve` takes it."""
+    made, start = curve(word, first, values, left, right)
+    return value(start, {} if made is None else {(made := _plain(made)).word: made})
+
+
 def plus(a: Value, b: Value) -> Value:
     if isinstance(a, int):
         a, b = b, a
     if isinstance(a, int):
         return a + int(b)  # type: ignore[arg-type]
     if isinstance(b, int):
-        return (
-            a
-            if b == 0
-            else Sum(a.constant + b, a.terms, a._ends and (a._ends[0] + b, a._ends[1] + b))
-        )
+        return Sum(a.constant + b, a.terms, a._ends and (a._ends[0] + b, a._ends[1] + b))
     if len(b.terms) > len(a.terms):
         a, b = b, a
     terms, constant, new = dict(a.terms), a.constant + b.constant, False
@@ -704,8 +697,7 @@ class Space:
         if high - low >= LONGEST:
             raise UnsupportedError(f"a function of a word that takes {high - low} values")
         values = np.broadcast_to(np.asarray(f(low, high), dtype=np.int64), high - low + 1)
-        made, start = curve(word, low, values, 0, 0)
-        return value(start, {} if made is None else {(made := _plain(made)).word: made})
+        return _drawn(word, low, values, 0, 0)
 
     def _together(self, *values: Value) -> list[Function | None]:
         """The values as functions of one and the same word."""
@@ -800,8 +792,7 @@ class Space:
                 p, q = int(codes[0]), int(codes[-1])
                 part = branch.at(a + p, a + q)
                 np.copyto(result[p : q + 1], part, where=where[p : q + 1])
-        made, start = curve(word, a, result, *slopes)
-        return value(start, {} if made is None else {(made := _plain(made)).word: made})
+        return _drawn(word, a, result, *slopes)
 
     def clip(self, v: Value, low: int, high: int) -> Value:
         a, b = ends(v)

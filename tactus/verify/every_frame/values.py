@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tactus.verify.every_frame.bits import Bits, Expression, X, join
+from tactus.verify.every_frame.bits import Bits, Expression, X, join, pieces
 from tactus.verify.every_frame.operators import COMPARISONS, ONE, SHIFTS, TWO, array, signed
 from tactus.verify.every_frame.sums import (
     MOST,
@@ -103,17 +103,12 @@ class Values:
             return space.of(TWO[kind], a, b)
         if kind in COMPARISONS:
             return self._compared(kind, *[self.number(v, n, s) for v, n, s in e.arguments])
-        if kind in ("$logic_not", "$reduce_or", "$reduce_bool") and isinstance(
-            e.arguments[0][0], tuple
-        ):
+        if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
             zero = self._zero(*e.arguments[0][:2])
             return zero if kind == "$logic_not" else minus(1, zero)
         numbers = [self.number(v, n, s) for v, n, s in e.arguments]
         if kind in ONE:
             n = e.arguments[0][1]
-            if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
-                zero = space.zero(numbers[0])
-                return zero if kind == "$logic_not" else minus(1, zero)
             return space.of(lambda a: array(ONE[kind](a, n)), numbers[0])
         if kind in SHIFTS:
             if kind in ("$shr", "$sshr"):
@@ -123,12 +118,8 @@ class Values:
                 lambda a, b: np.where(b < width, (a & (1 << width) - 1) << np.minimum(b, width), 0),
                 *numbers,
             )
-        if kind in ("$logic_and", "$logic_or") and e.width >= 1:
-            a, b = (minus(1, space.zero(v)) for v in numbers)
-            if isinstance(a, int) or isinstance(b, int):
-                known, other = (a, b) if isinstance(a, int) else (b, a)
-                return (other if known else 0) if kind == "$logic_and" else (1 if known else other)
-            return space.of(lambda x, y: array(TWO[kind](x, y)), a, b)
+        if kind in ("$logic_and", "$logic_or"):
+            numbers = [minus(1, space.zero(v)) for v in numbers]
         return space.of(lambda x, y: array(TWO[kind](x, y)), *numbers)
 
     def _zero(self, v: Bits, width: int) -> Value:
@@ -136,7 +127,7 @@ class Values:
         at once, since pieces of one sum may be those of others."""
         zero: Value = 1
         try:
-            for piece in v:
+            for piece in pieces(v, width):
                 alone = self.space.zero(self.number(join((piece,)), piece[2], False))
                 zero = alone if zero == 1 else self.space.of(lambda a, b: a & b, zero, alone)
         except UnsupportedError:
@@ -144,16 +135,9 @@ class Values:
         return zero
 
     def _compared(self, kind: str, a: Value, b: Value) -> Value:
-        space, d = self.space, minus(a, b)
-        if kind in ("$eq", "$eqx"):
-            return space.zero(d)
-        if kind in ("$ne", "$nex"):
-            return minus(1, space.zero(d))
-        if kind in ("$lt", "$ge"):
-            below = space.negative(d)
-            return below if kind == "$lt" else minus(1, below)
-        above = space.negative(times(d, -1))
-        return above if kind == "$gt" else minus(1, above)
+        d = minus(b, a) if kind in ("$gt", "$le") else minus(a, b)
+        found = self.space.zero(d) if kind[1] in "en" else self.space.negative(d)
+        return minus(1, found) if kind in ("$ne", "$nex", "$le", "$ge") else found
 
     def _read(self, e: Expression) -> Value:
         v, n, _ = e.arguments[0]
