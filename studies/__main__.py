@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.folders import BUILD
 from tactus.report.measure.table import Cell, Table, cell_text, read_csv
@@ -64,7 +64,7 @@ def main() -> None:
             f"{suggest(name, names())}"
         )
     result = FOLDER / name / "result.csv" if arguments.record else BUILD / "studies" / f"{name}.csv"
-    would(f"measure {name} and write {result}")
+    stop_if_dry_run(f"measure {name} and write {result}")
     found = []
     for row in measured(name):
         print(", ".join(f"{column} {cell_text(cell)}" for column, cell in row.items()), flush=True)

@@ -5,8 +5,8 @@ import os
 import sys
 from pathlib import Path
 
-from tactus.core.cli import run, words, would
-from tactus.verify.benches.where import check_name
+from tactus.core.cli import run, stop_if_dry_run, words
+from tactus.verify.benches.places import check_name
 
 CORES = ("-n", "logical", "--dist", "worksteal")
 
@@ -32,7 +32,7 @@ def main() -> int:
         chosen += ["--block", arguments.block]
     if arguments.pages:
         chosen += ["-m", "pages", *([] if arguments.tests else files_of_pages())]
-    would(f"run {' '.join(['pytest', *chosen])}")
+    stop_if_dry_run(f"run {' '.join(['pytest', *chosen])}")
     return os.execv(sys.executable, [*command, *chosen])
 
 

@@ -15,8 +15,8 @@ from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.numbers.fixed import Fix
 from tactus.scene import Scene
+from tb.common.case_library import ADDER_GRAPH
 from tb.common.cases import FRONT_END, VISUALISATION, Case
-from tb.common.small import ADDER_GRAPH
 
 FMT = Fix(5, 3)
 ENGINE = Case([(3, 4, 4)], "exact", activation="precise", design="engine")

@@ -20,8 +20,8 @@ from golden.common.port import Port
 from tactus.scene import Scene
 from tactus.verify.benches.collected import BENCHES
 from tb.common.bench import Bench
+from tb.common.bench_input import BenchInput
 from tb.common.coverage import Coverage, missing
-from tb.common.given import Given
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -52,7 +52,7 @@ def prepared(bench: Bench, subject: Subject) -> None:
     """Prepare a bench of a subject outside of a simulator."""
     bench.dut = subject
     scene, bench.twin = subject.scene, subject.twin
-    bench.given = Given(subject.design, scene.vectors().recordings, scene.window)
+    bench.given = BenchInput(subject.design, scene.vectors().recordings, scene.window)
     bench.latency, bench.frames = bench.twin.latency, 20
     bench.rng = np.random.default_rng(subject.seed)
     bench.configuration = {

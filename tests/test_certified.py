@@ -15,12 +15,12 @@ from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
 from tactus.certify.__main__ import certify
 from tactus.certify.benches import STEP as BENCHES
-from tactus.certify.delivered import CELLS, STEPS, Wanted
+from tactus.certify.delivered import CELLS, STEPS, CertifyOptions
 from tactus.verify.benches.collected import CASES
 
 # One frame of each kind is played, and the bench of one entity: properties, equality and the proof
 # of every frame, which hang on options most, are about all of the design in any case.
-FEW = Wanted(frames=1, seed=1, recorded=1, parts=1)
+FEW = CertifyOptions(frames=1, seed=1, recorded=1, parts=1)
 ONE = "least-lanes"
 # Cases of the benches, and combinations that no bench has. Options that do not touch each other
 # share a row.

@@ -20,13 +20,13 @@ from shared import Shared
 from golden.input_error import InputError
 from tactus.certify.__main__ import certify, room_in
 from tactus.certify.benches import STEP as BENCHES
-from tactus.certify.benches import Benched, bench_result, bench_table
+from tactus.certify.benches import BenchResult, bench_result, bench_table
 from tactus.certify.delivered import (
     CELLS,
     EVERY_FRAME,
     LANGUAGES,
     STEPS,
-    Wanted,
+    CertifyOptions,
     check,
     given_text,
 )
@@ -40,12 +40,12 @@ SCENE = "rails-engine"
 SEED = 3
 # An engine, a design without a multiplier, and a deep network are certified whole. A frame of
 # thesis takes 4096 clocks, so of it few frames are played, and one entity is tried.
-WHOLE = Wanted(frames=10, seed=SEED)
+WHOLE = CertifyOptions(frames=10, seed=SEED)
 CERTIFIED = {
     "digit": WHOLE,
     "digit-fast": WHOLE,
     "classes/wine-fast": WHOLE,
-    "thesis": Wanted(frames=1, seed=SEED, recorded=2, parts=1),
+    "thesis": CertifyOptions(frames=1, seed=SEED, recorded=2, parts=1),
 }
 
 
@@ -59,7 +59,7 @@ def certificate(shared: Shared) -> Path:
 
     def make() -> None:
         with chdir(shared.folder):
-            wanted = Wanted(frames=10, seed=SEED)
+            wanted = CertifyOptions(frames=10, seed=SEED)
             results = certify(shared.scene(SCENE), wanted, Path("certified"))
         # The command keeps what was printed only where a step is red.
         (folder / OUTPUT).mkdir(exist_ok=True)
@@ -104,7 +104,7 @@ def test_every_step_is_green_so_that_the_script_can_exit_with_0(certificate: Pat
 @pytest.mark.all_only
 @pytest.mark.parametrize(("scene", "wanted"), CERTIFIED.items(), ids=list(CERTIFIED))
 def test_the_certificate_of_a_shipped_scene_has_no_red_step(
-    shared: Shared, scene: str, wanted: Wanted, tmp_path: Path
+    shared: Shared, scene: str, wanted: CertifyOptions, tmp_path: Path
 ) -> None:
     left = {"vhdl", "verilog", BENCHES} if wanted.recorded else set()
     results = certify(shared.scene(scene), wanted, tmp_path)
@@ -139,12 +139,12 @@ def test_the_page_begins_with_what_is_proved_and_what_was_not_done(certificate: 
 
 def test_benches_that_did_not_reach_every_border_are_not_green(shared: Shared) -> None:
     job = shared.subject("round_saturate")
-    whole, recorded = Benched(job, False, 100), Benched(job, True)
+    whole, recorded = BenchResult(job, False, 100), BenchResult(job, True)
     assert bench_result([whole, recorded], 2).colour == "green"
     assert bench_result([whole], 2).colour == "amber"
-    short = Benched(replace(job, test="recorded"), False, 9)
+    short = BenchResult(replace(job, test="recorded"), False, 9)
     assert bench_result([whole, short], 2).colour == "amber"
-    failed = bench_result([whole, Benched(job, False, 0, "Error: 1 is not 2")], 2)
+    failed = bench_result([whole, BenchResult(job, False, 0, "Error: 1 is not 2")], 2)
     assert failed == StepResult("red", BENCHES, f"fail: {job.entity}: Error: 1 is not 2")
     reached = [row[3] for row in bench_table([whole, short]).rows]
     assert reached[0]

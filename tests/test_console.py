@@ -23,7 +23,7 @@ from tactus.core.files import check_writable
 from tactus.core.finding import faults
 from tactus.rig.check import everything
 from tactus.scene import Scene, scene_names
-from tactus.verify.benches.where import block_names
+from tactus.verify.benches.places import block_names
 
 ROOT = Path(__file__).parents[1]
 OFFERED = [command for command in COMMANDS if command.module]

@@ -26,9 +26,9 @@ from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
 from tactus.verify.benches.runner import plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
+from tb.common.case_library import LAYERED, RELOADED, RELOADED_LANES
 from tb.common.cases import Case, random_mlp, random_network
 from tb.common.images import networks_of_other_depth
-from tb.common.small import LAYERED, RELOADED, RELOADED_LANES
 from tb.networks.tb_engine import SCENES, shipped_with_room
 
 ROOT = Path(__file__).parents[1]

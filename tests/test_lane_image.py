@@ -28,9 +28,9 @@ from golden.trained.dense import Quantiser, Trained, layers_of
 from tactus.cli.image import main
 from tactus.scene import Scene, load_scene
 from tactus.scene.image import scene_image
+from tb.common.case_library import ENGINES, LANES, LAYERED, LEARNED, RELOADED_LANES, TABLES
 from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
-from tb.common.small import ENGINES, LANES, LAYERED, LEARNED, RELOADED_LANES, TABLES
 
 CASES = {
     name: case

@@ -23,8 +23,8 @@ from golden.trained.dense import Quantiser
 from tactus.cli.listing import main
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.myhdl_simulation import simulate
+from tb.common.case_library import LANES, OVERLAPPED
 from tb.common.cases import FRONT_END, VISUALISATION, random_network
-from tb.common.small import LANES, OVERLAPPED
 
 # Multipliers, the clocks from frame to frame without a loop, and those of the shortest one.
 SHORTEST = {

@@ -15,7 +15,7 @@ from golden.engine.formats import WIDTH
 from golden.engine.function_table import codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.integer_network import evaluate
-from golden.engine.lane_groups import CHAIN, LaneGraph, gathers
+from golden.engine.lane_groups import CHAIN, LaneGraph, reduction_steps
 from golden.engine.lane_listing import critical_path, lane_listing
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
@@ -30,7 +30,7 @@ from golden.trained.function import TANH, Function
 from tactus.cli.listing import main
 from tactus.scene import load_scene
 from tactus.verify.benches.myhdl_simulation import simulate
-from tb.common.small import ENGINES, LANES, LAYERED, TABLES
+from tb.common.case_library import ENGINES, LANES, LAYERED, TABLES
 
 # Clocks from frame to frame, and the lanes that are built.
 SHIPPED = {
@@ -92,13 +92,13 @@ def test_networks_of_several_layers(name: str, lanes: int) -> None:
 def test_sums_of_lanes_are_added_once() -> None:
     for lanes in range(1, 17):
         sums = [{lane} for lane in range(lanes)]
-        for pairs in gathers(lanes):
+        for pairs in reduction_steps(lanes):
             before = [set(one) for one in sums]
             for lane, other in pairs:
                 assert not before[lane] & before[other]
                 sums[lane] |= before[other]
         assert sums[0] == set(range(lanes))
-        adding = [lane for pairs in gathers(lanes) for lane, _ in pairs]
+        adding = [lane for pairs in reduction_steps(lanes) for lane, _ in pairs]
         assert lanes > CHAIN or len(set(adding)) == len(adding)
 
 

@@ -110,7 +110,7 @@ def test_the_hessian_is_the_product_of_the_derivatives(tmp_path: Path) -> None:
     aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     start = packed(few.chosen)
     moved = start + 0.1 * np.random.default_rng(1).normal(size=len(start))
-    value, gradient, hessian = aim.around(moved)
+    value, gradient, hessian = aim.value_gradient_hessian(moved)
     residuals = aim.objective.residuals(moved)
     jacobian = aim.objective.jacobian(moved)
     assert value == pytest.approx(residuals @ residuals)

@@ -24,9 +24,9 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.cli import listing
 from tactus.scene import Scene, load_scene
-from tactus.scene.learning import taught_of, that_learns
+from tactus.scene.learning import taught_of, with_learning_engine
+from tb.common.case_library import LESSONS
 from tb.common.lessons import Player, refusals
-from tb.common.small import LESSONS
 
 SCENE = replace(load_scene("digit"), learning="lms")
 VECTORS = SCENE.vectors()
@@ -452,7 +452,7 @@ def test_other_layers_are_refused(tmp_path: Path) -> None:
 
 def test_without_the_key_nothing_is_changed() -> None:
     scene = load_scene("digit")
-    assert that_learns(scene, scene.twin()) is scene.twin()
+    assert with_learning_engine(scene, scene.twin()) is scene.twin()
     assert set(INPUTS) & {port.name for port in scene.twin().ports} == {
         *("in_valid", "in_data", "in_last", "rst")
     }

@@ -15,8 +15,8 @@ from golden.link.uart_transmitter import UartTransmitter, bits_of
 from golden.numbers.fixed import Fix
 from golden.visualisation.pulse_density import PulseDensity
 from tactus.scene import load_scene
+from tb.common.case_library import PLAIN_UART, UART
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
-from tb.common.small import PLAIN_UART, UART
 
 PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
 CLOCK = "clock_mhz = 4.0\n"

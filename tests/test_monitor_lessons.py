@@ -50,7 +50,7 @@ from tactus.recalibration.sensitivity import Sensitivity
 from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
-from tb.common.small import LEARN_UART, LESSONS
+from tb.common.case_library import LEARN_UART, LESSONS
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}

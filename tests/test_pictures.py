@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from golden.common.block import Block, walk
-from golden.common.flow import Carried
+from golden.common.flow import Wire
 from golden.input_error import InputError
 from golden.instruments.pictures import flow_of
 from golden.numbers.precision import SIGNAL
@@ -187,7 +187,7 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
             flow = flow_of(block)
             if flow:
                 drawn.add(block.block)
-                carried = [step.what for step in flow.steps if isinstance(step, Carried)]
+                carried = [step.what for step in flow.steps if isinstance(step, Wire)]
                 assert carried
                 assert set(carried) <= set(shown)
     networks = {"engine", "hybrid", "parallel", "cascade", "multiple", "axis_network"}

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
-from golden.engine.ranges import ENOUGH, MARGIN, frac_of, met_by
+from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
@@ -47,7 +47,7 @@ def wide(kinds: tuple[str, ...] = ("relu", "relu"), seed: int = 1) -> DenseNetwo
 
 
 def of_frames(network: DenseNetwork, codes: Codes, lean: bool = True, **options: object) -> Engine:
-    met = met_by(network, SIGNAL.to_real(codes))
+    met = hidden_peaks(network, SIGNAL.to_real(codes))
     return Engine.of([network], Settings(met=(met,), options=options, lean=lean))
 
 
@@ -69,7 +69,7 @@ def test_the_largest_magnitudes_are_those_of_the_words(kind: str) -> None:
     network, codes = wide((kind, kind)), quiet(24, 50)
     engine = of_frames(network, codes, lean=False)
     (whole,) = engine.integers
-    layers = zip(met_by(network, SIGNAL.to_real(codes)), engine.graph.ranges, strict=True)
+    layers = zip(hidden_peaks(network, SIGNAL.to_real(codes)), engine.graph.ranges, strict=True)
     for depth, (found, one) in enumerate(layers):
         words = [
             abs(word) for words in sample_words(codes) for word in list(whole.run(words))[depth][1]
@@ -143,7 +143,7 @@ def test_the_bounds_of_the_error_hold_where_nothing_saturates(seed: int, kinds: 
     sound = np.sum(counts, axis=0) == 0
     real = np.clip(network.process(SIGNAL.to_real(codes)), -1, SIGNAL.to_real(SIGNAL.high))
     off = np.abs(SIGNAL.to_real(engine.process(codes)) - real)
-    met = met_by(network, SIGNAL.to_real(quiet(24, 30, seed)))
+    met = hidden_peaks(network, SIGNAL.to_real(quiet(24, 30, seed)))
     assert sound.any()
     assert (off[sound] <= error_bounds(network, 9, 24, met)).all()
 

@@ -220,7 +220,7 @@ def test_a_placement_left_out_takes_no_part() -> None:
     left = left_out(recorded, there, fit(recorded, there))
     none = np.zeros(8)
     assert left.before == pytest.approx(misses(recorded, there, none))
-    assert left.closer
+    assert left.improves
     for number in (0, 4):
         others = fit(recorded, there.without(number))
         expected = misses(recorded, there, others.theta)[number]

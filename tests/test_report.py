@@ -26,7 +26,7 @@ from tactus.report.draw.plots import Plot
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.simulators import compare_simulators
-from tactus.report.measure.store import once, part_key
+from tactus.report.measure.store import cached, part_key
 from tactus.report.measure.table import Cell, Table
 from tactus.report.measure.table_records import TIMED
 from tactus.report.page import build
@@ -256,7 +256,7 @@ def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     told: list[bool] = []
     for state in ("old", "old", "new"):
         asked = part_key("part", [], state=state)
-        found = once(asked, lambda _, __, kept: told.append(kept), lambda s=state: [s])
+        found = cached(asked, lambda _, __, kept: told.append(kept), lambda s=state: [s])
         assert found == [state]
     assert told == [False, True, False]
 

@@ -14,7 +14,7 @@ from golden.common.block import walk
 from golden.networks.network import Network
 from tactus.core import store
 from tactus.scene import Scene, load_scene
-from tactus.verify.benches import kept, results
+from tactus.verify.benches import kept_results, results
 from tactus.verify.benches.runner import Job, Outcome, scene_argument
 from tactus.verify.benches.tools import SIMULATORS
 
@@ -46,7 +46,7 @@ class Benches:
         }
         for name, fake in fakes.items():
             monkeypatch.setattr(results, name, fake)
-        monkeypatch.setattr(kept, "run_job", self.run)
+        monkeypatch.setattr(kept_results, "run_job", self.run)
 
     def one_by_one(
         self, jobs: list[Job], tell: Callable[[Outcome], None], work: Callable[[Job], Outcome]
@@ -66,7 +66,7 @@ class Benches:
 
     def forget(self, job: Job) -> None:
         """Truncate the kept result of a job, as a full disk would do."""
-        path = store.place(kept.bench_key(job), job.build)
+        path = store.place(kept_results.bench_key(job), job.build)
         path.write_bytes(path.read_bytes()[:20])
 
 
@@ -129,7 +129,7 @@ def test_recorded_frames_are_a_part_of_benches_that_play_them(benches: Benches) 
     expected = [
         f"{job.simulator} {job.entity}"
         for job in benches.planned
-        if kept.asks_for_scene(kept.bench_modules(job.area, job.block))
+        if kept_results.asks_for_scene(kept_results.bench_modules(job.area, job.block))
     ]
     assert benches.ran == expected
     assert expected
@@ -180,24 +180,24 @@ def test_what_is_around_networks_plays_recorded_frames() -> None:
 def test_recorded_frames_alone_do_not_stand_for_a_whole_bench(benches: Benches) -> None:
     job = benches.planned[0]
     fewer = replace(job, test="recorded")
-    kept.run_and_keep(fewer)
-    assert kept.kept(fewer)
-    assert kept.kept(job) is None
-    kept.run_and_keep(job)
-    assert kept.kept(replace(job, test="another"))
-    assert kept.kept(job)
+    kept_results.run_and_keep(fewer)
+    assert kept_results.kept(fewer)
+    assert kept_results.kept(job) is None
+    kept_results.run_and_keep(job)
+    assert kept_results.kept(replace(job, test="another"))
+    assert kept_results.kept(job)
 
 
 def test_what_enters_a_bench_runs_it_again(benches: Benches) -> None:
     job = benches.planned[0]
-    kept.run_and_keep(job)
+    kept_results.run_and_keep(job)
     others = [replace(job, seed=2), replace(job, frames=7), replace(job, simulator="icarus")]
-    assert not any(kept.kept(other) for other in others)
-    assert kept.kept(job)
+    assert not any(kept_results.kept(other) for other in others)
+    assert kept_results.kept(job)
     (job.hdl_folder / FILE).write_text("as exported anew")
-    assert kept.kept(job) is None
+    assert kept_results.kept(job) is None
     (job.hdl_folder / FILE).write_text("as exported")
-    assert kept.kept(job)
+    assert kept_results.kept(job)
 
 
 def test_what_would_be_exported_otherwise_is_no_result(benches: Benches) -> None:

@@ -19,11 +19,11 @@ from golden.trained.dense import Quantiser, layers_of, network_of
 from golden.trained.function import Function
 from tactus.core.finding import FAULT
 from tactus.core.table import read_csv_file, read_table
-from tactus.network_files.held import Held
 from tactus.network_files.network_file import write_network
+from tactus.network_files.parsed import ParsedNetwork
 from tactus.rig import readings
-from tactus.rig.brought import Brought, brought
 from tactus.rig.draft import draft, weights
+from tactus.rig.network_of_others import Brought, brought
 from tactus.rig.survey import Survey, survey
 from tactus.rig.write_scene import names_of, write_scene
 from tactus.scene import Scene, load_scene
@@ -115,11 +115,11 @@ def test_functions_of_the_file_are_not_named(tmp_path: Path) -> None:
 
 
 def test_the_range_of_a_quantised_network_is_a_power_of_two() -> None:
-    held = Held({}, ("relu",), quantisers=(Quantiser(0.25, 0, 0, 15),))
+    held = ParsedNetwork({}, ("relu",), quantisers=(Quantiser(0.25, 0, 0, 15),))
     network = Brought(Path("net.onnx"), held)
     for values, factor in (([-3.0, 1.0], 4.0), ([0.0, 4.0], 8.0), ([-0.3, 0.2], 0.5)):
         assert network.range_of(np.array(values)) == (0.0, factor)
-    offset, factor = replace(network, held=Held({})).range_of(np.array([100.0, 1000.0]))
+    offset, factor = replace(network, held=ParsedNetwork({})).range_of(np.array([100.0, 1000.0]))
     assert (offset, factor) == (550.0, 500.0)
 
 

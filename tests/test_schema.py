@@ -112,8 +112,8 @@ def test_schema_and_check_agree(name: str, key: Key) -> None:
     """They agree on every value: the schema marks just the values that the check refuses."""
     judge = Draft7Validator(key.kind.schema())
     for value in VALUES:
-        found = list(key.kind.strangers(value, name)) or list(key.kind.faults(value, name))
-        found = found or list(key.kind.outside(value, name))
+        found = list(key.kind.unknown_keys(value, name)) or list(key.kind.faults(value, name))
+        found = found or list(key.kind.range_errors(value, name))
         assert judge.is_valid(value) == (not found), (value, found)
         assert all(fault.startswith(name) for fault in found), found
 
@@ -123,7 +123,7 @@ def test_a_default_is_what_may_stand_there(name: str, key: Key) -> None:
     """Values that stand for a missing key are an exception."""
     if key.default in (REQUIRED, None, "", [], {}) or (key.kind.absent and not key.default):
         return
-    assert not [*key.kind.faults(key.default, name), *key.kind.outside(key.default, name)]
+    assert not [*key.kind.faults(key.default, name), *key.kind.range_errors(key.default, name)]
 
 
 def test_the_schema_is_that_of_the_declaration() -> None:

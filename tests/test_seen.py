@@ -6,8 +6,8 @@ import pytest
 from golden.activation.gradient import Gradient
 from golden.common.block import around, walk
 from golden.input_error import InputError
+from golden.instruments.block_inputs import seen
 from golden.instruments.readout import Readout
-from golden.instruments.seen import seen
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral

@@ -21,8 +21,8 @@ from golden.networks.engine import Engine
 from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from tactus.scene import load_scene
+from tb.common.case_library import ENGINES
 from tb.common.cases import random_mlp, write_scene
-from tb.common.small import ENGINES
 
 SCENES = ("digit-single", "digit", "digit-multiple", "swing-cascade")
 NAMES = (*ENGINES, *SCENES)

@@ -29,8 +29,8 @@ from tactus.sizing.routed import clock_of, placed
 from tactus.sizing.table_luts import bit_columns, luts_of
 from tactus.synth.sizing import EXTRAS, networks, rows_of
 from tactus.synth.timing import read_timing, timing_path
+from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_mlp, write_scene
-from tb.common.small import TABLE_GRAPHS
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0

@@ -10,7 +10,7 @@ import pytest
 from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import passed
+from golden.trained.dense import forward_passes
 from golden.trained.function import HIGH
 from golden.trained.function_network import SAMPLE_SCALE
 from tactus.cli import train as command
@@ -172,7 +172,7 @@ def test_hidden_sums_fill_their_words() -> None:
     rows = Rows(inputs, target, np.ones_like(target))
     learned = splines.trained(SplineSettings(2, 0, 4, 0.01), rng, rows, rows)
     network = function_network(learned, inputs, 0).layers()
-    words = [*passed(network, inputs)][1].sums
+    words = [*forward_passes(network, inputs)][1].sums
     assert np.abs(words.max(axis=0) - FILLED_WORD * HIGH).max() < 1e-9
     assert np.abs(words.min(axis=0) + FILLED_WORD * HIGH).max() < 1e-9
 
@@ -188,7 +188,7 @@ def test_a_sum_of_products_that_cancel_does_not_fill_its_word() -> None:
     first = (centres * [[100.0], [-100.0]])[np.newaxis]
     learned = replace(learned, network=replace(learned.network, first=first))
     network = function_network(learned, inputs, 0).layers()
-    sums = [*passed(network, inputs)][1]
+    sums = [*forward_passes(network, inputs)][1]
     products = np.abs(sums.layer.weights * np.abs(inputs).max())
     assert HIGH < products.max() < LARGER * HIGH / SAMPLE_SCALE
     assert 0 < np.ptp(sums.sums) < 0.01 * HIGH

@@ -91,7 +91,7 @@ def test_derivatives_are_differences(kind: int, word_error: float) -> None:
     freedom = edges.freedom(like)
     aim = SplineObjective(like, rows(), Penalty(0.3, 0.01), freedom, Squares(), word_error)
     point: Real = np.asarray(np.linalg.lstsq(freedom, like.packed())[0], dtype=np.float64)
-    value, gradient, hessian = aim.around(point)
+    value, gradient, hessian = aim.value_gradient_hessian(point)
     assert value == pytest.approx(aim.value(point))
     np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
     if not word_error:
@@ -118,7 +118,7 @@ def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
     parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
     entropy = -np.log(parts[given.targets == 1]).sum()
     assert aim.value(point) == pytest.approx(entropy + point @ aim.stiffness @ point)
-    value, gradient, hessian = aim.around(point)
+    value, gradient, hessian = aim.value_gradient_hessian(point)
     assert value == pytest.approx(aim.value(point))
     np.testing.assert_allclose(2 * gradient, differences(aim.value, point), atol=1e-6)
     expected = aim.stiffness.copy()
@@ -130,7 +130,7 @@ def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
 
 def test_a_class_without_any_probability_has_a_gradient() -> None:
     given = Rows(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]]), np.ones((1, 3)))
-    misses, roots = CrossEntropy().around(np.array([[2000.0, 0.0, 0.0]]), given)
+    misses, roots = CrossEntropy().value_gradient_hessian(np.array([[2000.0, 0.0, 0.0]]), given)
     np.testing.assert_allclose(np.einsum("rq,rqo->ro", misses, roots), [[0.5, -0.5, 0.0]])
 
 

@@ -18,7 +18,7 @@ from tactus.report.measure import store as parts
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.steps import table_key
 from tactus.scene import load_scene
-from tactus.verify.benches import kept
+from tactus.verify.benches import kept_results
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.mutate.score import score_state
 
@@ -34,8 +34,8 @@ def asked(**more: store.Part) -> store.Key:
 
 def test_an_answer_is_kept_under_its_key_alone(tmp_path: Path) -> None:
     assert store.read(asked(), tmp_path) is None
-    assert store.once(asked(), lambda: ANSWER, tmp_path) == ANSWER
-    assert store.once(asked(), pytest.fail, tmp_path) == ANSWER
+    assert store.cached(asked(), lambda: ANSWER, tmp_path) == ANSWER
+    assert store.cached(asked(), pytest.fail, tmp_path) == ANSWER
     others = [asked(frames=2), store.key("test", seed=2), store.key("other", seed=1)]
     assert [store.read(other, tmp_path) for other in others] == [None] * 3
     with pytest.raises(ValueError, match="got None"):
@@ -73,7 +73,7 @@ def test_a_damaged_file_is_made_anew(tmp_path: Path, damage: bytes) -> None:
         assert text != whole
         file.write_bytes(text)
         assert store.read(asked(), tmp_path) is None
-        assert store.once(asked(), lambda: ANSWER, tmp_path) == ANSWER
+        assert store.cached(asked(), lambda: ANSWER, tmp_path) == ANSWER
         assert file.read_bytes() == whole
 
 
@@ -169,7 +169,7 @@ class Copy:
 
     def benches(self) -> dict[tuple[str, str], store.Key]:
         self.forget()
-        return {(job.scene.name, job.block): kept.bench_key(job) for job in self.jobs}
+        return {(job.scene.name, job.block): kept_results.bench_key(job) for job in self.jobs}
 
     def tables(self) -> dict[str, store.Key]:
         self.forget()
@@ -178,7 +178,7 @@ class Copy:
     @staticmethod
     def forget() -> None:
         """What one process asks only once."""
-        own = (kept._modules, kept._code, kept._reading, parts._data)
+        own = (kept_results._modules, kept_results._code, kept_results._reading, parts._data)
         for cached in (closure.file_of, closure.code_of, closure.imported_by, *own):
             cached.cache_clear()
 
@@ -223,8 +223,8 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
     asking = {
         (job.scene.name, job.block)
         for job in sources.jobs
-        for modules in [kept.bench_modules(job.area, job.block)]
-        if (job.scene.name == "digit" and kept.asks_for_scene(modules))
+        for modules in [kept_results.bench_modules(job.area, job.block)]
+        if (job.scene.name == "digit" and kept_results.asks_for_scene(modules))
         or "golden.networks.oracle" in modules
     }
     assert ("digit", "engine") in asking
@@ -249,13 +249,13 @@ def test_a_change_of_what_measures_a_table_measures_that_table(sources: Copy) ->
 
 def test_another_value_of_a_twin_is_another_key(sources: Copy, monkeypatch) -> None:
     job = next(job for job in sources.jobs if job.block == "round_saturate")
-    before = kept.bench_key(job)
+    before = kept_results.bench_key(job)
     monkeypatch.setattr(type(job.twin), "__repr__", lambda _: "RoundSaturate(acc_width=39)")
-    assert kept.bench_key(job) != before
+    assert kept_results.bench_key(job) != before
 
 
 def test_the_tools_are_a_part(sources: Copy, monkeypatch: pytest.MonkeyPatch) -> None:
     job = sources.jobs[0]
-    before = kept.bench_key(job)
-    monkeypatch.setattr(kept, "_tools", lambda _: ["icarus 99"])
-    assert kept.bench_key(job) != before
+    before = kept_results.bench_key(job)
+    monkeypatch.setattr(kept_results, "_tools", lambda _: ["icarus 99"])
+    assert kept_results.bench_key(job) != before

@@ -26,8 +26,8 @@ from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.errors.scene_errors import provenances
 from tactus.scene import load_scene
 from tactus.synth.budget import budget_path, read_budget
+from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_learned
-from tb.common.small import TABLE_GRAPHS
 
 ONE = 1 << FINE
 FEW = {"sample_bits": 7, "hidden_bits": 8, "output_bits": 9}

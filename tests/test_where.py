@@ -7,7 +7,7 @@ import pytest
 from golden.input_error import InputError
 from tactus.scene import DEFAULT_SCENES, load_scene, scene_names
 from tactus.verify.benches.collected import BENCHES, CASES_OF
-from tactus.verify.benches.where import block_names, blocks_in, places
+from tactus.verify.benches.places import block_names, blocks_in, places
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

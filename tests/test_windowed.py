@@ -15,8 +15,8 @@ from golden.sensing.frame_window import FrameWindow
 from golden.trained.window import Window
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.myhdl_simulation import simulate
+from tb.common.case_library import PAST, WINDOW
 from tb.common.cases import Case
-from tb.common.small import PAST, WINDOW
 
 FMT = Fix(14, 13)
 

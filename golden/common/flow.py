@@ -7,7 +7,7 @@ from golden.numbers.fixed import Fix
 
 
 @dataclass(frozen=True)
-class Carried:
+class Wire:
     """The data that goes from one step to the next, with its format or its number of bits."""
 
     what: str
@@ -15,21 +15,21 @@ class Carried:
 
 
 @dataclass(frozen=True)
-class Alike:
+class Replicated:
     """Blocks of one kind that work side by side and are drawn as one box."""
 
     blocks: tuple[Block, ...]
 
 
 @dataclass(frozen=True)
-class Beside:
+class SideBySide:
     """Blocks that work side by side and are drawn as separate boxes."""
 
     blocks: tuple[Block, ...]
 
 
 @dataclass(frozen=True)
-class Controlled:
+class WithController:
     """A block through which data flows, and the block that controls it."""
 
     controller: Block
@@ -37,7 +37,7 @@ class Controlled:
 
 
 # ``None`` is an arrow without a text.
-Step = Carried | Block | Alike | Beside | Controlled | None
+Step = Wire | Block | Replicated | SideBySide | WithController | None
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ CHAIN = 4
 Pairs = tuple[tuple[int, int], ...]
 
 
-def gathers(lanes: int) -> tuple[Pairs, ...]:
+def reduction_steps(lanes: int) -> tuple[Pairs, ...]:
     """The steps that add up the sums of all lanes in the first one.
 
     In each step some lanes add the sum of another lane to their own. These are pairs of lanes, the
@@ -52,7 +52,7 @@ def gathers(lanes: int) -> tuple[Pairs, ...]:
 
 def partners(lane: int, lanes: int) -> dict[int, int]:
     """The lanes whose sums a lane adds, by the numbers of the steps, which follow each other."""
-    steps = enumerate(gathers(lanes))
+    steps = enumerate(reduction_steps(lanes))
     return {step: other for step, pairs in steps for first, other in pairs if first == lane}
 
 
@@ -90,7 +90,7 @@ class LaneGraph:
         if not self.groups[number].joined:
             return plan
         steps = [replace(step, last=False) for step in plan.steps]
-        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in gathers(self.lanes)]
+        steps += [Step(number, Term(Kind.ONE, -1, 0)) for _ in reduction_steps(self.lanes)]
         steps[-1] = replace(steps[-1], last=True)
         return Plan(tuple(steps), plan.waits, plan.end + len(steps) - len(plan.steps))
 
@@ -141,7 +141,7 @@ class _Shared:
         self.place[number] = opened, wanted
 
 
-def shared_out(graph: Graph, lanes: int, every: bool = False) -> LaneGraph:
+def assign_to_lanes(graph: Graph, lanes: int, every: bool = False) -> LaneGraph:
     """Share the neurons of a graph out to lanes.
 
     Unless ``every`` lane is there already, there are no more lanes than any group fills.

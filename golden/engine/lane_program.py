@@ -11,7 +11,7 @@ from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined
 from golden.engine.graph import Graph, Kind
-from golden.engine.lane_groups import LaneGraph, gathers, shared_out
+from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
 from golden.engine.lane_memory import block_of
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.line_table import LineTable
@@ -184,7 +184,7 @@ class LaneProgram(Program):
         sums = [zero for _ in lanes]
         for step in self.lane_steps:
             if step.gather:
-                pairs = dict(gathers(self.lanes)[step.gather.bit_length() - 1])
+                pairs = dict(reduction_steps(self.lanes)[step.gather.bit_length() - 1])
                 added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
             else:
                 weights = self.weights[step.place]
@@ -241,7 +241,7 @@ def assemble_lanes(
     """
     if table:
         check_words(table)
-    shared = shared_out(graph, lanes, every)
+    shared = assign_to_lanes(graph, lanes, every)
     _check(shared)
     steps = shared.schedule(pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)

@@ -11,7 +11,7 @@ from golden.engine.finish import word_of
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.function_table import codes_of
 from golden.engine.graph import Graph, Kind, Term
-from golden.engine.lane_groups import gathers
+from golden.engine.lane_groups import reduction_steps
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import (
     JOINED,
@@ -50,7 +50,7 @@ class LoopLayout:
     ``source`` is the address of the operand, and ``turn`` says how many loops ago it was stored.
     With ``copy`` a sample is stored. With ``late`` an output belongs to a frame that began a loop
     before the one whose first outputs leave in the same loop. ``wrap`` stands some words before the
-    last one, see ``ahead``.
+    last one, see ``wrap_lead``.
     """
 
     place_width: int
@@ -198,7 +198,7 @@ class LoopProgram(LaneProgram):
             if self._steps[t].neuron < 0:
                 continue
             if step.gather:
-                pairs = dict(gathers(self.lanes)[step.gather.bit_length() - 1])
+                pairs = dict(reduction_steps(self.lanes)[step.gather.bit_length() - 1])
                 added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
             else:
                 weights = self.weights[step.place]
@@ -222,12 +222,12 @@ class LoopProgram(LaneProgram):
             yield step, sums, words
 
 
-def ahead(pipeline: LanePipeline) -> int:
+def wrap_lead(pipeline: LanePipeline) -> int:
     """How many words before its last one a loop says that it ends."""
     return 2 + pipeline.memory_registers
 
 
-def looped(program: LaneProgram, graph: Graph, interval: int) -> LoopProgram:
+def assemble_loop(program: LaneProgram, graph: Graph, interval: int) -> LoopProgram:
     """The loop of ``interval`` words, or of a few less, that computes what a program computes."""
     pipeline, shared = program.pipeline, program.shared
     assert isinstance(pipeline, LanePipeline)
@@ -270,7 +270,7 @@ def _assembled(program: LaneProgram, graph: Graph, loop: LoopSchedule) -> LoopPr
         max(1, places.bit_length()),
         (len(times) - 1).bit_length(),
         max(ago.values(), default=0).bit_length(),
-        len(gathers(shared.lanes)),
+        len(reduction_steps(shared.lanes)),
     )
     words = [0] * length
 
@@ -305,7 +305,7 @@ def _assembled(program: LaneProgram, graph: Graph, loop: LoopSchedule) -> LoopPr
     for n in loop.leaving:
         time = loop.ends[n] + mark
         write(time, late=time // length > firsts)
-    write(length - 1 - ahead(pipeline), wrap=1)
+    write(length - 1 - wrap_lead(pipeline), wrap=1)
     return LoopProgram(
         inputs,
         program.segment_width,

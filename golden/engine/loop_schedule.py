@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Graph, Kind, Neuron, Term
-from golden.engine.lane_groups import Group, LaneGraph, gathers
+from golden.engine.lane_groups import Group, LaneGraph, reduction_steps
 from golden.engine.lane_pipeline import LanePipeline
 
 # The control of a loop looks so many words ahead.
@@ -70,7 +70,7 @@ def sends(group: Group) -> bool:
 
 def sizes_of(shared: LaneGraph) -> list[int]:
     """The steps of each group, with those that add up the sums of lanes."""
-    added = len(gathers(shared.lanes))
+    added = len(reduction_steps(shared.lanes))
     return [
         len(neuron.terms) + added * group.joined
         for neuron, group in zip(shared.graph.neurons, shared.groups, strict=True)

@@ -111,7 +111,8 @@ def first_values(samples: int, earlier: int) -> list[Value]:
 def planned(network: Trained, values: list[Value], met: Sequence[float] = ()) -> list[PlannedLayer]:
     """Every layer of a network whose inputs are ``values``, in codes and formats.
 
-    ``met`` is what ``met_by`` finds on recorded frames; without it every range is from bounds.
+    ``met`` is what ``hidden_peaks`` finds on recorded frames; without it every range is from
+    bounds.
     """
     found: list[PlannedLayer] = []
     for exact in added_up(exact_layers(network), values):
@@ -132,7 +133,8 @@ def integer_networks(
     """Trained networks in whole numbers.
 
     arrangement: "single", "multiple" or "cascade".
-    met: For each network what ``met_by`` finds on recorded frames; empty where there are none.
+    met: For each network what ``hidden_peaks`` finds on recorded frames; empty where there are
+    none.
     segment_width: Bits of a sum within a segment of the table of a function.
 
     A later network of a cascade reads the word of an output, to which half a unit of the output's

@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.numbers.fixed import Fix
 from golden.numbers.real import Real
-from golden.trained.dense import Trained, layers_of, passed
+from golden.trained.dense import Trained, forward_passes, layers_of
 
 # The bits that the largest word of the recorded frames must have, beside its sign, for the bounds
 # to be good enough. A word is rounded by half a unit. The rounding of a weight moves the word by up
@@ -70,30 +70,30 @@ def frac_of(met: float, width: int) -> int:
     )
 
 
-def met_by(network: Trained, inputs: Real) -> tuple[float, ...]:
+def hidden_peaks(network: Trained, inputs: Real) -> tuple[float, ...]:
     """The largest magnitude of the words of each hidden layer, in floating point.
 
     inputs, shape (frames, inputs): Inputs of the network, as signals.
     """
     # Sums that no float holds fit in no format either.
     with np.errstate(over="ignore", invalid="ignore"):
-        *hidden, _ = passed(network, inputs)
+        *hidden, _ = forward_passes(network, inputs)
     # A node with leaky ReLU stores its sum.
     words = (p.sums if p.layer.activation == "leaky_relu" else p.values for p in hidden)
     # Six digits, because the last bits of a sum depend on the machine.
     return tuple(float(f"{np.abs(w).max(initial=0.0):.6g}") for w in words)
 
 
-def reached_by(network: Trained, inputs: Real) -> tuple[tuple[float, float], ...]:
+def function_input_ranges(network: Trained, inputs: Real) -> tuple[tuple[float, float], ...]:
     """The least and the largest sum of each node of the last hidden layer, in floating point.
 
     Only for nodes that have functions of their own; without them there are none. The parameters
-    are those of ``met_by``.
+    are those of ``hidden_peaks``.
     """
     *_, layer, _ = (None, *layers_of(network))
     if layer is None or not layer.functions:
         return ()
-    *_, last, _ = passed(network, inputs)
+    *_, last, _ = forward_passes(network, inputs)
     if not len(last.sums):
         return ()
     ends = zip(last.sums.min(axis=0), last.sums.max(axis=0), strict=True)

@@ -55,7 +55,7 @@ CHANGED = 3
 LONGER = 1
 
 
-class Growing:
+class GraphBuilder:
     """A graph of sums that is still being extended."""
 
     def __init__(self, ends: Ends):
@@ -82,9 +82,9 @@ class Growing:
         self._weights.append(weights)
         return len(self.nodes) - 1
 
-    def copy(self) -> Growing:
+    def copy(self) -> GraphBuilder:
         """Another graph that begins with the same nodes."""
-        other = Growing(self.ends)
+        other = GraphBuilder(self.ends)
         for name, values in vars(self).items():
             if isinstance(values, list):
                 setattr(other, name, list(values))
@@ -100,7 +100,7 @@ class Growing:
         return term[1] + self.widths[term[0]]
 
 
-class Sharing:
+class SubexpressionSearch:
     """Rows of signed terms, in which patterns that occur often become terms of their own.
 
     All first runs of a search begin with the same rows, so these are examined once: each run works
@@ -114,7 +114,7 @@ class Sharing:
     luck: dict[Pattern, int]
     queue: list[tuple[int, int, Pattern]]
 
-    def __init__(self, graph: Growing, rows: list[dict[Term, int]], place: int):
+    def __init__(self, graph: GraphBuilder, rows: list[dict[Term, int]], place: int):
         self.graph, self.rows, self.place = graph, rows, place
         # Runs change copies of the rows, so these stay.
         self.digits = rows
@@ -127,7 +127,7 @@ class Sharing:
         several = sorted(pattern for pattern, found in self.places.items() if len(found) > 1)
         self._first = [(pattern, self._saved(pattern)) for pattern in several]
 
-    def begun(self, spread: int, random: Random) -> Sharing:
+    def begun(self, spread: int, random: Random) -> SubexpressionSearch:
         """A copy for one run, in which chance changes the value of a pattern by ``spread`` %."""
         other = copy(self)
         other.graph, other.rows = self.graph.copy(), [dict(row) for row in self.rows]
@@ -241,7 +241,7 @@ class Sharing:
 
 
 def add_up(
-    graph: Growing, terms: list[tuple[Term, int]], depth: int, place: int
+    graph: GraphBuilder, terms: list[tuple[Term, int]], depth: int, place: int
 ) -> tuple[Term, int]:
     """Add all terms of a row, smallest first, in at most ``depth`` levels if that is possible.
 
@@ -299,7 +299,7 @@ class Matrix:
     place: int
 
 
-def again(matrix: Matrix, best: Sharing, random: Random) -> Sharing:
+def again(matrix: Matrix, best: SubexpressionSearch, random: Random) -> SubexpressionSearch:
     """A run that changes an earlier one: it has other digits of some weights and other shares."""
     rows = [dict(row) for row in best.digits]
     for row, weights in zip(rows, matrix.weights, strict=True):
@@ -310,7 +310,9 @@ def again(matrix: Matrix, best: Sharing, random: Random) -> Sharing:
                 forms = short_forms(weight, len(signed_digits(weight)) + LONGER)
                 form = forms[random.randrange(len(forms))]
                 row.update({(k, place): sign for place, sign in form})
-    sharing = Sharing(Growing(matrix.ends), rows, matrix.place).begun(SPREADS[-1], random)
+    sharing = SubexpressionSearch(GraphBuilder(matrix.ends), rows, matrix.place).begun(
+        SPREADS[-1], random
+    )
     sharing.repeat(best.shares)
     return sharing
 
@@ -336,10 +338,10 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0
         for row in matrix.weights
     ]
     pairs = sum(len(row) ** 2 for row in digits)
-    at_first = Sharing(Growing(matrix.ends), digits, matrix.place)
+    at_first = SubexpressionSearch(GraphBuilder(matrix.ends), digits, matrix.place)
     # For each number of stages the graph with the fewest bits of adders, after these.
     found: dict[int, tuple[int, ShiftAdd]] = {}
-    best: tuple[int, int, Sharing] | None = None
+    best: tuple[int, int, SubexpressionSearch] | None = None
     at_random = max(1, min(RUNS, PAIRS // max(1, pairs)))
     for run in range(runs or at_random):
         if best is None or run < at_random:
@@ -370,14 +372,14 @@ def shared(matrix: Matrix, levels: int, spare: int, operands: int, runs: int = 0
     return more if more_bits * (PAYS + 1) < bits * PAYS else chosen
 
 
-def least_depth(graph: Growing, rows: Sequence[dict[Term, int]]) -> int:
+def least_depth(graph: GraphBuilder, rows: Sequence[dict[Term, int]]) -> int:
     """Levels below which the terms of some row cannot be added up; see ``add_up``."""
     weights = (sum(1 << graph.levels[node] for node, _ in row) for row in rows)
     return max((weight - 1).bit_length() if weight else 0 for weight in weights)
 
 
 def finished(
-    matrix: Matrix, graph: Growing, rows: Sequence[dict[Term, int]], depth: int
+    matrix: Matrix, graph: GraphBuilder, rows: Sequence[dict[Term, int]], depth: int
 ) -> ShiftAdd:
     """The finished graph: the terms of each row added up, low bits dropped, constants put in."""
     place = matrix.place

@@ -76,7 +76,7 @@ class LessonPipeline(Pipeline):
 
 
 @dataclass(frozen=True)
-class Done:
+class StoredSum:
     """A sum that is stored.
 
     address: Where its word goes, as the program says it.
@@ -175,7 +175,7 @@ class LessonProgram:
             found.append(self._read(part, self.pipeline.mark + len(found)))
         return found
 
-    def run(self, part: int, memory: Codes, bank: int, number: int) -> Iterator[Done]:
+    def run(self, part: int, memory: Codes, bank: int, number: int) -> Iterator[StoredSum]:
         """Execute a part, sum by sum.
 
         part: Its number; see ``parts``.
@@ -213,7 +213,7 @@ class LessonProgram:
             if step.store:
                 found = word_of(acc, 0)
                 fits = np.asarray(found == acc >> DROPPED)
-                yield Done(place, acc, found, fits, step.leaves)
+                yield StoredSum(place, acc, found, fits, step.leaves)
                 place = self._after(place)
 
     def steps(self, part: int) -> list[Decoded]:

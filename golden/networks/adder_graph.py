@@ -18,16 +18,16 @@ from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.networks.at_once import AtOnce
 from golden.networks.constants import Constants, Layer, constants_of
-from golden.networks.network import CHUNK
-from golden.networks.settings import Settings
-from golden.networks.whole_layers import (
+from golden.networks.matrix_network import (
     GUARD,
-    Chosen,
+    MatrixOptions,
+    compile_matrices,
     groups_of,
     layer_name,
     tabled,
-    whole_layers,
 )
+from golden.networks.network import CHUNK
+from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.dense import Trained
@@ -57,7 +57,7 @@ class AdderGraph(AtOnce):
 
     A network of one hidden layer of tanh has the weights of every other design
     (``golden.networks.constants``). Any other is compiled from its integer network
-    (``golden.networks.whole_layers``).
+    (``golden.networks.matrix_network``).
     """
 
     block = "adder_graph"
@@ -94,7 +94,7 @@ class AdderGraph(AtOnce):
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         options: dict[str, Any] = {**OPTIONS, **settings.options}
-        chosen = Chosen(
+        chosen = MatrixOptions(
             options["adders_per_clock"],
             options["adder_operands"],
             str(settings.activation_options.get("memory", MEMORY)),
@@ -110,7 +110,7 @@ class AdderGraph(AtOnce):
                 )
             return cls._of_tanh(networks, settings, chosen, variant)
         (network,) = integer_networks("single", networks, settings.met)
-        found = whole_layers(network, chosen)
+        found = compile_matrices(network, chosen)
         return cls(
             found.layers,
             found.activations,
@@ -122,7 +122,7 @@ class AdderGraph(AtOnce):
 
     @classmethod
     def _of_tanh(
-        cls, networks: Sequence[Trained], settings: Settings, chosen: Chosen, variant: str
+        cls, networks: Sequence[Trained], settings: Settings, chosen: MatrixOptions, variant: str
     ) -> Self:
         """The design of networks of one hidden layer of tanh."""
         constants = beside([constants_of(mlp, settings) for mlp in cls.plain(networks)])

@@ -13,13 +13,13 @@ from golden.engine.graph import Graph
 from golden.engine.image import own_image
 from golden.engine.integer_network import IntegerNetwork
 from golden.engine.lane_accumulate import LaneAccumulate
-from golden.engine.lane_groups import shared_out
+from golden.engine.lane_groups import assign_to_lanes
 from golden.engine.lane_image import LaneSizes
 from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
-from golden.engine.loop_program import LoopProgram, looped
+from golden.engine.loop_program import LoopProgram, assemble_loop
 from golden.engine.loop_schedule import shortest_loop
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.program_memory import ProgramMemory
@@ -82,7 +82,7 @@ class Lanes(Engine):
             acc_width = loaded.sizes.acc_width
             program = loaded.program
             assert isinstance(program, LaneProgram)
-            program = replace(program, shared=shared_out(graph, lanes, every=True))
+            program = replace(program, shared=assign_to_lanes(graph, lanes, every=True))
         else:
             table = joined(graph.functions, width)
             if settings.lean:
@@ -107,7 +107,7 @@ class Lanes(Engine):
             raise InputError(
                 f"hardware.interval: got {interval} with reload, expected {built.interval} or more"
             )
-        return replace(built, program=looped(built.program, graph, interval))
+        return replace(built, program=assemble_loop(built.program, graph, interval))
 
     @classmethod
     def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:

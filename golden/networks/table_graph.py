@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from golden.common.block import Block
-from golden.common.flow import Carried, Flow
+from golden.common.flow import Flow, Wire
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
@@ -305,15 +305,15 @@ def _(design: TableGraph) -> Flow:
     hidden, output = design.hidden, design.output
     return Flow(
         (
-            Carried(f"{design.inputs} x", design.sample_fmt),
+            Wire(f"{design.inputs} x", design.sample_fmt),
             None,
-            Carried(f"{len(design.first)} words of tables", hidden.in_fmt),
+            Wire(f"{len(design.first)} words of tables", hidden.in_fmt),
             hidden,
-            Carried(f"{len(hidden.weights)} s", hidden.out_fmt),
+            Wire(f"{len(hidden.weights)} s", hidden.out_fmt),
             None,
-            Carried(f"{len(design.second)} words of tables", output.in_fmt),
+            Wire(f"{len(design.second)} words of tables", output.in_fmt),
             output,
-            Carried(f"{design.outputs} y", output.out_fmt),
+            Wire(f"{design.outputs} y", output.out_fmt),
         ),
         across=True,
     )

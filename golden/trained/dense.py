@@ -206,7 +206,7 @@ class DenseNetwork:
         ``activation`` replaces tanh in the layers that have tanh.
         """
         outputs = np.asarray(frames, dtype=np.float64)
-        for found in passed(self, outputs, activation):
+        for found in forward_passes(self, outputs, activation):
             outputs = found.outputs
         return outputs
 
@@ -253,7 +253,9 @@ class Pass:
     outputs: Real
 
 
-def passed(network: Trained, frames: ArrayLike, activation: Activation = tanh) -> Iterator[Pass]:
+def forward_passes(
+    network: Trained, frames: ArrayLike, activation: Activation = tanh
+) -> Iterator[Pass]:
     """Frames, shape (..., inputs), in each layer of a network, in double precision.
 
     ``activation`` replaces tanh in the layers that have tanh.

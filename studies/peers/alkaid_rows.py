@@ -29,7 +29,7 @@ WAYS: dict[str, tuple[str, Edits]] = {
 LEFT_OUT = {"digit-fast-full": 2}
 
 
-def brought(folder: Path) -> Path:
+def download(folder: Path) -> Path:
     """The Python of an environment with alkaid; see ``installed``."""
     return installed(folder, "alkaid")
 

@@ -8,7 +8,7 @@ from golden.numbers.fixed import Codes
 from studies.peers.comparison import MAIN, Row, Task
 from studies.peers.installed import run
 from studies.peers.program import HERE, SOURCE, model, timed, written
-from studies.peers.simulated import agree
+from studies.peers.simulated import assert_equal_outputs
 
 NAME = "ATmega328P"
 PACKAGES = "gcc-avr avr-libc gcc libc6-dev libsimavr-dev libelf-dev"
@@ -16,7 +16,7 @@ COMPILER = ["avr-gcc", f"-mmcu={NAME.lower()}", "-O2"]
 SIMULATOR = "simulate"
 
 
-def brought(folder: Path) -> Path:
+def download(folder: Path) -> Path:
     """The simulator, which is simavr with ``avr_bench.c``, compiled into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     bench = str(HERE / "avr_bench.c")
@@ -56,6 +56,6 @@ def rows(simulator: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[R
     outputs = model(task)
     measured, stack = played(simulator, task.frames, outputs.shape[1], folder)
     found, clocks, interval = measured
-    agree(NAME, found, outputs)
+    assert_equal_outputs(NAME, found, outputs)
     name = f"{NAME}, program in C, {flash} bytes of flash and {ram + stack} of RAM"
     yield Row(task.name, name, None, clocks, interval, task.errors(outputs))

@@ -10,7 +10,7 @@ from tactus.core.files import replace_folder
 
 
 def cloned(folder: Path, repository: str, commit: str, files: Mapping[str, str]) -> Path:
-    """A folder with some files of a commit, which are brought if they are not there.
+    """A folder with some files of a commit, which are downloaded if they are not there.
 
     repository: Its URL.
     files: The path in the repository of each file, by its path in the folder.

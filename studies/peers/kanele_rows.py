@@ -18,7 +18,7 @@ from golden.numbers.fixed import Codes
 from studies.peers.cells import in_one_piece
 from studies.peers.cloned import cloned
 from studies.peers.comparison import BEANS, JETS, WINE, Row, Task
-from studies.peers.simulated import agree, check
+from studies.peers.simulated import assert_equal_outputs, check
 
 REPOSITORY = "https://github.com/Duchstf/KANELE"
 COMMIT = "9b9621f15e5a2a2a2e688e2060fcb8b75e548e8f"
@@ -78,7 +78,7 @@ class Layer:
         return result
 
 
-def brought(folder: Path) -> Path:
+def download(folder: Path) -> Path:
     """A folder with the files of every network; see ``cloned``."""
     files = {
         f"{network}/{Path(file).name}": f"{path}/{file}"
@@ -184,7 +184,7 @@ def rows(place: Path, _tasks: Mapping[str, Task], folder: Path) -> Iterator[Row]
         )
         layers = layers_of(config, tables)
         name = f"KANELÉ, {network}"
-        agree(name, processed(layers, theirs), expected)
+        assert_equal_outputs(name, processed(layers, theirs), expected)
         more = np.random.default_rng(1).integers(
             0, 1 << layers[0].width, (RANDOM_FRAMES, theirs.shape[1])
         )

@@ -31,7 +31,7 @@ CLASSES = {
 }
 
 
-def brought(folder: Path) -> Path:
+def download(folder: Path) -> Path:
     """Nothing is needed but this project."""
     return folder
 

@@ -13,7 +13,7 @@ from studies.peers.cells import in_one_piece
 from studies.peers.comparison import MAIN, Row, Task
 from studies.peers.installed import installed, run
 from studies.peers.program import HERE, SOURCE, model, timed, written
-from studies.peers.simulated import agree
+from studies.peers.simulated import assert_equal_outputs
 
 PACKAGE = "pythondata-cpu-serv"
 TOOLS = "riscv64-unknown-elf"
@@ -24,7 +24,7 @@ MEMORY = 16384
 SIMULATED = 4
 
 
-def brought(folder: Path) -> Path:
+def download(folder: Path) -> Path:
     """The folder with SERV's Verilog, in an environment with its package; see ``installed``."""
     try:
         run([f"{TOOLS}-gcc", "--version"])
@@ -68,6 +68,6 @@ def rows(verilog: Path, tasks: Mapping[str, Task], folder: Path) -> Iterator[Row
         shutil.copy(file, folder)
     outputs = model(task)
     found, clocks, interval = played(task.frames[:SIMULATED], outputs.shape[1], folder)
-    agree("SERV", found, outputs[:SIMULATED])
+    assert_equal_outputs("SERV", found, outputs[:SIMULATED])
     cells = in_one_piece(folder, "peer")
     yield Row(task.name, "SERV, program in C", cells, clocks, interval, task.errors(outputs))

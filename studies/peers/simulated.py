@@ -42,10 +42,12 @@ def check(
 
     The parameters are those of ``simulated``.
     """
-    agree(name, simulated(verilog, frames, expected.shape[1], clocks, widths), expected)
+    assert_equal_outputs(
+        name, simulated(verilog, frames, expected.shape[1], clocks, widths), expected
+    )
 
 
-def agree(name: str, found: Codes, expected: Codes) -> None:
+def assert_equal_outputs(name: str, found: Codes, expected: Codes) -> None:
     """Refuse outputs that differ from those of a model."""
     wrong = int((found != expected).any(axis=1).sum())
     if wrong:

@@ -1,7 +1,7 @@
 """Our hardware and that of other projects for the same weights, counted by one tool.
 
 Each project comes into a folder of its own below ``build/peers``. Where it cannot be had, its rows
-are left out, and the reason is printed. A peer is a module: ``brought`` brings what it needs into
+are left out, and the reason is printed. A peer is a module: ``download`` brings what it needs into
 a folder, and ``rows`` yields its rows.
 """
 

@@ -17,7 +17,7 @@ from tactus.boards import Board, board_names, load_board
 from tactus.boards.bitstream import Report, Sources, build, sources
 from tactus.boards.families import FAMILIES
 from tactus.boards.record import record_path, write_record
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
@@ -44,7 +44,7 @@ def main() -> None:
     place = board.name if own else f"{board.name}-{board.device}"
     folder = arguments.build / scene.name / "bitstream" / place
     name = f"{scene.name}{FAMILIES[board.family].suffix}"
-    would(f"synthesise, place and route scene {scene.name} and write {folder / name}")
+    stop_if_dry_run(f"synthesise, place and route scene {scene.name} and write {folder / name}")
     with (
         replace_folder(folder) as temporary,
         Progress(f"{scene.name} on {board.title}", 2, "steps", alike=False) as progress,

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tactus.boards import Board, load_board
 from tactus.boards.bitstream import Report, build, sources
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import read_json, write_json
 from tactus.core.progress import Progress
 from tactus.export.exporter import export
@@ -59,7 +59,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene, board = load_scene(arguments.scene), load_board(arguments.board)
     wanted = variants(scene)
-    would(f"place {len(wanted)} variants of scene {scene.name} on {board.title}")
+    stop_if_dry_run(f"place {len(wanted)} variants of scene {scene.name} on {board.title}")
     found = {}
     with Progress(f"{scene.name} on {board.title}", len(wanted), "variants") as progress:
         for name, variant in wanted.items():

@@ -24,7 +24,7 @@ from tactus.certify.delivered import (
     LANGUAGES,
     SCRIPT,
     STEPS,
-    Wanted,
+    CertifyOptions,
     check,
     deliver,
     write_digests,
@@ -32,7 +32,7 @@ from tactus.certify.delivered import (
 from tactus.certify.page import write_page
 from tactus.certify.picture import draw_page, picture_file
 from tactus.certify.results import OUTPUT, StepResult, read_results
-from tactus.core.cli import run, whole, would
+from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.core.files import check_output, check_room, replace_folder
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
@@ -48,7 +48,7 @@ MOST = 100_000
 SILENCE = 15.0
 
 
-def certify(scene: Scene, wanted: Wanted, build: Path = BUILD) -> list[StepResult]:
+def certify(scene: Scene, wanted: CertifyOptions, build: Path = BUILD) -> list[StepResult]:
     """Write the certificate of a scene; return what its script and the benches found."""
     with (
         stage(f"{scene.name}: exporting"),
@@ -77,7 +77,7 @@ def _tell(text: str) -> None:
     print(f"  {text}", flush=True)
 
 
-def _running(folder: Path, wanted: Wanted) -> str:
+def _running(folder: Path, wanted: CertifyOptions) -> str:
     """The step of the script that runs, which is the one behind the last result."""
     due = [step for step in STEPS if step != CELLS or wanted.families]
     done = len(read_results(folder))
@@ -143,8 +143,8 @@ def main() -> int:
         check_output(arguments.picture, scene.own_files, force=arguments.force, key="PICTURE")
     families = chosen(arguments.netlist) if arguments.netlist else []
     folder = BUILD / scene.name / "certificate"
-    would(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
-    wanted = Wanted(
+    stop_if_dry_run(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
+    wanted = CertifyOptions(
         arguments.frames,
         arguments.seed,
         tuple(name for name in families if name != UNKNOWN),

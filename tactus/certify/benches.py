@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from tactus.certify.results import StepResult
 from tactus.certify.reused import same_bytes
 from tactus.report.measure.table import Cell, Table
-from tactus.verify.benches.kept import run_kept
+from tactus.verify.benches.kept_results import run_kept
 from tactus.verify.benches.results import chosen
 from tactus.verify.benches.runner import Job, Outcome, run_jobs
 
@@ -21,7 +21,7 @@ REASONS = 3
 
 
 @dataclass(frozen=True)
-class Benched:
+class BenchResult:
     """What is known of the bench of one entity.
 
     job: Of an entity around networks it has recorded frames alone, and then no border is asked for.
@@ -43,7 +43,7 @@ class Benched:
 
 def run_benches(
     entities: Sequence[Job], drawn: Sequence[Job], tell: Callable[[str], None]
-) -> list[Benched]:
+) -> list[BenchResult]:
     """Run the benches of the drawn ones among all entities, but for those that have a record."""
     # An instrument or a cascade takes minutes, and its networks have benches of their own.
     around = {job.entity for job in chosen(list(entities)) if job.test}
@@ -53,15 +53,15 @@ def run_benches(
         return run_kept(job)
 
     jobs = [replace(job, test="recorded") if job.entity in around else job for job in drawn]
-    known = {job.entity: Benched(job, True) for job in jobs if same_bytes(job, "coverage")}
+    known = {job.entity: BenchResult(job, True) for job in jobs if same_bytes(job, "coverage")}
     new = [job for job in jobs if job.entity not in known]
     for outcome in run_jobs(new, lambda _: None, work=bench):
         complaint = "" if outcome.passed else outcome.complaint()
-        known[outcome.job.entity] = Benched(outcome.job, False, outcome.compared, complaint)
+        known[outcome.job.entity] = BenchResult(outcome.job, False, outcome.compared, complaint)
     return [known[job.entity] for job in jobs]
 
 
-def bench_result(benches: Sequence[Benched], entities: int) -> StepResult:
+def bench_result(benches: Sequence[BenchResult], entities: int) -> StepResult:
     """What the benches found, as a step. It is amber where something was not asked for."""
     failed = [f"{one.job.entity}: {one.complaint}" for one in benches if one.complaint]
     if failed:
@@ -80,7 +80,7 @@ def bench_result(benches: Sequence[Benched], entities: int) -> StepResult:
     return StepResult("amber" if short or len(benches) < entities else "green", STEP, figure)
 
 
-def bench_table(benches: Sequence[Benched]) -> Table:
+def bench_table(benches: Sequence[BenchResult]) -> Table:
     """What each bench reaches, and what cannot be reached and why."""
     rows: list[list[Cell]] = []
     for one in benches:
@@ -117,13 +117,13 @@ def bench_table(benches: Sequence[Benched]) -> Table:
     )
 
 
-def _reached(one: Benched) -> list[str]:
+def _reached(one: BenchResult) -> list[str]:
     """The borders that the bench has reached; one that leaves out a border fails."""
     borders = one.job.twin.borders if one.whole and not one.complaint else ()
     return [border.name for border in borders if not border.unreachable]
 
 
-def _said(one: Benched) -> str:
+def _said(one: BenchResult) -> str:
     if one.complaint:
         return "failed"
     return "passed" if one.whole else "passed with recorded frames"

@@ -16,7 +16,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.networks.network import Network
-from tactus.certify.benches import Benched, run_benches
+from tactus.certify.benches import BenchResult, run_benches
 from tactus.certify.cells import write_cells
 from tactus.certify.equality import write_equality
 from tactus.certify.every_frame import write_every_frame
@@ -49,7 +49,7 @@ LANGUAGES = ("vhdl", "verilog")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class CertifyOptions:
     """What a user may ask of a certificate.
 
     frames: The number of random frames; None for the usual one.
@@ -67,7 +67,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Delivered:
+class Certificate:
     """What was written, beside the files.
 
     jobs: The entities.
@@ -79,13 +79,13 @@ class Delivered:
     jobs: list[Job]
     frames: PlayedFrames
     properties: list[tuple[Job, Property]]
-    benches: list[Benched]
+    benches: list[BenchResult]
     families: tuple[str, ...]
 
 
 def deliver(
-    scene: Scene, build: Path, folder: Path, wanted: Wanted, tell: Callable[[str], None]
-) -> Delivered:
+    scene: Scene, build: Path, folder: Path, wanted: CertifyOptions, tell: Callable[[str], None]
+) -> Certificate:
     """Write everything but the page into an empty folder.
 
     scene: It is exported into ``build`` in both languages.
@@ -111,7 +111,7 @@ def deliver(
         tell(f"cells of {family}")
         write_cells(entities[0], family, folder)
     _write_script(scene, design, frames, {job.entity for job, _ in properties}, folder)
-    return Delivered(scene, design, entities, frames, properties, benches, wanted.families)
+    return Certificate(scene, design, entities, frames, properties, benches, wanted.families)
 
 
 def _write_inputs(scene: Scene, design: Network, folder: Path) -> None:

@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from tactus.certify.benches import STEP as BENCHES
 from tactus.certify.benches import bench_table
-from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, Delivered
+from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, Certificate
 from tactus.certify.nearness import nearness
 from tactus.certify.results import StepResult
 from tactus.core.machine import facts, versions
@@ -67,7 +67,7 @@ class Content:
 
 
 def write_page(
-    made: Delivered,
+    made: Certificate,
     results: list[StepResult],
     digests: dict[str, str],
     folder: Path,
@@ -90,7 +90,7 @@ def write_page(
 
 
 def content(
-    made: Delivered,
+    made: Certificate,
     results: list[StepResult],
     digests: dict[str, str],
 ) -> Content:

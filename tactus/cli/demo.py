@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from golden.networks.left_out import left_out
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import closing
@@ -194,7 +194,7 @@ def main() -> int:
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     with stage(f"demo: reading {' and '.join(names)}"):
         scenes = [ready_scene(name) for name in names]
-    would(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
+    stop_if_dry_run(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
     with held(BUILD / scene.name for scene in scenes):
         code = demonstrate(scenes, arguments.full)
     if code == 0:

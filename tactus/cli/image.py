@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.scene import load_scene
 from tactus.scene.image import scene_image
@@ -21,7 +21,7 @@ def main() -> None:
     hardware = load_scene(arguments.hardware) if arguments.hardware else scene
     image = scene_image(scene, hardware_of(hardware))
     folder = arguments.build / scene.name / "image"
-    would(f"write {folder}")
+    stop_if_dry_run(f"write {folder}")
     write_image(image, scene.name, folder)
     sizes, data = image.sizes, image.to_bytes()
     print(

@@ -20,7 +20,7 @@ from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.learning_engine import LearningEngine
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.scene import load_scene
 
 
@@ -31,12 +31,12 @@ def main() -> None:
     blocks = list(walk(scene.twin()))
     matrices = [block for block in blocks if isinstance(block, ConstantMatrix)]
     if matrices:
-        would(f"print the adders of {len(matrices)} matrices")
+        stop_if_dry_run(f"print the adders of {len(matrices)} matrices")
         print("\n\n".join("\n".join(adders(matrix)) for matrix in matrices))
         return
     lessons = [block for block in blocks if isinstance(block, LearningEngine)]
     if lessons:
-        would(f"print the program of {lessons[0].entity}")
+        stop_if_dry_run(f"print the program of {lessons[0].entity}")
         print("\n".join(lesson_listing(lessons[0].program)))
         return
     engines = [block for block in blocks if isinstance(block, Engine)]
@@ -46,7 +46,7 @@ def main() -> None:
             f"{Engine.block}, {Lanes.block} or {AdderGraph.block}"
         )
     (engine,) = engines
-    would(f"print the program of {engine.entity}")
+    stop_if_dry_run(f"print the program of {engine.entity}")
     if isinstance(engine.program, LoopProgram):
         lines = loop_listing(engine.graph, engine.program)
     elif isinstance(engine.program, LaneProgram):

@@ -5,13 +5,13 @@ import sys
 from pathlib import Path
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import check_output
 from tactus.network_files.network_file import check_target, write_network
-from tactus.scene import Member, Scene, load_scene
+from tactus.scene import Scene, SceneNetwork, load_scene
 
 
-def member_of(scene: Scene, output: str | None) -> Member:
+def member_of(scene: Scene, output: str | None) -> SceneNetwork:
     """The network that computes ``output``, which may be None if the scene has one network."""
     if output is None and len(scene.members) == 1:
         return scene.members[0]
@@ -35,7 +35,7 @@ def main() -> None:
     network = member_of(scene, arguments.output).load()
     check_target(arguments.file)
     check_output(arguments.file, scene.own_files, force=arguments.force)
-    would(f"write {arguments.file}")
+    stop_if_dry_run(f"write {arguments.file}")
     write_network(arguments.file, network)
     print(f"wrote {arguments.file}, {':'.join(str(n) for n in network.shape)}")
 

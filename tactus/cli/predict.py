@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from golden.input_error import InputError
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.table import read_csv_file
 from tactus.rig.predict import Prediction, check_place, predict, readings_of, write_prediction
 from tactus.rig.trained_on import trained_on
@@ -48,7 +48,7 @@ def main() -> None:
             f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
             f"of {scene.path} reaches back"
         )
-    would(f"write {path}")
+    stop_if_dry_run(f"write {path}")
     known, which = trained_on(scene)
     found = predict(scene, readings, known)
     write_prediction(scene, recording, found, path)

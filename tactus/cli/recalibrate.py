@@ -16,7 +16,7 @@ import numpy as np
 
 from golden.input_error import InputError, naming
 from golden.numbers.real import Real
-from tactus.core.cli import numbers, run, would
+from tactus.core.cli import numbers, run, stop_if_dry_run
 from tactus.recalibration.choice import (
     MOST_PLACEMENTS,
     REPEATS,
@@ -135,7 +135,7 @@ def _noise(scene: Scene, stated: list[float], repeats: Real | None) -> tuple[Rea
 def propose(scene: Scene, stated: list[float], expected: Expected) -> None:
     """Print the placements that lower the expected error most."""
     noise, source = _noise(scene, stated, None)
-    would(f"print placements that tell most of the sensors of scene {scene.name}")
+    stop_if_dry_run(f"print placements that tell most of the sensors of scene {scene.name}")
     recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)), expected.drift)
     if noise is not None:
         recorded = replace(recorded, noise=noise)
@@ -200,7 +200,7 @@ def recalibrate(
             f"least {LEAST_FREE} repeats, from which the noise of a reading is estimated: a column "
             f"{COLUMN!r} says which rows are one; or give NOISE=, in the unit of the readings"
         )
-    would(f"tell what a correction gains, and write {target} if it surely gains")
+    stop_if_dry_run(f"tell what a correction gains, and write {target} if it surely gains")
     recorded = Sensitivity.of(scene, noise, expected.drift)
     found = fit(recorded, placements)
     left, ahead = left_out(recorded, placements, found), outlook(recorded, found)
@@ -242,7 +242,7 @@ def _refusal(
     if helps(recorded, placements, found, left):
         return ""
     if planned(recorded, found.root).enough:
-        if not left.closer:
+        if not left.improves:
             return (
                 "placements that are left out come out no closer with a correction that is fitted "
                 "to the others"

@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 
 from golden.input_error import InputError
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import check_file, check_folder, check_writable
 from tactus.core.finding import refuse
 from tactus.core.table import read_csv_file
 from tactus.rig import class_counts, sensors_tell
-from tactus.rig.brought import brought
+from tactus.rig.network_of_others import brought
 from tactus.rig.survey import survey
 from tactus.rig.write_scene import check_sensors, names_of, write_scene
 from tactus.scene import load_scene
@@ -62,7 +62,7 @@ def main() -> None:
     if hardware:
         check_sensors(found, hardware)
     network = brought(arguments.network, found) if arguments.network else None
-    would(f"write {path}")
+    stop_if_dry_run(f"write {path}")
     scene = write_scene(found, path, hardware, network)
     for finding in class_counts.findings(scene):
         print(finding)

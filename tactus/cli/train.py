@@ -16,7 +16,7 @@ import scipy
 from golden.input_error import InputError
 from golden.trained.dense import Trained
 from tactus.core import store
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.closure import code
 from tactus.core.files import check_output
 from tactus.core.finding import refuse
@@ -107,7 +107,7 @@ def main() -> None:
             force=arguments.force,
             key="network.weights",
         )
-    would(
+    stop_if_dry_run(
         f"train {len(scene.members)} networks and write {', '.join(map(str, scene.weights_paths))}"
     )
     with computed_on(arguments.cluster):

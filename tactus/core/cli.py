@@ -73,7 +73,7 @@ def dry() -> bool:
     return os.environ.get("DRY", "") not in ("", "0")
 
 
-def would(work: str) -> None:
+def stop_if_dry_run(work: str) -> None:
     """End a command here if ``DRY=1`` is set, and print the work that is left.
 
     A command calls this as soon as it has checked everything that it was given.

@@ -80,7 +80,7 @@ def write(asked: Key, answer: Any, build: Path = BUILD) -> Any:
     return kept
 
 
-def once(asked: Key, work: Callable[[], Any], build: Path = BUILD) -> Any:
+def cached(asked: Key, work: Callable[[], Any], build: Path = BUILD) -> Any:
     """The kept answer. If there is none, the answer of ``work``, which is kept from now on."""
     found = read(asked, build)
     return write(asked, work(), build) if found is None else found

@@ -9,7 +9,7 @@ import shlex
 from itertools import product
 from pathlib import Path
 
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
@@ -38,7 +38,7 @@ def main() -> None:
     folders = [arguments.build / scene.name / tongue for scene in scenes for tongue in languages]
     with stage(f"building {' and '.join(scene.name for scene in scenes)}", quick=True):
         tops = [scene.twin().entity for scene in scenes]
-    would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
+    stop_if_dry_run(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
     with held(arguments.build / scene.name for scene in scenes):
         for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
             with stage(f"exporting {scene.name} as {tongue}", quick=True):

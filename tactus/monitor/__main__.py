@@ -6,7 +6,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from tactus.core.cli import MOST_SEED, numbers, run, whole, would
+from tactus.core.cli import MOST_SEED, numbers, run, stop_if_dry_run, whole
 from tactus.core.progress import CLEAR
 from tactus.monitor.board import MOST_BAUD, board_of
 from tactus.monitor.csv_file import GrowingCsv
@@ -67,7 +67,7 @@ def main() -> None:
     if drift:
         refuse_drift(arguments.port)
     board = board_of(arguments.scene, arguments.hardware)
-    would(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
+    stop_if_dry_run(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
     with ExitStack() as stack:
         line = stack.enter_context(open_line(arguments.port, arguments.baud, board, drift))
         csv = None

@@ -7,7 +7,7 @@ import time
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
-from tactus.core.cli import run, whole, would
+from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.monitor.board import MOST_BAUD, Board, board_of
 from tactus.monitor.line import Line
 from tactus.monitor.ports import open_line
@@ -86,7 +86,7 @@ def main() -> None:
     board = board_of(arguments.scene, arguments.hardware)
     check_readings(board)
     hardware_of(board.hardware)
-    would(f"send the image of scene {board.scene.name} to {arguments.port}")
+    stop_if_dry_run(f"send the image of scene {board.scene.name} to {arguments.port}")
     with open_line(arguments.port, arguments.baud, board) as line:
         count = load(line, board)
         print(f"{line.label}: {board.scene.name} runs, {count} bytes")

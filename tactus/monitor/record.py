@@ -13,7 +13,7 @@ from golden.input_error import InputError, suggest
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.numbers.real import Real
-from tactus.core.cli import run, whole, would
+from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.core.files import same_file
 from tactus.core.finding import fault, refuse
 from tactus.core.table import read_csv_file
@@ -245,7 +245,7 @@ def main() -> None:
             raise InputError(f"TO={to}: is read by this command, expected another file")
         outputs, placements = labels_of(labels, board.scene.outputs)
         check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
-    would(f"record readings from {arguments.port} into {to}")
+    stop_if_dry_run(f"record readings from {arguments.port} into {to}")
     with (
         open_line(arguments.port, arguments.baud, board) as line,
         GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,

@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.machine import closing
 from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv
@@ -75,7 +75,7 @@ def main() -> None:
     parser.add_argument("scene", nargs="?", default="digit-board")
     scene = parser.parse_args().scene
     board = board_of(scene)
-    would(f"measure how many packets of scene {scene} are shown in a second")
+    stop_if_dry_run(f"measure how many packets of scene {scene} are shown in a second")
     began = time.perf_counter()
     layout, rate = board.layout, board.baud / 10 / board.layout.packet_bytes
     print(f"{layout.packet_bytes} bytes a packet: {rate:.0f} a second at {board.baud} baud")

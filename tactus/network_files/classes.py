@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from golden.input_error import InputError
-from tactus.network_files.held import Held
+from tactus.network_files.parsed import ParsedNetwork
 
 
-def for_labels(path: Path, held: Held, labels: Sequence[str]) -> Held:
+def for_labels(path: Path, held: ParsedNetwork, labels: Sequence[str]) -> ParsedNetwork:
     """The network of a file with an output for each label, in the order of the labels.
 
     A network of one output tells two classes apart: it is the second one where the output is above
@@ -47,7 +47,7 @@ def for_labels(path: Path, held: Held, labels: Sequence[str]) -> Held:
     return replace(held, arrays=held.arrays | {f"w{last}": weights, f"b{last}": biases})
 
 
-def file_labels(held: Held) -> tuple[str, ...]:
+def file_labels(held: ParsedNetwork) -> tuple[str, ...]:
     """The labels in a classifier's file, as texts; empty if it has none."""
     return tuple(map(str, held.ending.labels)) if held.ending else ()
 
@@ -58,7 +58,7 @@ def stand_for_order(found: Sequence[str], labels: Sequence[str]) -> bool:
     return list(found) == counted and sorted(labels) != sorted(counted)
 
 
-def _ends_in_sigmoid(held: Held) -> bool:
+def _ends_in_sigmoid(held: ParsedNetwork) -> bool:
     """Whether the last layer only passes on the values of a sigmoid."""
     last = len(held.activations) + 1
     weights, biases = (np.asarray(held.arrays[f"{kind}{last}"]) for kind in "wb")
@@ -66,7 +66,7 @@ def _ends_in_sigmoid(held: Held) -> bool:
     return held.activations[-1:] == ("sigmoid",) and passes_on
 
 
-def _without_last(held: Held) -> Held:
+def _without_last(held: ParsedNetwork) -> ParsedNetwork:
     """The same network, with the sums of the layer before the last as its outputs."""
     last = len(held.activations) + 1
     arrays = {k: array for k, array in held.arrays.items() if k not in (f"w{last}", f"b{last}")}

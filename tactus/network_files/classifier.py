@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tactus.network_files.held import Ending, Label
+from tactus.network_files.parsed import Ending, Label
 from tactus.network_files.quantisers import Refuse, attributes_of
 
 BEGINNINGS = ("Softmax", "LogSoftmax", "ArgMax")

@@ -10,8 +10,8 @@ from golden.input_error import InputError
 from golden.trained.dense import Trained
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.held import Held
 from tactus.network_files.numbers import real_numbers
+from tactus.network_files.parsed import ParsedNetwork
 
 # Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
 TRANSPOSED = True
@@ -19,7 +19,7 @@ VARIABLE = "network"
 FIELDS = ("w1", "b1", "w2", "b2")
 
 
-def read(path: Path) -> Held:
+def read(path: Path) -> ParsedNetwork:
     """The arrays of the only structure in the file that has the fields w1, b1, w2 and b2.
 
     The structure may have any name; the fields may also be variables of the file itself.
@@ -36,7 +36,7 @@ def read(path: Path) -> Held:
             f"one with the fields {', '.join(FIELDS)}"
         )
     arrays = {name: real_numbers(path, name, found[0][name]) for name in FIELDS}
-    return Held(
+    return ParsedNetwork(
         {
             "w1": arrays["w1"].T,
             "b1": arrays["b1"].ravel(),

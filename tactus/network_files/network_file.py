@@ -28,7 +28,7 @@ from tactus.core.files import (
     same_file,
 )
 from tactus.network_files.classes import for_labels
-from tactus.network_files.held import Held
+from tactus.network_files.parsed import ParsedNetwork
 
 # The module of a format is imported only when a file needs it. Those for .mat and .onnx take half a
 # second to import, and every bench reads a scene when it starts.
@@ -105,11 +105,11 @@ def load_network(
     return network_of(layers)
 
 
-def held_in(path: Path) -> Held:
+def held_in(path: Path) -> ParsedNetwork:
     """The content of the network file at ``path``."""
     form = _form(path)
     check_file(path)
-    held: Held = form.read(path)
+    held: ParsedNetwork = form.read(path)
     return held
 
 

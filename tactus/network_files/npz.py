@@ -11,8 +11,8 @@ from golden.trained.dense import Quantiser, Trained, layers_of
 from golden.trained.function import Function
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.held import Held
 from tactus.network_files.numbers import real_numbers
+from tactus.network_files.parsed import ParsedNetwork
 
 # In this format, the rows of a weight matrix are nodes.
 TRANSPOSED = False
@@ -27,7 +27,7 @@ ROUNDINGS = ("even", "away", "floor")
 SPLINE = "spline_"
 
 
-def read(path: Path) -> Held:
+def read(path: Path) -> ParsedNetwork:
     """Read every array of an NPZ file as float64, and the activations."""
     if not zipfile.is_zipfile(path):
         raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
@@ -36,7 +36,7 @@ def read(path: Path) -> Held:
     named = arrays.pop(ACTIVATIONS, None)
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
     if named is None:
-        return Held(numbers)
+        return ParsedNetwork(numbers)
     splines = {name: numbers.pop(name) for name in list(numbers) if name.startswith(SPLINE)}
     with naming(f"{path}"):
         functions = tuple(
@@ -62,7 +62,7 @@ def read(path: Path) -> Held:
     with naming(f"{path}: {QUANTISERS}"):
         found = tuple(map(_quantiser, rows.tolist()))
     texts, slopes = tuple(named.tolist()), tuple(leaks.tolist())
-    return Held(numbers, texts, slopes, found, functions=functions)
+    return ParsedNetwork(numbers, texts, slopes, found, functions=functions)
 
 
 def _quantiser(row: list[float]) -> Quantiser | None:

@@ -23,8 +23,8 @@ from golden.trained.mlp import shifted
 from tactus.core.files import reading
 from tactus.network_files import classifier, quantisers
 from tactus.network_files.functions import EXPRESSIONS, function_of
-from tactus.network_files.held import Held
 from tactus.network_files.numbers import real_numbers
+from tactus.network_files.parsed import ParsedNetwork
 
 # Whatever their order in the file, weights are described with nodes in rows.
 TRANSPOSED = False
@@ -209,7 +209,7 @@ class _Chain:
         return np.broadcast_to(values, width)
 
 
-def read(path: Path) -> Held:
+def read(path: Path) -> ParsedNetwork:
     """The layers of a network that PyTorch, Keras or scikit-learn has exported.
 
     The graph must be layers of Gemm or MatMul, each but the last followed by one of
@@ -273,7 +273,7 @@ def read(path: Path) -> Held:
     arrays: dict[str, Real] = {}
     for n, layer in enumerate(layers, start=1):
         arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
-    return Held(
+    return ParsedNetwork(
         arrays,
         tuple(layer.activation for layer in layers[:-1]),
         tuple(layer.leak for layer in layers[:-1]),

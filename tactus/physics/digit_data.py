@@ -13,7 +13,7 @@ import numpy as np
 from golden.numbers.domain import checked
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import check_writable
 from tactus.core.fingerprint import ROOT
 from tactus.core.table import read_table, write_table
@@ -77,7 +77,7 @@ def main() -> None:
     parser.add_argument("--noise", type=float, default=NOISE, help="V")
     arguments = parser.parse_args()
     check_writable([arguments.file])
-    would(f"write {arguments.rows} rows into {arguments.file}")
+    stop_if_dry_run(f"write {arguments.rows} rows into {arguments.file}")
     data = digit_data(arguments.rows, arguments.seed, arguments.noise)
     write_table(arguments.file, [*SENSORS, *COLUMNS], data, 4)
     print(f"wrote {arguments.file}: {arguments.rows} rows, seed {arguments.seed}")

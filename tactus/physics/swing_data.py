@@ -21,7 +21,7 @@ from golden.input_error import InputError
 from golden.numbers.domain import checked
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.table import write_table
 from tactus.physics.conditioning import Conditioning, ReflectiveSensor
@@ -177,7 +177,7 @@ def main() -> None:
     parser.add_argument("--angles", type=float, nargs="+", default=ANGLES, help="degrees")
     parser.add_argument("--noise", type=float, default=NOISE, help="V before the gain")
     arguments = parser.parse_args()
-    would(f"write recordings of {len(arguments.angles)} swings into {arguments.folder}")
+    stop_if_dry_run(f"write recordings of {len(arguments.angles)} swings into {arguments.folder}")
     paths = write_recordings(arguments.folder, arguments.seed, arguments.angles, arguments.noise)
     for path in paths:
         print(f"wrote {path}")

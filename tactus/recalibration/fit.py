@@ -129,7 +129,7 @@ class LeftOut:
     spread: Real
 
     @property
-    def closer(self) -> bool:
+    def improves(self) -> bool:
         """Whether corrections reduce the errors, each divided by its part that is no drift."""
         before, after = (((part / self.spread) ** 2).sum() for part in (self.before, self.after))
         return bool(after < before)

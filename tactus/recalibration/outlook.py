@@ -82,7 +82,7 @@ def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftO
     """
     return (
         by_chance(recorded, placements) < BY_CHANCE
-        and left.closer
+        and left.improves
         and outlook(recorded, found).sure
     )
 

@@ -8,7 +8,7 @@ the last report is not measured again.
 import argparse
 import sys
 
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.report.page.build import build_report
@@ -21,7 +21,7 @@ def main() -> None:
     parser.add_argument("--full", action="store_true", help="the project's own tables too")
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
-    would(f"simulate and measure scene {scene.name} and write its report")
+    stop_if_dry_run(f"simulate and measure scene {scene.name} and write its report")
     with held([BUILD / scene.name]):
         build_report(scene, arguments.full)
 

@@ -10,7 +10,7 @@ import numpy as np
 from golden.numbers.real import Real
 from tactus.errors.scene_errors import NOISE
 from tactus.rig import readings
-from tactus.rig.brought import Brought
+from tactus.rig.network_of_others import Brought
 from tactus.rig.survey import Survey, labels_in
 from tactus.scene import Scene
 from tactus.scene.disturbance import MOST

@@ -6,8 +6,8 @@ from pathlib import Path
 from golden.input_error import InputError
 from tactus.core.files import replace_file
 from tactus.network_files.network_file import provenance_path
-from tactus.rig.brought import Brought
 from tactus.rig.draft import draft
+from tactus.rig.network_of_others import Brought
 from tactus.rig.survey import Survey
 from tactus.scene import Scene, load_scene
 from tactus.train.descent.scaling import scaled

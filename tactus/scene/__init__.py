@@ -17,7 +17,7 @@ from tactus.scene.reading import (
 )
 from tactus.scene.reference import thesis_figures, thesis_table
 from tactus.scene.scene import Scene
-from tactus.scene.sections import Member, Training
+from tactus.scene.sections import SceneNetwork, Training
 from tactus.scene.vectors import Vectors
 
 kept_graph.keeper = keep
@@ -25,8 +25,8 @@ kept_graph.keeper = keep
 __all__ = [
     "DEFAULT_SCENES",
     "FOLDER",
-    "Member",
     "Scene",
+    "SceneNetwork",
     "Training",
     "Vectors",
     "class_names",

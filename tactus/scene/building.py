@@ -22,7 +22,7 @@ from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
 from golden.trained.mlp import Mlp
 from tactus.scene.demand import check_demand
-from tactus.scene.learning import that_learns
+from tactus.scene.learning import with_learning_engine
 
 if TYPE_CHECKING:
     from tactus.scene.scene import Scene
@@ -40,7 +40,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network = _within_a_scan(scene, design, settings) or arrange(
             scene.arrangement, trained, design, settings
         )
-        network = that_learns(scene, network)
+        network = with_learning_engine(scene, network)
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, held in zip(scene.members, trained, strict=True):

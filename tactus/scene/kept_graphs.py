@@ -16,4 +16,4 @@ def keep(parts: dict[str, Any], always: bool, search: Callable[[], Any]) -> Any:
     """
     if not always and not store.is_there():
         return search()
-    return store.once(store.key("shared_terms", code=code([sharing.__name__]), **parts), search)
+    return store.cached(store.key("shared_terms", code=code([sharing.__name__]), **parts), search)

@@ -70,7 +70,7 @@ def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
     return taught, steps.tolist()
 
 
-def that_learns(scene: Scene, network: Network) -> Network:
+def with_learning_engine(scene: Scene, network: Network) -> Network:
     """The engine of a scene, if the scene says so one that learns."""
     if not scene.learning:
         return network

@@ -11,7 +11,7 @@ from golden.engine.quantise import integer_networks
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import DenseNetwork, Trained, passed
+from golden.trained.dense import DenseNetwork, Trained, forward_passes
 from tactus.scene.scale import readings
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def file_codes(network: Trained, readings: Real) -> Iterator[Codes]:
     network: As its file holds it.
     readings: shape (frames, inputs).
     """
-    for found in passed(network, readings):
+    for found in forward_passes(network, readings):
         quantiser = found.layer.quantiser
         if quantiser is None:
             return

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from golden.numbers.fixed import Codes
-from golden.trained.dense import layers_of, passed
+from golden.trained.dense import forward_passes, layers_of
 from golden.trained.function import LOW
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def held(scene: Scene) -> list[str]:
     for member, network in zip(scene.members, scene.networks(), strict=True):
         if not any(f.goes_on for layer in layers_of(network) for f in layer.functions):
             continue
-        for number, found in enumerate(passed(network, scene.inputs_of(network)), start=1):
+        for number, found in enumerate(forward_passes(network, scene.inputs_of(network)), start=1):
             layer, sums = found.layer, found.sums
             goes_on = [function.goes_on for function in layer.functions]
             beyond = (np.abs(sums) > -LOW) & goes_on if goes_on else np.zeros_like(sums, dtype=bool)

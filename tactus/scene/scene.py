@@ -12,7 +12,7 @@ import numpy as np
 
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import SCHEMES
-from golden.engine.ranges import met_by, reached_by
+from golden.engine.ranges import function_input_ranges, hidden_peaks
 from golden.input_error import InputError, naming
 from golden.networks.arrangement import process_real
 from golden.networks.design import Design
@@ -35,7 +35,7 @@ from tactus.scene.front_end import FrontEnd
 from tactus.scene.labels import check_labels, class_scale
 from tactus.scene.past import tap_names, window_text
 from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
-from tactus.scene.sections import Member, Training
+from tactus.scene.sections import SceneNetwork, Training
 from tactus.scene.trained_scale import trained_scales
 from tactus.scene.uart import Uart
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
@@ -99,7 +99,7 @@ class Scene:
     ends: tuple[float, ...]
     reference: str
     arrangement: str
-    members: tuple[Member, ...]
+    members: tuple[SceneNetwork, ...]
     design: str
     design_options: dict[str, Any]
     activation: str
@@ -304,7 +304,7 @@ class Scene:
     def _ends(self, network: Trained) -> tuple[tuple[float, ...], tuple[tuple[float, float], ...]]:
         """What its layers, and its sums that take functions, come to on the recorded frames."""
         inputs = self.inputs_of(network)
-        return met_by(network, inputs), reached_by(network, inputs)
+        return hidden_peaks(network, inputs), function_input_ranges(network, inputs)
 
     def inputs_of(self, network: Trained) -> Real:
         """The inputs of a network in the recorded frames, as signals.

@@ -60,7 +60,7 @@ class Training:
 
 
 @dataclass(frozen=True)
-class Member:
+class SceneNetwork:
     """One network of a scene.
 
     inputs: Number of samples and, in a cascade, of the outputs of earlier networks.
@@ -418,7 +418,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 
 def members(
     data: dict[str, Any], network: dict[str, Any], inputs: int, path: Path
-) -> tuple[Member, ...]:
+) -> tuple[SceneNetwork, ...]:
     """The networks: one for all outputs, or one for each. All of them have ``inputs`` samples."""
     outputs = data["outputs"]
     single = network["arrangement"] == "single"
@@ -463,7 +463,7 @@ def members(
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(
+        SceneNetwork(
             inputs + i * cascade,
             hidden[i],
             tuple(groups[i]),

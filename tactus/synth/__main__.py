@@ -14,7 +14,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.networks.network import Network
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
@@ -96,7 +96,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     design = scene.twin()
-    would(f"synthesise, place and route scene {scene.name}")
+    stop_if_dry_run(f"synthesise, place and route scene {scene.name}")
     with replace_folder(arguments.build / scene.name / "synth") as folder:
         verilog = folder / "verilog"
         export(scene, "verilog", verilog)

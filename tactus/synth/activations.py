@@ -6,7 +6,7 @@ from pathlib import Path
 from golden.activation.schemes import forms
 from golden.common.block import Block
 from golden.numbers.precision import EXACT
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.export.elaborate import elaborate
 from tactus.export.hierarchy import convert_hierarchy
 from tactus.export.repeatable import run_repeatable
@@ -22,7 +22,7 @@ def cells(spec: Block, family: str) -> dict[str, int]:
 
 
 def main() -> None:
-    would("synthesise every activation")
+    stop_if_dry_run("synthesise every activation")
     for family, meaning in FAMILIES.items():
         print(f"\n{meaning} (synth_xilinx -family {family})")
         print(f"{'':18}" + "".join(f"{kind:>12}" for kind in KINDS))

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from golden.input_error import InputError
 from golden.networks.left_out import left_out
-from tactus.core.cli import words, would
+from tactus.core.cli import stop_if_dry_run, words
 from tactus.core.files import read_json, write_json
 from tactus.core.progress import Progress
 from tactus.export.repeatable import run_repeatable
@@ -86,7 +86,9 @@ def main() -> None:
     names = [arguments.scene, *words("BESIDE", arguments.beside)]
     scenes = [load_scene(name) for name in names]
     first = scenes[0]
-    would(f"synthesise {', '.join(scene.name for scene in scenes)} and print what is saved")
+    stop_if_dry_run(
+        f"synthesise {', '.join(scene.name for scene in scenes)} and print what is saved"
+    )
     print(f"scene {first.name} leaves out:")
     for text in left_out(first.twin()):
         print(f"  {text}")

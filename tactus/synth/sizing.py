@@ -16,7 +16,7 @@ from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.table import write_csv_file
 from tactus.export.elaborate import elaborate
 from tactus.export.hierarchy import convert_hierarchy
@@ -210,7 +210,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tactus.synth.sizing", description=__doc__)
     parser.add_argument("--record", action="store_true")
     asked = parser.parse_args().record
-    would("synthesise networks and record their cells" if asked else "compare estimated cells")
+    stop_if_dry_run(
+        "synthesise networks and record their cells" if asked else "compare estimated cells"
+    )
     if asked:
         rows, placed = record()
         write_csv_file(CELLS, [COLUMNS, *map(cells_of, rows)])

@@ -107,7 +107,7 @@ def stored(
                 shutil.copy(file, folder)
             return work(folder)
 
-    found: dict[str, Any] = store.once(asked, answer)
+    found: dict[str, Any] = store.cached(asked, answer)
     return found
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from golden.numbers.real import Real
 from golden.trained.dense import Trained, packed
 from golden.trained.mlp import Activation
-from tactus.train.descent.few_digits import Aim, FewDigits, Grid, teacher_frames
+from tactus.train.descent.few_digits import FewDigits, Grid, RoundingObjective, teacher_frames
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.task import Frames, Task
 from tactus.train.layer_objective import LabelledRows, LayeredObjective
@@ -35,23 +35,27 @@ ONE_BY_ONE = 512
 
 
 @dataclass(frozen=True)
-class LayerAim(Aim):
+class LayerRoundingObjective(RoundingObjective):
     """The error that is minimised on a grid, for networks of any layers."""
 
     objective: LayeredObjective
 
-    def around(self, vector: Real) -> tuple[float, Real, Real]:
-        return self.value(vector), *self.objective.around(vector)
+    def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
+        return self.value(vector), *self.objective.value_gradient_hessian(vector)
 
 
 class LayerDigits(FewDigits):
     """Reduces the digits of a network of any layers, whose outputs are numbers."""
 
-    def aim_on(self, network: Trained, rows: Rows, activation: Activation, grid: Grid) -> Aim:
+    def aim_on(
+        self, network: Trained, rows: Rows, activation: Activation, grid: Grid
+    ) -> RoundingObjective:
         objective = LayeredObjective(
             network, training=rows, validation=rows, weight_decay=0.0, patience=sys.maxsize
         )
-        return LayerAim(objective, grid, HOLD, max(1, len(packed(network)) // ONE_BY_ONE))
+        return LayerRoundingObjective(
+            objective, grid, HOLD, max(1, len(packed(network)) // ONE_BY_ONE)
+        )
 
     @property
     def starts(self) -> int:

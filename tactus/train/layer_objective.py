@@ -42,7 +42,7 @@ class LayeredObjective(Objective):
         gradient = self._gradient(self.network(vector), back)
         return float(residuals @ residuals), 2 * (gradient + self.weight_decay * vector)
 
-    def around(self, vector: Real) -> tuple[Real, Real]:
+    def value_gradient_hessian(self, vector: Real) -> tuple[Real, Real]:
         """Half the gradient of the squares, without the decay, and half their Hessian.
 
         The Hessian is that of Gauss and Newton, J' J for the derivatives J of the residuals. The

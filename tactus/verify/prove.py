@@ -20,7 +20,7 @@ from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
-from tactus.core.cli import run, whole, would
+from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import PAUSE, Heartbeat, duration, stage
@@ -182,7 +182,7 @@ def main() -> int:
     theta = [one(text) for text in arguments.theta.split(",") if text]
     rig = load_scene(arguments.hardware) if arguments.hardware else None
     given, built = description(scene, theta, rig), rig or scene
-    would(f"export {built.name} and prove it for every frame")
+    stop_if_dry_run(f"export {built.name} and prove it for every frame")
     with held([BUILD / built.name]):
         return prove_scene(scene, given, built)
 

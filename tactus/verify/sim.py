@@ -1,8 +1,8 @@
 """``make sim``: the benches of one block, or of every block of a scene.
 
 Without a scene the benches of the default scenes are run. A block that these do not contain is
-searched elsewhere (``tactus/verify/benches/where.py``), and a line says where it was found. Benches
-run on the exported VHDL and Verilog, or on the netlist that ``--netlist`` names
+searched elsewhere (``tactus/verify/benches/places.py``), and a line says where it was found.
+Benches run on the exported VHDL and Verilog, or on the netlist that ``--netlist`` names
 (``tactus/verify/sign_off/netlist.py``).
 """
 
@@ -13,14 +13,14 @@ from tempfile import TemporaryDirectory
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from tactus.core.cli import MOST_SEED, dry, run, whole, would
+from tactus.core.cli import MOST_SEED, dry, run, stop_if_dry_run, whole
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import Progress, stage
-from tactus.verify.benches.kept import run_and_keep
+from tactus.verify.benches.kept_results import run_and_keep
+from tactus.verify.benches.places import Place, places
 from tactus.verify.benches.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
-from tactus.verify.benches.where import Place, places
 from tactus.verify.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tactus.verify.sign_off.netlist_record import record
 
@@ -65,7 +65,7 @@ def main() -> int:
             design = place.scene.twin()
             entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
             count += len(mapped(design, entities, families or simulators))
-        would(f"export, then run {count} benches on {', '.join(families or simulators)}")
+        stop_if_dry_run(f"export, then run {count} benches on {', '.join(families or simulators)}")
     with held(BUILD / place.scene.name for place in found):
         return simulate(found, list(simulators), families, arguments)
 

@@ -11,8 +11,8 @@ Does not prove: the wide input exhaustively (the twin is checked on all of it in
 import cocotb
 
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import PARTS
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 

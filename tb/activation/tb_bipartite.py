@@ -14,7 +14,7 @@ import numpy as np
 from tb.common import activation
 from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
-from tb.common.small import BIPARTITE
+from tb.common.case_library import BIPARTITE
 from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = BIPARTITE

@@ -13,8 +13,8 @@ import numpy as np
 
 from golden.activation.gradient import Gradient
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import PARTS
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS

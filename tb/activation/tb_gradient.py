@@ -14,8 +14,8 @@ import cocotb
 from tb.common import activation
 from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import PARTS
 
 CASES = PARTS
 

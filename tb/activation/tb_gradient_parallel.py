@@ -11,7 +11,7 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 import cocotb
 
 from tb.common import activation
-from tb.common.small import both_precisions, rails
+from tb.common.case_library import both_precisions, rails
 
 CASES = rails("gradient_parallel") | {
     "gradient_parallel-thesis": both_precisions("gradient_parallel")["gradient_parallel-thesis"]

@@ -11,8 +11,8 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 import cocotb
 
 from tb.common import activation
+from tb.common.case_library import both_precisions, rails
 from tb.common.cases import Case
-from tb.common.small import both_precisions, rails
 
 CASES = {
     **rails("lut"),

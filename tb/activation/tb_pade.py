@@ -14,7 +14,7 @@ import numpy as np
 
 from tb.common.activation import INPUTS, OUTPUTS, codes
 from tb.common.bench import Bench
-from tb.common.small import both_precisions, rails
+from tb.common.case_library import both_precisions, rails
 from tb.common.stimulus import spread
 from tb.common.stream import check_gaps_and_resets, check_stream
 

@@ -14,8 +14,8 @@ import numpy as np
 from tb.common import activation
 from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
+from tb.common.case_library import both_precisions, rails
 from tb.common.cases import Case
-from tb.common.small import both_precisions, rails
 from tb.common.stream import check_gaps_and_resets, check_stream
 
 CASES = {

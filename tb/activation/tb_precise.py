@@ -10,7 +10,7 @@ Does not prove: how close the scheme is to tanh (tests/test_precise.py, over all
 import cocotb
 
 from tb.common import activation
-from tb.common.small import PRECISE, rails
+from tb.common.case_library import PRECISE, rails
 
 CASES = rails("precise") | PRECISE
 

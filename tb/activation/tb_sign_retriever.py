@@ -11,8 +11,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import PARTS
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = PARTS

@@ -23,8 +23,8 @@ from cocotb.triggers import Timer
 
 from golden.common.block import Block, around, walk
 from golden.common.border import State
+from tb.common.bench_input import BenchInput, read
 from tb.common.coverage import Coverage
-from tb.common.given import Given, read
 
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
@@ -114,7 +114,7 @@ def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
 
 
 @cache
-def _loaded(configuration: str) -> tuple[Given, Block]:
+def _loaded(configuration: str) -> tuple[BenchInput, Block]:
     """What is given of the scene, and the block under test, which all tests of a bench share."""
     said = json.loads(configuration)
     given = read(Path(said["given"]))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from golden.common.block import Block
-from golden.instruments.seen import seen
+from golden.instruments.block_inputs import seen
 from golden.numbers.fixed import Codes
 from tb.common.bench import Bench
 from tb.common.stream import check_stream

@@ -14,8 +14,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import ENGINES, OVERLAPPED
 from tb.common.framing import random_lengths, scan
-from tb.common.small import ENGINES, OVERLAPPED
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}

@@ -17,8 +17,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, writer
+from tb.common.case_library import RELOADED, RELOADED_LANES
 from tb.common.framing import random_lengths
-from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, spread
 
 CASES = RELOADED | RELOADED_LANES

@@ -23,8 +23,8 @@ from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image
 from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.case_library import RELOADED, RELOADED_LANES
 from tb.common.images import fitting_checks, naming, with_check
-from tb.common.small import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets
 
 CASES = RELOADED | RELOADED_LANES

@@ -18,7 +18,7 @@ from golden.engine.lane_accumulate import beyond
 from golden.engine.operand_memory import WORD
 from golden.numbers.fixed import Fix
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LANES
+from tb.common.case_library import LANES
 
 CASES = {name: LANES[name] for name in ("rails-lanes", "relu-lanes")}
 # It has no table, and the sums of three lanes to add.

@@ -15,7 +15,7 @@ import numpy as np
 from golden.engine.formats import HIDDEN, WIDTH
 from golden.engine.graph import Kind
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LANES, RELOADED_LANES
+from tb.common.case_library import LANES, RELOADED_LANES
 
 # The first has weights alone, the second smaller segments, and the others several blocks.
 ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes")

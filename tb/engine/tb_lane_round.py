@@ -18,7 +18,7 @@ from golden.engine.lane_accumulate import beyond
 from golden.engine.operand_memory import WORD
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LANES
+from tb.common.case_library import LANES
 from tb.common.stimulus import sums_to_round
 
 # The hardware of these cases has ReLU. The last two also drop bits: one rounds halves to even, and

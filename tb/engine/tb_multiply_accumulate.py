@@ -15,7 +15,7 @@ import numpy as np
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES
+from tb.common.case_library import ENGINES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "huge-engine")}
 

@@ -14,7 +14,7 @@ import numpy as np
 from golden.common.border import State
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES
+from tb.common.case_library import ENGINES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "deep-engine")}
 

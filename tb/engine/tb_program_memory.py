@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINE_PARTS, LANES, TABLES
+from tb.common.case_library import ENGINE_PARTS, LANES, TABLES
 from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = ENGINE_PARTS | {"tables-engine": TABLES["tables-engine"]}

@@ -17,7 +17,7 @@ import numpy as np
 
 from golden.engine.program import WORD_WIDTH
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import RELOADED, RELOADED_LANES
+from tb.common.case_library import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, random_runs
 
 CASES = RELOADED | RELOADED_LANES

@@ -15,7 +15,7 @@ import numpy as np
 
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import SERIAL_PARTS
+from tb.common.case_library import SERIAL_PARTS
 from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = SERIAL_PARTS

@@ -14,7 +14,7 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES, LAYERED
+from tb.common.case_library import ENGINES, LAYERED
 from tb.common.stimulus import sums_to_round
 
 WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")

@@ -17,7 +17,7 @@ from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
 from golden.engine.replay import CLEAR
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import SERIAL_PARTS
+from tb.common.case_library import SERIAL_PARTS
 
 CASES = SERIAL_PARTS
 

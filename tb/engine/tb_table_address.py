@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.engine.formats import HIDDEN
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINES, TABLES
+from tb.common.case_library import ENGINES, TABLES
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
 CASES |= {name: TABLES[name] for name in ("tables-engine", "deep-tables-engine")}

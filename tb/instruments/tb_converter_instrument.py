@@ -17,8 +17,8 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.case_library import CONVERTERS
 from tb.common.network import check_outputs, recorded_frames
-from tb.common.small import CONVERTERS
 from tb.common.stimulus import resets_before
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen

@@ -18,8 +18,8 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
+from tb.common.case_library import INSTRUMENTS
 from tb.common.network import check_outputs, recorded_frames
-from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import resets_before
 
 LEAST = INSTRUMENTS["least-instrument"]

@@ -20,6 +20,7 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import Bench, test_of
+from tb.common.case_library import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
 from tb.common.framing import longest_wait
 from tb.common.lessons import Player, refusals, traffic
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
@@ -34,7 +35,6 @@ from tb.common.network import (
     whole_frames,
     wrong_lengths,
 )
-from tb.common.small import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
 from tb.common.stimulus import random_resets, spread
 
 LOADED = {name: UART_INSTRUMENTS[name] for name in ("reload-uart", "learn-uart")}

@@ -33,10 +33,10 @@ from golden.link.uart_transmitter import BYTE_BITS, bits_of
 from golden.trained.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
+from tb.common.case_library import UART_INSTRUMENTS
 from tb.common.images import longest_image
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
-from tb.common.small import UART_INSTRUMENTS
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error
 

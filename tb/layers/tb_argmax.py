@@ -17,7 +17,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import WINNERS
+from tb.common.case_library import WINNERS
 from tb.common.stimulus import random_resets, spread
 
 CASES = WINNERS

@@ -14,7 +14,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import TREES
+from tb.common.case_library import TREES
 from tb.layers.tb_argmax import frames_of
 
 CASES = TREES

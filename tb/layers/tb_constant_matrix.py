@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import ADDER_GRAPHS
+from tb.common.case_library import ADDER_GRAPHS
 from tb.common.stimulus import corner_frames, extreme_frames
 
 CASES = ADDER_GRAPHS

@@ -12,9 +12,9 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import FOLDED
 from tb.common.framing import random_lengths, scan
 from tb.common.recorded_frames import recorded_frames
-from tb.common.small import FOLDED
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: FOLDED[name] for name in ("rails", "least", "wide")}

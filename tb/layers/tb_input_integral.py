@@ -14,9 +14,9 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.recorded_frames import recorded_inputs
-from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS

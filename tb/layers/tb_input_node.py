@@ -20,9 +20,9 @@ import numpy as np
 
 from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.recorded_frames import recorded_inputs
-from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS

@@ -12,7 +12,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import PARALLEL
+from tb.common.case_library import PARALLEL
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = {name: PARALLEL[name] for name in ("rails-parallel", "least-parallel", "pade-parallel")}

@@ -12,7 +12,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import CASCADES, MULTIPLES
+from tb.common.case_library import CASCADES, MULTIPLES
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: CASCADES[name] for name in ("chain", "slow-cascade")} | {"three": MULTIPLES["three"]}

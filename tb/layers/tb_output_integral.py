@@ -13,8 +13,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded, recorded_inputs
-from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
 

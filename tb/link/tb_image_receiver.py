@@ -15,7 +15,7 @@ import numpy as np
 
 from golden.link.packets import FRAME, IMAGE, MOST_IMAGE, SYNC, VERSION, image_packet, kind_byte
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UART
+from tb.common.case_library import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}

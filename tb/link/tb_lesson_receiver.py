@@ -22,7 +22,7 @@ import numpy as np
 from golden.link.packets import IMAGE, LESSON, SYNC, check_of, kind_byte, lesson_packet
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LEARN_UART
+from tb.common.case_library import LEARN_UART
 from tb.common.stimulus import random_resets
 
 CASES = {"learn-uart": LEARN_UART}

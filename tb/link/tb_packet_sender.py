@@ -15,7 +15,7 @@ import numpy as np
 from golden.link.packets import FRAME_HEADER, SYNC, check_of
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import LEARN_UART, UARTS, WINNER_UART
+from tb.common.case_library import LEARN_UART, UARTS, WINNER_UART
 
 CASES = UARTS | {"winner-line": WINNER_UART, "learn-uart": LEARN_UART}
 # Its packets carry the largest output too.

@@ -19,7 +19,7 @@ from cocotbext.uart import UartSource
 
 from golden.link.uart_transmitter import bits_of
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UART
+from tb.common.case_library import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}

@@ -16,7 +16,7 @@ from cocotbext.uart import UartSink
 
 from golden.link.uart_transmitter import BYTE_BITS
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.case_library import UARTS
 from tb.common.stimulus import random_resets
 
 CASES = UARTS

@@ -16,8 +16,8 @@ import numpy as np
 from golden.networks.oracle import hidden_weights
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
+from tb.common.case_library import ADDER_GRAPHS
 from tb.common.readout import WINNER
-from tb.common.small import ADDER_GRAPHS
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 CASES = ADDER_GRAPHS

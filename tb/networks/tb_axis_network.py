@@ -24,11 +24,11 @@ from golden.networks.axis_network import TDATA
 from golden.numbers.precision import SIGNAL
 from golden.trained.window import Window
 from tb.common.bench import Bench
+from tb.common.case_library import CASCADES, SLOW, SLOWER
 from tb.common.cases import Case
 from tb.common.framing import random_lengths
 from tb.common.handshake import check_kept, exchange, transfers
 from tb.common.network import recorded_frames
-from tb.common.small import CASCADES, SLOW, SLOWER
 from tb.common.stimulus import corner_frames, random_resets
 
 AXIS = Case([(2, 3, 5)], "exact", interface="axi_stream")

@@ -11,6 +11,7 @@ comes in any other clock. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
+from tb.common.case_library import CASCADES
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -18,7 +19,6 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import CASCADES
 
 CASES = CASCADES
 

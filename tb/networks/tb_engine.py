@@ -28,6 +28,7 @@ from golden.trained.dense import layers_of
 from tactus.scene import load_scene
 from tactus.scene.image import scene_image
 from tb.common.bench import Bench, test_of
+from tb.common.case_library import ENGINES, LAYERED, LEARNED, RELOADED, SERIAL_ENGINES, TABLES
 from tb.common.cases import random_mlp
 from tb.common.framing import random_lengths
 from tb.common.images import fitting_checks, images_with_room
@@ -41,7 +42,6 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import ENGINES, LAYERED, LEARNED, RELOADED, SERIAL_ENGINES, TABLES
 from tb.common.stimulus import random_resets, spread
 
 # Without a multiplier the block of the sum is another one. All other blocks are the same.

@@ -10,6 +10,7 @@ comes in any other clock. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
+from tb.common.case_library import FOLDED, PRECISE, both_precisions
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -17,7 +18,6 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import FOLDED, PRECISE, both_precisions
 
 CASES = {
     **FOLDED,

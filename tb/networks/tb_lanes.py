@@ -15,6 +15,7 @@ program and of the lanes, or those that are loaded. The bench also measures the 
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
+from tb.common.case_library import LANES, OVERLAPPED, RELOADED_LANES
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -22,7 +23,6 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import LANES, OVERLAPPED, RELOADED_LANES
 from tb.networks.tb_engine import (
     frames_while_loading,
     images_one_after_the_other,

@@ -16,6 +16,7 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
+from tb.common.case_library import MULTIPLES
 from tb.common.network import (
     check,
     corners_and_random,
@@ -27,7 +28,6 @@ from tb.common.network import (
     whole_frames,
     wrong_lengths,
 )
-from tb.common.small import MULTIPLES
 
 CASES = MULTIPLES
 

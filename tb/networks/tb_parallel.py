@@ -14,8 +14,8 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
+from tb.common.case_library import PARALLEL
 from tb.common.framing import scan
-from tb.common.small import PARALLEL
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 CASES = PARALLEL

@@ -17,7 +17,7 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.small import TABLE_GRAPHS
+from tb.common.case_library import TABLE_GRAPHS
 from tb.common.stimulus import corner_frames
 from tb.networks.tb_adder_graph import (
     check,

@@ -12,6 +12,7 @@ the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
+from tb.common.case_library import WINDOWS
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -19,7 +20,6 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import WINDOWS
 
 # The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
 CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}

@@ -16,7 +16,7 @@ import numpy as np
 
 from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import CONVERTERS
+from tb.common.case_library import CONVERTERS
 from tb.common.stimulus import random_resets
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen

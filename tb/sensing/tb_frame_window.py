@@ -15,8 +15,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench, test_of
+from tb.common.case_library import WINDOWS
 from tb.common.framing import random_lengths, scan, yielding
-from tb.common.small import WINDOWS
 from tb.common.stimulus import corner_frames, random_resets, spread
 
 CASES = WINDOWS

@@ -15,7 +15,7 @@ import numpy as np
 
 from golden.common.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import INSTRUMENTS
+from tb.common.case_library import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
 CASES = {"past-instrument": INSTRUMENTS["past-instrument"], **INSTRUMENTS}

@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.small import CASCADES
+from tb.common.case_library import CASCADES
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: CASCADES[name] for name in ("chain", "slow-cascade")}

@@ -15,8 +15,8 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.case_library import OTHER_PROFILES
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import spread
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 

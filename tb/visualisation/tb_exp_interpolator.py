@@ -14,8 +14,8 @@ import numpy as np
 
 from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
+from tb.common.case_library import DRAWN
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
 CASES = DRAWN

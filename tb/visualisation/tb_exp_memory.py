@@ -10,9 +10,9 @@ Does not prove: that the contents are the right ones (tests/test_visualisation.p
 import cocotb
 
 from tb.common.bench import Bench
+from tb.common.case_library import DRAWN
 from tb.common.memory import check_memory
 from tb.common.recorded_frames import recorded_inputs
-from tb.common.small import DRAWN
 
 CASES = DRAWN
 

@@ -20,8 +20,8 @@ import numpy as np
 from golden.visualisation.load_profile import POWER_FRAC
 from tactus.scene import load_scene
 from tb.common.bench import Bench
+from tb.common.case_library import DRAWN
 from tb.common.profile import check_profile
-from tb.common.small import DRAWN
 from tb.common.stimulus import random_resets, spread
 
 CASES = DRAWN

@@ -15,8 +15,8 @@ import numpy as np
 
 from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
+from tb.common.case_library import DRAWN
 from tb.common.recorded_frames import check_recorded
-from tb.common.small import DRAWN
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
 CASES = DRAWN

@@ -10,7 +10,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UART
+from tb.common.case_library import UART
 from tb.common.stimulus import random_resets
 
 CASES = {"uart": UART}

@@ -13,8 +13,8 @@ import numpy as np
 
 from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
+from tb.common.case_library import OTHER_PROFILES
 from tb.common.recorded_frames import MOST_SEEN, recorded_frames
-from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import LONG_IDLE, random_resets
 
 CASES = OTHER_PROFILES

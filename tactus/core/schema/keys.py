@@ -57,7 +57,7 @@ class KeyTable(Kind):
             if name in value:
                 yield key.kind, value[name], within(place, name)
 
-    def strangers(self, value: Any, place: str) -> Iterator[str]:
+    def unknown_keys(self, value: Any, place: str) -> Iterator[str]:
         if not self.accepts(value):
             yield got(place, value, self.name)
             return
@@ -67,7 +67,7 @@ class KeyTable(Kind):
                 text = f"{self.noun}{name!r} is not known, expected {', '.join(known)}"
                 yield f"{begin}{text}{suggest(name, known)}"
         for kind, inner, where in self._inner(value, place):
-            yield from kind.strangers(inner, where)
+            yield from kind.unknown_keys(inner, where)
 
     def faults(self, value: Any, place: str) -> Iterator[str]:
         needed = {name for name in self.keys if self._needs(name)}
@@ -83,9 +83,9 @@ class KeyTable(Kind):
             elif isinstance(key.kind, KeyTable) and key.default is not None:
                 yield from key.kind.faults(key.default, where)
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
         for kind, inner, where in self._inner(value, place):
-            yield from kind.outside(inner, where)
+            yield from kind.range_errors(inner, where)
 
     def filled(self, value: Any) -> Any:
         # The keys that are present keep the order of the file.

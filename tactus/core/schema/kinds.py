@@ -28,9 +28,9 @@ def written(value: object) -> str:
 class Kind:
     """A kind of value that a key may hold.
 
-    A file is checked in three steps: ``strangers``, ``faults`` and ``outside``. The order matters,
-    because a value of the wrong type cannot be checked further. Rules between keys are checked
-    together with ``outside``. ``place`` is the beginning of a message.
+    A file is checked in three steps: ``unknown_keys``, ``faults`` and ``range_errors``. The order
+    matters, because a value of the wrong type cannot be checked further. Rules between keys are
+    checked together with ``range_errors``. ``place`` is the beginning of a message.
 
     choices: The texts that are allowed; empty where every text is.
     said: What a message expects, instead of the kind's own text.
@@ -55,7 +55,7 @@ class Kind:
         """Whether the value has this type, whatever it contains."""
         raise NotImplementedError
 
-    def strangers(self, value: Any, place: str) -> Iterator[str]:
+    def unknown_keys(self, value: Any, place: str) -> Iterator[str]:
         """Messages for unknown names within the value."""
         yield from ()
 
@@ -64,7 +64,7 @@ class Kind:
         if not self.accepts(value):
             yield got(place, value, self.expected)
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
         """Messages for numbers that are too large or too small."""
         yield from ()
 
@@ -169,7 +169,7 @@ class Number(Kind):
         if self.absent and value == 0 and self.accepts(value):
             yield f"{place}: got {value:g}, expected a number above 0, or no such key"
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
         if self.span and not self.span.holds(value) and not (self.absent and value == 0):
             shown = f"{value:.10g}" if self.absent else repr(value)
             yield f"{place}: got {shown}, expected {self.said or self.span}"
@@ -242,8 +242,8 @@ class List(Kind):
         falling = self.rising and value != sorted(value)
         return self.least <= len(value) <= most and not twice and not falling
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
-        if any(True for one in value for _ in self.of.outside(one, "")):
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
+        if any(True for one in value for _ in self.of.range_errors(one, "")):
             yield got(place, value, self.of.said or self.said)
 
     def schema(self) -> dict[str, Any]:
@@ -270,8 +270,8 @@ class Each(Kind):
     def accepts(self, value: object) -> bool:
         return all(self.of.accepts(one) for one in self._all(value))
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
-        if any(True for one in self._all(value) for _ in self.of.outside(one, "")):
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
+        if any(True for one in self._all(value) for _ in self.of.range_errors(one, "")):
             yield got(place, value, self.of.within)
 
     @staticmethod
@@ -304,9 +304,9 @@ class Map(Kind):
     def accepts(self, value: object) -> bool:
         return type(value) is dict
 
-    def strangers(self, value: Any, place: str) -> Iterator[str]:
+    def unknown_keys(self, value: Any, place: str) -> Iterator[str]:
         for name, one in value.items() if self.accepts(value) else ():
-            yield from self.of.strangers(one, f"{place}.{name}")
+            yield from self.of.unknown_keys(one, f"{place}.{name}")
 
     def faults(self, value: Any, place: str) -> Iterator[str]:
         if not self.accepts(value):
@@ -319,8 +319,10 @@ class Map(Kind):
             ]
             yield from self._summarised(found, value, place)
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
-        found = [f for name, one in value.items() for f in self.of.outside(one, f"{place}.{name}")]
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
+        found = [
+            f for name, one in value.items() for f in self.of.range_errors(one, f"{place}.{name}")
+        ]
         yield from self._summarised(found, value, place)
 
     def _summarised(self, found: list[str], value: Any, place: str) -> list[str]:
@@ -358,9 +360,9 @@ class Alternatives(Kind):
         kind = self._meant(value)
         yield from kind.faults(value, place) if kind else super().faults(value, place)
 
-    def outside(self, value: Any, place: str) -> Iterator[str]:
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
         kind = self._meant(value)
-        yield from kind.outside(value, place) if kind else ()
+        yield from kind.range_errors(value, place) if kind else ()
 
     def schema(self) -> dict[str, Any]:
         return {"anyOf": [kind.schema() for kind in self.kinds]}

@@ -29,7 +29,7 @@ def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
 
 def check_names(raw: dict[str, Any], table: KeyTable, path: Path) -> None:
     """Refuse unknown names, values in the place of a table, and numbers too large for TOML."""
-    _refuse([*table.strangers(raw, ""), *_long(raw, "")], path)
+    _refuse([*table.unknown_keys(raw, ""), *_long(raw, "")], path)
 
 
 def values_of(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def refuse_outside(values: Any, kind: Kind, place: str, path: Path) -> None:
     values: The values that ``values_of`` returns.
     place: The place of the values in the file; empty for the whole file.
     """
-    _refuse([*kind.outside(values, place)], path)
+    _refuse([*kind.range_errors(values, place)], path)
 
 
 def _refuse(faults: list[str], path: Path) -> None:

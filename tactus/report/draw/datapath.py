@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from golden.common.block import Block
-from golden.common.flow import Alike, Beside, Carried, Controlled, Flow, Step
+from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
 from golden.instruments.pictures import flow_of
 from tactus.report.draw.drawing import picture
 from tactus.report.draw.layout import Part, arrow, column, labelled, row, side_by_side
@@ -94,14 +94,14 @@ class _Diagram:
         match step:
             case None:
                 return arrow((), across)
-            case Carried(what, form):
+            case Wire(what, form):
                 bits = f"{form} bits" if isinstance(form, int) else str(form)
                 return arrow((what, bits), across)
-            case Alike(blocks):
+            case Replicated(blocks):
                 return self.blocks(blocks)
-            case Beside(blocks):
+            case SideBySide(blocks):
                 return side_by_side([self.blocks([block]) for block in blocks])
-            case Controlled(controller, block):
+            case WithController(controller, block):
                 down = arrow((), False, 14)
                 return column([self.blocks([controller]), down, self.blocks([block])], main=2)
         return self.blocks([step])

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import MOST_SEED, run, whole, would
+from tactus.core.cli import MOST_SEED, run, stop_if_dry_run, whole
 from tactus.core.files import replace_folder, write_json
 from tactus.core.fingerprint import ROOT, fingerprint, sources
 from tactus.core.folders import BUILD
@@ -42,7 +42,7 @@ def main() -> None:
     if arguments.record:
         refuse_others(names, arguments.seed)
     folder = arguments.build / "figures"
-    would(f"measure {', '.join(names)} and write {folder}")
+    stop_if_dry_run(f"measure {', '.join(names)} and write {folder}")
     with replace_folder(folder) as temporary:
         data = {
             "seed": arguments.seed,

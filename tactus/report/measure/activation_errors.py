@@ -23,7 +23,7 @@ from golden.activation.pade import UnsettledWarning
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS, Precision
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file, write_json
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import BUILD, is_checkout
@@ -223,7 +223,7 @@ def main() -> None:
     arguments = parser.parse_args()
     folder = arguments.build / "activations"
     plots = arguments.plots or folder
-    would(f"measure every activation and write its plot into {plots}")
+    stop_if_dry_run(f"measure every activation and write its plot into {plots}")
     rows = measure()
     print("\n".join(table(rows)))
     write(rows, folder)

@@ -15,7 +15,7 @@ import numpy as np
 
 from golden.networks.arrangement import process_real
 from golden.numbers.precision import SIGNAL
-from tactus.core.cli import run, whole, would
+from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.scene import load_scene
 
 FLOAT_CHUNK = 4096
@@ -30,7 +30,7 @@ def main() -> None:
     scene = load_scene(arguments.scene)
     design = scene.twin().core
     recorded = scene.vectors().codes
-    would(f"measure the twin of scene {scene.name} on {arguments.frames} frames")
+    stop_if_dry_run(f"measure the twin of scene {scene.name} on {arguments.frames} frames")
     frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
     design.process(recorded)  # fills the tables of activations, which later calls share
 

@@ -8,7 +8,7 @@ from math import ceil
 from pathlib import Path
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import check_output, replace_file
 from tactus.report.draw.designs import is_drawn, picture_of
 from tactus.report.measure.table import Cell, Table
@@ -114,7 +114,9 @@ def main() -> None:
         if path.suffix != ".svg":
             raise InputError(f"PICTURE={path}: expected a name that ends in .svg")
         check_output(path, scene.own_files, own=is_drawn, force=arguments.force, key="PICTURE")
-    would(f"compare the designs of scene {scene.name}" + (f" and write {path}" if path else ""))
+    stop_if_dry_run(
+        f"compare the designs of scene {scene.name}" + (f" and write {path}" if path else "")
+    )
     rows, refused = compared(scene)
     print("\n".join(designs(scene, rows, family).lines()))
     if refused:

@@ -22,7 +22,7 @@ import numpy as np
 
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.export.repeatable import run_repeatable
 from tactus.network_files.network_file import provenance_path, save_network
@@ -134,7 +134,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene = load_scene(SCENE)
     story = tomllib.loads(provenance_path(scene.weights_paths[0]).read_text(encoding="utf-8"))
-    would(f"train the network of scene {scene.name} with fewer and fewer digits")
+    stop_if_dry_run(f"train the network of scene {scene.name} with fewer and fewer digits")
     stages = Stages(scene)
     stages.add(scene.members[0].hidden, story["best_restart"])
     heads = columns(scene)

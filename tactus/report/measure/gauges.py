@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_folder
 from tactus.core.folders import BUILD
 from tactus.physics.gauge_places import Placing
@@ -91,7 +91,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     rig = load_rig(arguments.rig)
-    would(f"find where the gauges of {rig.name} should sit")
+    stop_if_dry_run(f"find where the gauges of {rig.name} should sit")
     table, picture = sensors(rig)
     print("\n".join(table.lines()))
     folder = arguments.build / "sensors" / rig.name

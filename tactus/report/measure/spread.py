@@ -24,7 +24,7 @@ from typing import Any
 
 from golden.input_error import InputError
 from tactus.core import machine
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.fingerprint import ROOT
 from tactus.report.measure.table import Cell, Table
 
@@ -119,7 +119,7 @@ def main() -> None:
     parser.add_argument("--python", action="append", default=[])
     arguments = parser.parse_args()
     settings = arguments.setting or list(SETTINGS)
-    would(f"measure under {len(settings)} settings of this machine what differs")
+    stop_if_dry_run(f"measure under {len(settings)} settings of this machine what differs")
     table = figures(arguments.tables, settings, arguments.python)
     print("\n".join(table.lines()))
 

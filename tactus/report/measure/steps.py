@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from tactus.core import store
 from tactus.report.measure import table_records
 from tactus.report.measure.registry import TABLES
-from tactus.report.measure.store import Progress, once, packed, part_key, unpacked
+from tactus.report.measure.store import Progress, cached, packed, part_key, unpacked
 from tactus.report.measure.table import Table
 
 
@@ -29,7 +29,7 @@ def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str
             tell(name, seconds, False)
     for name in asked:
         if name not in found:
-            found[name] = unpacked(once(asked[name], tell, partial(_measure, name)))
+            found[name] = unpacked(cached(asked[name], tell, partial(_measure, name)))
     return {name: found[name] for name in names}
 
 

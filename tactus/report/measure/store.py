@@ -40,7 +40,7 @@ def _data() -> str:
     return fingerprint([*shipped, *sorted([*own.glob("*.csv"), *own.glob("*.toml")])])
 
 
-def once(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
+def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
     """The result of ``work``, from the store if it is kept there."""
     name, started = asked.parts["name"], time.perf_counter()
     answer = store.read(asked)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.whole_layers import WORD_WIDTH
+from golden.networks.matrix_network import WORD_WIDTH
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.export.repeatable import run_repeatable
 from tactus.report.measure.table import Cell, Table, print_or_record, read_csv

@@ -30,7 +30,7 @@ from tactus.report.measure.outcome import (
 )
 from tactus.report.measure.simulators import compare_simulators
 from tactus.report.measure.steps import measured
-from tactus.report.measure.store import Progress, once, packed, part_key, unpacked
+from tactus.report.measure.store import Progress, cached, packed, part_key, unpacked
 from tactus.report.measure.table import Cell, Table
 from tactus.report.measure.table_records import SEED
 from tactus.report.page import project, summary
@@ -76,7 +76,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
         """The pictures, which are drawn again if their figures or the drawing code have changed."""
         modules = sorted({type(plot).__module__ for plot in plots})
-        svgs = once(
+        svgs = cached(
             asked(name, *modules, figures=_every_figure(plots)),
             tell,
             lambda: [plot.draw() for plot in plots],
@@ -89,7 +89,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     cost = costs(scene, design)
     found = outcome(scene)
     disturbed = unpacked(
-        once(
+        cached(
             asked("disturbed", noise_and_drift.__module__, seed=SEED),
             tell,
             lambda: packed(noise_and_drift(scene, SEED)),
@@ -175,7 +175,7 @@ def _every_figure(plots: Sequence[Drawable]) -> str:
 
 
 def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:
-    found = once(asked, tell, lambda: draw(scene))
+    found = cached(asked, tell, lambda: draw(scene))
     skipped = "; ".join(f"{title}: {why}" for title, why in found["skipped"])
     return Section(
         "pictures",
@@ -234,7 +234,7 @@ def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
             "refused": refused_lines(refused),
         }
 
-    found = once(asked, tell, work)
+    found = cached(asked, tell, work)
     title = "Other designs: LUTs against clocks"
     return Section(
         "designs",

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
 from tactus.errors.scene_errors import held_out_means, scene_errors
@@ -175,7 +175,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
-    would("write what is generated in the documentation")
+    stop_if_dry_run("write what is generated in the documentation")
     write(pages())
 
 

@@ -14,7 +14,7 @@ from tactus.report.measure.costs import with_activation_cells, with_network_cell
 from tactus.report.measure.gauges import RIG, sensors, sentence
 from tactus.report.measure.simulators import compare_simulators
 from tactus.report.measure.steps import measured
-from tactus.report.measure.store import Progress, once, packed, unpacked
+from tactus.report.measure.store import Progress, cached, packed, unpacked
 from tactus.report.measure.table import Table
 from tactus.report.page.page import Picture, Section
 from tactus.scene import Scene
@@ -31,7 +31,7 @@ def sections(scene: Scene, asked: store.Key, draw: Draw, tell: Progress) -> list
     tell: See ``tactus.report.measure.store``.
     """
     tables = measured(tell)
-    speed = unpacked(once(asked, tell, lambda: packed(compare_simulators(scene))))
+    speed = unpacked(cached(asked, tell, lambda: packed(compare_simulators(scene))))
     activations = with_activation_cells(tables["activations"])
     networks = with_network_cells(tables["clocks"])
     tables |= {activations.name: activations, networks.name: networks}

@@ -15,8 +15,8 @@ from tactus.scene import Scene, thesis_figures
 from tactus.scene.saturation import hidden_saturations, range_lines
 from tactus.synth.timing import DEVICE_NAME
 from tactus.train.descent.split import unused_text
+from tactus.verify.benches.places import block_names
 from tactus.verify.benches.runner import scene_variable
-from tactus.verify.benches.where import block_names
 
 ERRORS_OF_CLASSES = "The error of a class is the part of the rows decided wrongly about it. "
 

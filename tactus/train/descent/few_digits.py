@@ -123,7 +123,7 @@ def grid_of(network: Trained, width: int) -> Grid:
 
 
 @dataclass(frozen=True)
-class Aim:
+class RoundingObjective:
     """The error that is minimised on a grid: that of the objective's training rows.
 
     hold: How much the Hessian is damped from which compensations come, as a part of its diagonal.
@@ -140,7 +140,7 @@ class Aim:
         residuals = self._residuals(vector)
         return float(residuals @ residuals)
 
-    def around(self, vector: Real) -> tuple[float, Real, Real]:
+    def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
         """The error at a point, half its gradient, and half its Hessian by Gauss and Newton."""
         residuals = self._residuals(vector)
         jacobian = self.objective.jacobian(vector)[: len(residuals)]
@@ -189,14 +189,14 @@ def teacher_frames(recorded: Frames, task: Task) -> Rows:
     return Rows(inputs, recorded.targets[at], recorded.scale[at])
 
 
-def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
+def refitted(aim: RoundingObjective, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
     """Refit the free weights by some steps of Levenberg and Marquardt.
 
     Returns the new point, and the Hessian of the free weights there, damped so that it can be
     inverted.
     """
     at = np.flatnonzero(free)
-    value, gradient, whole = aim.around(vector)
+    value, gradient, whole = aim.value_gradient_hessian(vector)
     for _ in range(STEPS):
         for damping in DAMPING:
             moved = vector.copy()
@@ -207,7 +207,7 @@ def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Rea
         else:
             break
         vector = moved
-        value, gradient, whole = aim.around(vector)
+        value, gradient, whole = aim.value_gradient_hessian(vector)
     return vector, _damped(whole, at, aim.hold)
 
 
@@ -219,7 +219,7 @@ def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
     return part
 
 
-def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Real:
+def priced(aim: RoundingObjective, start: Real, price: float, rng: np.random.Generator) -> Real:
     """Round a trained network, giving each weight as many digits as are worth their price.
 
     price: Price of a digit, in the unit of the error.
@@ -284,7 +284,7 @@ def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
 
 
 def at_most(
-    aim: Aim,
+    aim: RoundingObjective,
     start: Real,
     count: int,
     rng: np.random.Generator,
@@ -316,7 +316,7 @@ def at_most(
     return best
 
 
-def _unit(aim: Aim, start: Real) -> float:
+def _unit(aim: RoundingObjective, start: Real) -> float:
     """The unit of prices: the error of the trained network, but at least that of an LSB."""
     return max(aim.value(start), float(SIGNAL.to_real(1)) ** 2)
 
@@ -381,7 +381,9 @@ class FewDigits:
         found = self._starts(aim, network, task, frames, count)
         return sorted(found, key=lambda one: aim.value(packed(one)))
 
-    def aim(self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]) -> Aim:
+    def aim(
+        self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]
+    ) -> RoundingObjective:
         """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
         aimed = self.rows(task, network, frames, rows)
         grid = grid_of(network, task.scene.precision.coeff_width)
@@ -393,11 +395,13 @@ class FewDigits:
         """The rows whose error is minimised; see ``rows_of``."""
         return rows_of(task, network, frames, task.recorded.take(recorded), self.misses())
 
-    def aim_on(self, network: Trained, rows: Rows, activation: Activation, grid: Grid) -> Aim:
+    def aim_on(
+        self, network: Trained, rows: Rows, activation: Activation, grid: Grid
+    ) -> RoundingObjective:
         """The aim of some rows for networks like this one; nothing ends its objective early."""
         inputs, hidden, outputs = network.shape
         shape = inputs, hidden, outputs
-        return Aim(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid)
+        return RoundingObjective(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid)
 
     @property
     def starts(self) -> int:
@@ -409,7 +413,12 @@ class FewDigits:
         return shift_biases(task, network, frames)
 
     def _starts(
-        self, aim: Aim, network: Trained, task: Task, frames: Frames, count: int | None = None
+        self,
+        aim: RoundingObjective,
+        network: Trained,
+        task: Task,
+        frames: Frames,
+        count: int | None = None,
     ) -> Iterator[Trained]:
         """A network from each start, or only the rounded one where it has few enough digits."""
         wanted = self.asked if count is None else count
@@ -427,7 +436,7 @@ class FewDigits:
 
     @staticmethod
     def _near(
-        aim: Aim,
+        aim: RoundingObjective,
         start: Real,
         count: int,
         rng: np.random.Generator,
@@ -443,7 +452,7 @@ class FewDigits:
         seed = self.task.scene.training.seed
         return (np.random.default_rng([seed, self.task.number, n]) for n in range(self.starts))
 
-    def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Trained:
+    def _whole(self, aim: RoundingObjective, point: Real, task: Task, frames: Frames) -> Trained:
         """The network of a point, whose biases are shifted and rounded."""
         network = self.shifted(task, aim.grid.network(point), frames)
         return aim.grid.network(aim.grid.rounded(packed(network)))

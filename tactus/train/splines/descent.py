@@ -46,7 +46,7 @@ def _descended(
     objective: SplineObjective, start: Real, steps: int, over: Callable[[Real], bool]
 ) -> Real:
     point, damping = start, DAMPING
-    value, gradient, hessian = objective.around(point)
+    value, gradient, hessian = objective.value_gradient_hessian(point)
     for _ in range(steps):
         scale = hessian.diagonal()
         held = hessian + np.diag(damping * scale + ROUNDING * scale.max())
@@ -61,5 +61,5 @@ def _descended(
         point, damping = moved, max(damping / DOWN, LEAST)
         if over(point) or settled:
             break
-        value, gradient, hessian = objective.around(point)
+        value, gradient, hessian = objective.value_gradient_hessian(point)
     return point

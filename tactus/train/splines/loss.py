@@ -19,7 +19,7 @@ class Loss(Protocol):
     def errors(self, outputs: Real, rows: Rows) -> Real:
         """The numbers whose squares add up to the loss, some for each row."""
 
-    def around(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
+    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
         """Misses m and roots R of each row, shapes (rows, n) and (rows, n, outputs).
 
         By the outputs, half the gradient of the loss is R' m, and half its curvature is R' R.
@@ -33,7 +33,7 @@ class Squares:
     def errors(self, outputs: Real, rows: Rows) -> Real:
         return np.asarray((outputs - rows.targets) / rows.scale)
 
-    def around(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
+    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
         weight = 1 / rows.scale
         return self.errors(outputs, rows), weight[..., np.newaxis] * np.eye(weight.shape[1])
 
@@ -52,7 +52,7 @@ class CrossEntropy:
     def errors(self, outputs: Real, rows: Rows) -> Real:
         return np.sqrt(entropies(outputs, rows.targets))[:, np.newaxis]
 
-    def around(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
+    def value_gradient_hessian(self, outputs: Real, rows: Rows) -> tuple[Real, Real]:
         # The gradient is S m with m = (p - t) / sqrt(p), since sqrt(p)' m is 0.
         parts = np.maximum(probabilities(outputs), LEAST_PROBABILITY)
         misses = (parts - rows.targets) / np.sqrt(parts)

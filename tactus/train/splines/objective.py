@@ -110,7 +110,7 @@ class SplineObjective:
         parts = np.split(self.freedom[: self.like.first.size], len(self.like.first))
         return [self._spread @ part[:, own] for part, own in zip(parts, self._places, strict=False)]
 
-    def around(self, parameters: Real) -> tuple[float, Real, Real]:
+    def value_gradient_hessian(self, parameters: Real) -> tuple[float, Real, Real]:
         """The function at a point, half its gradient, and half its Hessian by Gauss and Newton.
 
         The gradient of the loss is J' m, and its Hessian J' J, where m are the misses, and J has
@@ -120,7 +120,7 @@ class SplineObjective:
         """
         network = self.network(parameters)
         values, slopes = network.hidden.at(network.sums(self._spread))
-        misses, roots = self.loss.around(_outputs(network, values), self.rows)
+        misses, roots = self.loss.value_gradient_hessian(_outputs(network, values), self.rows)
         through = np.einsum("rhk,ohk->roh", slopes, network.second, optimize=True)
         factors = np.concatenate([roots @ through, roots], axis=2)
         pulls = np.einsum("rqn,rq->rn", factors, misses)
@@ -135,7 +135,7 @@ class SplineObjective:
                 if k < n:
                     hessian[np.ix_(other, own)] += block.T
         if self.word_error:
-            pushed, curved = self._words.around(self.network(parameters))
+            pushed, curved = self._words.value_gradient_hessian(self.network(parameters))
             gradient += self.freedom.T @ pushed
             hessian += self.freedom.T @ curved @ self.freedom
         return self.value(parameters), gradient, hessian

@@ -145,7 +145,9 @@ def pruned(
     """
     allowed = COST * error(learned, validation)
     present = learned.error(training)
-    _, roots = learned.settings.loss.around(learned.process(training.inputs), training)
+    _, roots = learned.settings.loss.value_gradient_hessian(
+        learned.process(training.inputs), training
+    )
     # The matrices of each row turn what the outputs change into what the loss does.
     straight, flat = (
         np.sqrt((np.einsum("rqo,ero->erq", roots, change) ** 2).sum(axis=(1, 2)) / len(roots))

@@ -31,7 +31,7 @@ class WordErrors:
         steep = self._weighted(network, network.hidden.at(sums)[1])
         return float(((steep * np.ptp(sums, axis=0)) ** 2).sum())
 
-    def around(self, network: SplineNetwork) -> tuple[Real, Real]:
+    def value_gradient_hessian(self, network: SplineNetwork) -> tuple[Real, Real]:
         """Half the gradient of the value, and half its Hessian by Gauss and Newton.
 
         The derivatives are those by all coefficients and biases, in the order of ``packed``.

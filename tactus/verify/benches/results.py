@@ -1,9 +1,9 @@
 """The results of the benches of a scene. Each is kept until something that it depends on changes.
 
-The result of a bench is kept as soon as the bench ends (``tactus/verify/benches/kept.py``), so an
-interrupted run goes on where it stopped. If entities of one block differ only in their constants,
-one of them has a simulation of its own. The others are simulated as parts of their networks, unless
-all are asked for.
+The result of a bench is kept as soon as the bench ends (``tactus/verify/benches/kept_results.py``),
+so an interrupted run goes on where it stopped. If entities of one block differ only in their
+constants, one of them has a simulation of its own. The others are simulated as parts of their
+networks, unless all are asked for.
 """
 
 from collections import defaultdict
@@ -16,7 +16,7 @@ from tactus.core.folders import BUILD
 from tactus.core.progress import Progress, stage
 from tactus.export.stamp import is_current
 from tactus.scene import Scene
-from tactus.verify.benches.kept import bench_key, kept, run_and_keep
+from tactus.verify.benches.kept_results import bench_key, kept, run_and_keep
 from tactus.verify.benches.runner import Job, Outcome, jobs, plan, run_jobs, scene_variable, tell
 from tactus.verify.benches.tools import SIMULATORS, language
 

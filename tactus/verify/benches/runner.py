@@ -26,12 +26,12 @@ from tactus.core.folders import BUILD
 from tactus.export.exporter import MANIFEST, compile_order
 from tactus.export.repeatable import HASH_SEED
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
+from tactus.verify.benches.places import check_block
 from tactus.verify.benches.simulate import RESULTS, Run, analyse, simulate, simulated_time
 from tactus.verify.benches.tools import SIMULATORS, check_simulator, language
-from tactus.verify.benches.where import check_block
 from tb.common.bench import CONFIGURATION
+from tb.common.bench_input import BenchInput
 from tb.common.coverage import Counts, add, missing
-from tb.common.given import Given
 
 STAND_IN = ROOT / "tb" / "common" / "stand_in"
 SEED = 1
@@ -256,7 +256,7 @@ def run_job(job: Job) -> Outcome:
     recordings = job.scene.vectors().recordings
     with writing(job.folder):
         job.folder.mkdir(parents=True)
-        Given(job.scene.twin(), recordings, job.scene.window).write(job.given_file)
+        BenchInput(job.scene.twin(), recordings, job.scene.window).write(job.given_file)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} {scene_variable(job.scene)}"
     if job.frames != FRAMES:

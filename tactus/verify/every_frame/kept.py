@@ -44,7 +44,7 @@ def proof_line(scene: Scene, ask: bool) -> str | None:
         def work() -> str:
             return str(judge(given, read_export(folder, given["entity"]), lambda _: None))
 
-        return str(store.once(_key(given, folder), work))
+        return str(store.cached(_key(given, folder), work))
     except InputError as reason:
         return str(Verdict(UNKNOWN, str(reason)))
 

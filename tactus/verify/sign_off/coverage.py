@@ -13,7 +13,7 @@ from typing import Any
 
 from golden.common.block import Block
 from golden.input_error import InputError
-from tactus.core.cli import run, would
+from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.fingerprint import fingerprint
 from tactus.core.progress import Progress
 from tactus.verify.benches.runner import Outcome, run_job, run_jobs
@@ -62,7 +62,7 @@ def main() -> int:
     arguments = parser.parse_args()
     blocks = chosen_blocks(arguments.block)
     print(cases_line(arguments.block), flush=True)
-    would(f"export, then run {len(blocks)} benches")
+    stop_if_dry_run(f"export, then run {len(blocks)} benches")
     with hold_recorded(blocks):
         return count(blocks, arguments.record)
 

@@ -15,10 +15,10 @@ from typing import Any
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.progress import Progress
 from tactus.scene import load_scene
-from tactus.verify.benches.kept import run_kept
+from tactus.verify.benches.kept_results import run_kept
 from tactus.verify.benches.runner import Job, Outcome, jobs, prepare, run_jobs
 from tactus.verify.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tactus.verify.sign_off.record import write_record
@@ -168,7 +168,7 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
             f"NETLIST={given}: got RECORD=1 too, which records every family, expected "
             f"NETLIST={ALL} or NETLIST={UNKNOWN}"
         )
-    would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
+    stop_if_dry_run(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     with hold_recorded(blocks):
         return record_netlists(blocks, tell) if every else record_unknowns(blocks, tell)
 

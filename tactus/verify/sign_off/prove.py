@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from tactus.core.cli import would
+from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.fingerprint import fingerprint
 from tactus.core.folders import BUILD
@@ -192,7 +192,7 @@ def run_blocks(block: str | None, recorded: bool) -> int:
     """Prove the properties of a block or of all, and that VHDL and Verilog are the same."""
     blocks = chosen_blocks(block)
     print(case_line(block), flush=True)
-    would(f"export and prove {len(blocks)} blocks")
+    stop_if_dry_run(f"export and prove {len(blocks)} blocks")
     with held(BUILD / case for block in blocks for case in cases(block)):
         proved = prove_blocks([block for block in blocks if block in PROOFS], recorded)
         properties = processor_minutes()

@@ -4,7 +4,7 @@ A bench is identified by its trace and not by its text. The trace says what each
 which clocks it looked at which port, and how many results it compared. So a function that moves
 makes no record stale, but another stimulus does. Every run of a bench compares the trace with the
 records (``tactus/verify/sign_off/current.py``). Kept results of benches must be found before the
-bench runs, so their key holds the bench's code instead (``tactus/verify/benches/kept.py``).
+bench runs, so their key holds the bench's code instead (``tactus/verify/benches/kept_results.py``).
 """
 
 from typing import Any

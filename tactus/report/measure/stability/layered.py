@@ -8,7 +8,7 @@ import numpy as np
 from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import IntegerLayer, sample_words
-from golden.engine.ranges import met_by
+from golden.engine.ranges import hidden_peaks
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
@@ -113,7 +113,7 @@ def ranges() -> Iterator[Row]:
     beyond = rng.choice([LOW, HIGH], (200, 16))
     for kinds in (("relu", "relu"), ("leaky_relu", "linear")):
         network = _random((16, 8, 6, 2), kinds, spread=4.0)
-        met = met_by(network, SIGNAL.to_real(recorded))
+        met = hidden_peaks(network, SIGNAL.to_real(recorded))
         engine = Engine.of([network], Settings(met=(met,)))
         names = f"{', '.join(kinds)}, ranges from the data"
         yield from _judged(network, f"{names}: recorded frames", recorded, met)

@@ -6,12 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.core.cli import MOST_SEED, run, whole, would
+from tactus.core.cli import MOST_SEED, run, stop_if_dry_run, whole
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.scene import load_scene
+from tactus.verify.benches.places import check_block
 from tactus.verify.benches.runner import Job
-from tactus.verify.benches.where import check_block
 from tactus.verify.sign_off.mutate.initial import score_words
 from tactus.verify.sign_off.mutate.score import SEED, score
 from tactus.verify.sign_off.processor import processor_line, processor_minutes
@@ -66,14 +66,16 @@ def main() -> int:
     if arguments.scene:
         scene = load_scene(arguments.scene)
         check_block(scene, arguments.block)
-        would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")
+        stop_if_dry_run(
+            f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}"
+        )
         with held([BUILD / scene.name]):
             jobs = subjects_of(arguments.scene, arguments.block)
             return mutate({job.block: job for job in jobs}, arguments)
     blocks = chosen_blocks(arguments.block)
     print(f"seed {arguments.seed}")
     print(cases_line(arguments.block), flush=True)
-    would(f"export and mutate {len(blocks)} blocks")
+    stop_if_dry_run(f"export and mutate {len(blocks)} blocks")
     with hold_recorded(blocks):
         return mutate(recorded_subjects(blocks), arguments)
 

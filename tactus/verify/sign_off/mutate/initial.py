@@ -106,7 +106,7 @@ def score_words(
                 changed.write_text(flipped(text, word, bit), encoding="utf-8")
                 return replay(trace, [changed, *parts])
 
-            found: list[str] = store.once(asked, work)
+            found: list[str] = store.cached(asked, work)
             return found
 
         differ = list(pool.map(play, range(len(chosen))))

@@ -25,7 +25,7 @@ from typing import Any
 from tactus.core import store
 from tactus.core.closure import code
 from tactus.synth.tools import digest, version_of
-from tactus.verify.benches.kept import bench_key
+from tactus.verify.benches.kept_results import bench_key
 from tactus.verify.benches.runner import Job, run_job, shortest_test
 from tactus.verify.benches.tools import version
 from tactus.verify.sign_off.mutate.explained import explain, explanations
@@ -119,7 +119,7 @@ def run_bench(subject: Subject, number: int, first: str = "") -> bool:
 
     bench = bench_key(subject.job).parts
     asked = store.key("mutant", **bench, first=first, netlist=subject.netlists[number])
-    found: bool = store.once(asked, work)
+    found: bool = store.cached(asked, work)
     return found
 
 
@@ -189,7 +189,7 @@ def _found(
     # Each answer is kept by itself, so that nothing is lost when a long run is stopped.
     def play(number: int) -> list[str]:
         asked = store.key("replay", netlists=subject.key, mutant=mutants[number - 1], **plays)
-        found: list[str] = store.once(asked, lambda: replay(trace, subject.sources(number)))
+        found: list[str] = store.cached(asked, lambda: replay(trace, subject.sources(number)))
         return found
 
     def found_by_bench(asked: list[int], first: str = "") -> list[int]:

@@ -18,7 +18,7 @@ from golden.trained.window import Window
 
 
 @dataclass(frozen=True)
-class Given:
+class BenchInput:
     """The twin and the recorded frames of a scene.
 
     design: The twin of the scene's whole design.
@@ -40,7 +40,7 @@ class Given:
         path.write_bytes(pickle.dumps(self))
 
 
-def read(path: Path) -> Given:
+def read(path: Path) -> BenchInput:
     """What the runner has written for this bench."""
-    given: Given = pickle.loads(path.read_bytes())
+    given: BenchInput = pickle.loads(path.read_bytes())
     return given

@@ -24,7 +24,7 @@ class Ending:
 
 
 @dataclass(frozen=True)
-class Held:
+class ParsedNetwork:
     """The arrays of a file, not yet checked against each other.
 
     arrays: ``w1`` and ``b1`` of the first layer, and so on. Each row of the weights is a node.

@@ -33,7 +33,7 @@ _TANH_SHIFT = RESULT.frac - TANH_RESULT.frac
 
 
 @dataclass(frozen=True)
-class Chosen:
+class MatrixOptions:
     """What a scene chooses of the layers.
 
     adders_per_clock: The most adders between two registers.
@@ -54,7 +54,7 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class Compiled:
+class MatrixNetwork:
     """A network in matrices and tables.
 
     activations: For each hidden layer the table of each row; empty where the finish is the
@@ -103,7 +103,7 @@ class LayerWords:
         return tuple(word.ends for word in self.live.values())
 
 
-def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
+def compile_matrices(network: IntegerNetwork, chosen: MatrixOptions) -> MatrixNetwork:
     """The matrices and tables of an integer network.
 
     network: It takes samples alone.
@@ -151,7 +151,7 @@ def whole_layers(network: IntegerNetwork, chosen: Chosen) -> Compiled:
             left = {column: value for column, value in fixed.items() if column not in given}
             fmt = TANH_RESULT if activations[-1] else matrix.out_fmt
             words = LayerWords(fmt, given, left)
-    return Compiled(tuple(matrices), tuple(activations), useless, constant, tuple(ranges))
+    return MatrixNetwork(tuple(matrices), tuple(activations), useless, constant, tuple(ranges))
 
 
 def layer_name(number: int) -> str:
@@ -200,7 +200,7 @@ class _Step:
     output: bool
     exact: bool
     words: LayerWords
-    chosen: Chosen
+    chosen: MatrixOptions
 
     def __post_init__(self) -> None:
         names = sorted({one.name for one in self.layer.every_function if one != TANH})

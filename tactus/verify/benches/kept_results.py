@@ -31,7 +31,7 @@ PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
 # The effect of these modules is in the exported files.
-ELSEWHERE = ("tb.common.cases", "tb.common.small")
+ELSEWHERE = ("tb.common.cases", "tb.common.case_library")
 NAMES = ("CASES",)
 SCENE = "tactus.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.

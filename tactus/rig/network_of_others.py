@@ -10,8 +10,8 @@ from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.function import TABLE
 from tactus.network_files.classes import for_labels
-from tactus.network_files.held import Held
 from tactus.network_files.network_file import held_in
+from tactus.network_files.parsed import ParsedNetwork
 from tactus.rig.survey import Survey, labels_in
 from tactus.scene.labels import ordered
 
@@ -24,7 +24,7 @@ class Brought:
     """A network file, and what a scene must say about it."""
 
     path: Path
-    held: Held
+    held: ParsedNetwork
 
     @property
     def shape(self) -> tuple[int, ...]:
