@@ -20,7 +20,7 @@ class LaneRound(Block):
     """The lane's own sum, rounded and saturated; otherwise a sample, or the word of the first lane.
 
     acc_width: Bits of the sum.
-    rectifies: Whether there is a port that asks for 0 in the place of what is below it.
+    rectifies: Whether the block has a ReLU input, which replaces results below 0 by 0.
     leads: Whether it is that of the first lane, which takes samples and gives the other lanes its
         word.
     cut: With ReLU, so many of the lowest bits of the word become 0.

@@ -6,8 +6,8 @@ which the frame begins. So the loop executes steps of several frames, one after 
 
 The steps of a group follow each other without a wait, because a lane has one sum. They take a run
 of words that no other group has, whatever its frame is. As results depend on their own frame alone,
-a group that finds no room soon enough may come a loop later. What is left free is kept such that
-the groups that are still to come find room, so that the shortest loops have room for all of them.
+a group that finds no room soon enough may come a loop later. Each placement keeps gaps that are
+large enough for all groups that are not placed yet.
 
 Outputs leave in their order, and none of a frame before those of the frame before. Where they would
 be further apart than a loop is long, the first ones or all of them are kept, and a step of its own
@@ -26,7 +26,7 @@ from golden.engine.lane_pipeline import LanePipeline
 
 # The control of a loop looks so many words ahead.
 LEAST = 5
-# The clocks that samples are taken to be late by, where stores of other frames are in their way.
+# Assumed delays, in clocks, of a sample's store when stores of other frames occupy its slot.
 MARGINS = (0, 1, 2, 4, 8, 16, 32)
 # About how many steps are placed in all the orders that are tried for a loop that will be built.
 EFFORT = 1500

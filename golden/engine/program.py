@@ -27,8 +27,7 @@ WEIGHT = (0, WIDTH)
 SOURCE = (18, 10)
 KIND = (28, 2)
 TAKE_INTERCEPT = (30, 1)
-# In the place of the one above, in a program that has ReLU; which half of a word of the table is
-# taken then follows from the kind.
+# In programs with ReLU bit 30 means ReLU, and KIND selects intercept or slope instead.
 RELU = (30, 1)
 FIRST = (31, 1)
 FIRST_OF_OUTPUT = (32, 1)

@@ -20,7 +20,7 @@ class RoundSaturate(Block):
     """The sum, rounded and saturated; while no frame is computed, the sample instead.
 
     acc_width: Bits of the sum.
-    rectifies: Whether there is a port that asks for 0 in the place of what is below it.
+    rectifies: Whether the block has a ReLU input, which replaces results below 0 by 0.
     cut: Where it does, so many of the lowest bits of the word become 0.
     even: Where bits are cut, a sum half way between two words becomes the even one.
 

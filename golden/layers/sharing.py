@@ -44,8 +44,7 @@ SPREADS = (0, 20)
 # The most runs. A large matrix gets fewer of them, so that about ``PAIRS`` pairs of digits are
 # examined in all.
 RUNS = 40
-# One more stage of registers is worth while when it saves more than one bit of adders in this
-# number plus one.
+# One more pipeline stage is taken only if it saves more than 1 / (PAYS + 1) of the adder bits.
 PAYS = 19
 PAIRS = 400_000
 # Runs beyond these leave out so many per cent of the shares of the best run, and so many per cent

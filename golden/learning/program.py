@@ -50,8 +50,8 @@ from golden.numbers.fixed import Codes
 PRODUCT = TAKE_INTERCEPT
 # The numbers of parts: equations follow from the last one on.
 FRAME, KEEP, EQUATIONS = 0, 1, 2
-# The words from the one that holds the mark of a jump to the first one behind the jump: the mark
-# passes two registers, that of the memory and one that keeps it out of the counter's path.
+# Delay of a jump in words: the register of the memory, one register that shortens the path to the
+# counter, and the next word.
 TO_JUMP = 3
 # The most that a word times a second one can be.
 _MOST_PRODUCT = 1 << (2 * (WIDTH - 1) - SHORT)

@@ -1,7 +1,7 @@
 """What an engine that learns does in every clock: which frames, known outputs and steps it takes.
 
-Nothing here is as it is in the hardware, except the clocks: a frame, a placement or an equation is
-computed as a whole, in the clock in which nothing can stop it any more.
+It is exact in clocks, but not in steps: a frame, a placement or an equation is computed as a whole,
+in the first clock in which nothing can stop it any more.
 """
 
 from collections import Counter

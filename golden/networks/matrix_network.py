@@ -27,8 +27,7 @@ from golden.trained.function import TANH
 WORD_WIDTH = TANH_RESULT.width
 # Bits below the last place of a hidden word and of an output that take part in the additions.
 GUARD = (1, 1)
-# By how many bits a word of tanh is longer than the code of a table, which stands for the middle of
-# its step.
+# Fraction bits of a word of tanh beyond those of a table's code, which means the middle of a step.
 _TANH_SHIFT = RESULT.frac - TANH_RESULT.frac
 
 

@@ -161,7 +161,7 @@ def learning_engine(
         else:
             before_last.next = less_two
 
-    # Equations write where words of theta come in, so none begins between these.
+    # Equations and incoming theta use the same bank, so no equation starts during a transfer.
     @always_seq(clk.posedge, reset=rst)
     def note():
         if taken:
@@ -170,7 +170,7 @@ def learning_engine(
         elif arrives:
             partly.next = False
 
-    # Behind a frame theta is read where second words of products are at other times.
+    # After a frame, theta is sent through the second read port.
     @always_seq(clk.posedge, reset=rst)
     def tell():
         theta_leaves.next = telling

@@ -23,8 +23,8 @@ from tactus.sizing.table_luts import bit_columns, luts_of
 NARROW_WORDS = 2048
 # Up to so many bits of its address, a memory is built of LUTs.
 LOGIC_ADDR_WIDTH = 6
-# Of these the cells are those of one piece. Entity by entity, Yosys packs the choice of the sum
-# that a lane adds into wide multiplexers, and takes up to twice the LUTs.
+# The cells of these blocks are measured flattened. Entity by entity, Yosys packs the choice of the
+# sum that a lane adds into wide multiplexers, and takes up to twice the LUTs.
 IN_ONE_PIECE = ("lanes",)
 # Blocks that differ only in how many nodes they serve have their costs together.
 ALIKE = {"bipartite_pair": "bipartite"}

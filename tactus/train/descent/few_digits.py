@@ -66,7 +66,7 @@ DAMPING = np.geomspace(1e-9, 1e3, 9)
 # The range of the price of a digit, as parts of the error of the trained network.
 PRICES = (1e-3, 1e8)
 PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
-NEAR = 1.5  # of the price of the first start those of the others are searched as near
+NEAR = 1.5  # later starts search prices within this factor of the first start's price
 RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
 SLACK = 0.02  # so much fewer digits than asked for will do
 

@@ -102,7 +102,7 @@ class Flat:
         ]
 
     def _state_ends(self) -> list[End]:
-        """What goes into registers and memories; what nothing reads of a register is no state."""
+        """The inputs of registers and memories, without register bits that nothing reads."""
         ends: list[End] = []
         read = {*self.readers, *(bit for bits in self.outputs().values() for bit in bits)}
         for cell in self.cells.values():
