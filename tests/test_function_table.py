@@ -1,18 +1,15 @@
 """Activations that are tables: functions of a scene, their fit, and engines that look them up."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from documented import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
-from golden.engine.function_table import codes_of, format_of, is_odd, joined, table_of
+from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
 from golden.engine.image import Image, Sizes
 from golden.engine.listing import listing
@@ -30,7 +27,6 @@ from golden.trained.function import TANH, Function
 from tactus.network_files.network_file import write_network
 from tactus.scene import load_scene
 from tactus.scene.saturation import saturating
-from tactus.synth.cells import synthesise
 from tb.common.cases import random_network, write_scene
 from tb.common.images import (
     images_with_room,
@@ -47,10 +43,8 @@ BELL = Function("gaussian", "exp(-x * x)")
 WAVE = Function("sine", "sin(x)")
 GELU = Function("gelu", "0.5 * x * (1 + erf(x / sqrt(2)))")
 POINTS = Function("points", points=((-2.0, 0.5), (-0.25, -1.0), (1.5, 0.75)))
-# The functions in the table of the page.
 SHOWN = (SIGMOID, SOFTSIGN, BELL, WAVE, GELU)
 EVERY = (*SHOWN, POINTS)
-PAGE = (ROOT / "docs" / "scenes.md").read_text()
 
 
 def network(
@@ -82,16 +76,6 @@ def test_the_blocks_compute_the_function_with_the_published_error(function: Func
     words = np.clip((sums + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
     off = format_of(function).to_real(words) - function.value(HIDDEN.to_real(CODES))
     assert np.abs(off).max() == table_of(function, 9).error
-
-
-@pytest.mark.parametrize("function", SHOWN, ids=lambda f: f.name)
-def test_the_page_shows_the_largest_errors(function: Function) -> None:
-    row = re.search(rf"^\| {function.name} \| `(.+)` \| (.+) \| (.+) \| (.+) \|$", PAGE, re.M)
-    assert row, function.name
-    assert row[1] == function.expression
-    assert row[2] == ("one" if is_odd(function) else "two")
-    for shown, width in ((row[3], 9), (row[4], 7)):
-        assert shown == f"{table_of(function, width).error:.1e}".replace("e-0", "e-")
 
 
 @given(
@@ -195,43 +179,6 @@ def test_one_odd_function_is_the_hardware_of_tanh() -> None:
     assert [e.table_address.base_ports for e in engines] == [(), ()]
     assert len({e.program.words for e in engines}) == 1
     assert Engine.of([network(shape, ("table:gaussian",))], Settings()).names_blocks
-
-
-# What the hidden nodes of the networks look up whose cells the page shows.
-COSTS = {
-    "tanh": "tanh",
-    "gaussian": "table:gaussian",
-    "softsign and sine": "table:softsign,softsign,softsign,sine,sine,sine",
-    "softsign and gaussian": "table:softsign,softsign,softsign,gaussian,gaussian,gaussian",
-    "softsign, sine, gaussian and gelu": "table:softsign,sine,gaussian,gelu,softsign,sine",
-}
-
-
-@pytest.mark.all_only
-@pytest.mark.usefixtures("yosys")
-@pytest.mark.parametrize("row", COSTS)
-def test_the_page_shows_what_tables_cost(tmp_path: Path, row: str) -> None:
-    """Random 4:6:1 networks, mapped to a Virtex-II."""
-    dense = network((4, 6, 1), (COSTS[row],), 1.0)
-    path = write_scene(
-        tmp_path, "own", "exact", [dense], activation="precise", design="engine", functions=SHOWN
-    )
-    kinds = f'hidden = 6\nactivations = ["{COSTS[row]}"]'
-    path.write_text(path.read_text().replace("hidden = 6", kinds))
-    command = [
-        sys.executable,
-        "-m",
-        "tactus.export",
-        str(path),
-        "verilog",
-        "--build",
-        str(tmp_path),
-    ]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    found = synthesise(tmp_path / "own" / "verilog", "engine", "xc2v")["engine"]
-    blocks = {1: "one", 2: "two", 3: "three", 6: "six"}[Engine.of([dense]).program.blocks]
-    counts = (found["LUT"], found["flip-flop"], found["block RAM"])
-    assert f"| {row} | {blocks} | {' | '.join(map(str, counts))} |\n" in PAGE
 
 
 def test_functions_of_nodes_that_are_not_built_take_no_memory() -> None:

@@ -53,7 +53,7 @@ DATA = KeyTable(
             Text(some=True),
             "",
             "A column of labels, texts or whole numbers, which the network tells apart: it has an "
-            "output for each label. See [classes](#classes).",
+            "output for each label. See [classes](networks.md#classes).",
         ),
         "group_by": Key(
             Text(),

@@ -186,9 +186,9 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only with `reload`. The number of blocks for [tables of functions]"
-            "(#functions-of-your-own) in the program memory, or in that of each lane. With any "
-            "blocks, each image brings the functions of its own network, as many as the blocks "
-            "hold; without them there is the table of tanh alone.",
+            "(networks.md#functions-of-your-own) in the program memory, or in that of each lane. "
+            "With any blocks, each image brings the functions of its own network, as many as the "
+            "blocks hold; without them there is the table of tanh alone.",
             "what the scene's own functions take",
         ),
         "adders_per_clock": Key(

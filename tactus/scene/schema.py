@@ -65,7 +65,7 @@ NETWORK = KeyTable(
             "`training.layers`. For `classes` without `training.layers` it trains a network "
             "without a hidden layer. With `single`, a list has the number of nodes of "
             "each hidden layer, such as `[32, 16]`: [networks of several "
-            "layers](#networks-of-several-layers).",
+            "layers](networks.md#networks-of-several-layers).",
         ),
         "activations": Key(
             List(
@@ -78,7 +78,7 @@ NETWORK = KeyTable(
             "it, the activations are those of the network file, and training takes "
             "`training.activation`. "
             f'`"{TABLE}"` and a name of `functions` is [a function of your own]'
-            "(#functions-of-your-own).",
+            "(networks.md#functions-of-your-own).",
         ),
         "functions": Key(
             Map(Alternatives((Text(some=True), KeyTable(_POINTS, said=_FUNCTION)), _FUNCTION)),
@@ -90,8 +90,8 @@ NETWORK = KeyTable(
         "quantised": Key(
             Text(("exact", "nearest")),
             "exact",
-            "Of a [quantised network](#quantised-networks): whether its codes must be those of its "
-            "file, or may come from the nearest weights that the engine holds.",
+            "Of a [quantised network](networks.md#quantised-networks): whether its codes must be "
+            "those of its file, or may come from the nearest weights that the engine holds.",
         ),
         "weights": Key(
             Each(Text()),
@@ -145,7 +145,7 @@ TRAINING = KeyTable(
             None,
             "The least and the largest number of hidden layers to search. The arrangement must be "
             "`single` and `network.hidden` 0. See [a search for the layers]"
-            "(#a-search-for-the-layers).",
+            "(networks.md#a-search-for-the-layers).",
             "none",
         ),
         "activation": Key(
@@ -212,7 +212,7 @@ TRAINING = KeyTable(
             Text(("random", "blocks", "groups")),
             "random",
             "Which rows are held out: `random` rows, `blocks` of neighbours, or whole `groups`. "
-            "See [which rows are held out](#which-rows-are-held-out).",
+            "See [which rows are held out](networks.md#which-rows-are-held-out).",
         ),
         "split_by": Key(
             List(Text(some=True), "columns, each once", "a list of texts", once=True),
@@ -226,7 +226,7 @@ TRAINING = KeyTable(
             Flag(),
             False,
             "With `true` the training of the chosen network [continues after the "
-            "search](#trained-on-after-the-search), with all rows.",
+            "search](networks.md#trained-on-after-the-search), with all rows.",
         ),
         "digits": Key(
             Alternatives((Whole(), Text((FEWEST,), said=f"a whole number or {FEWEST!r}"))),
@@ -234,7 +234,7 @@ TRAINING = KeyTable(
             "How many signed digits all weights of a network may have together; biases do not "
             "count. It must exceed the number of outputs of a network for numbers; "
             f'`"{FEWEST}"` finds the least. 0 leaves the weights as they are. The precision must '
-            "be `exact`. See [weights of few digits](#weights-of-few-digits).",
+            "be `exact`. See [weights of few digits](networks.md#weights-of-few-digits).",
         ),
         "digits_tolerance": Key(
             Number(Span(0)),
@@ -247,7 +247,7 @@ TRAINING = KeyTable(
             0.0,
             "The standard deviation of the noise that is expected on every reading. Its unit is "
             "that of the sensor columns, with or without `data.scale`. See [what the sensors are "
-            "expected to do](#what-the-sensors-are-expected-to-do).",
+            "expected to do](networks.md#what-the-sensors-are-expected-to-do).",
         ),
         "drift": Key(
             KeyTable(_DRIFT, noun=""),

@@ -17,9 +17,7 @@ from tactus.core.schema import json_schema
 from tactus.errors.scene_errors import held_out_means, scene_errors
 from tactus.report.draw import findings
 from tactus.report.draw.area import area
-from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.margins import margins
-from tactus.report.draw.network import network
 from tactus.report.draw.overview import overview
 from tactus.report.draw.overview import wishes as draw_wishes
 from tactus.report.draw.run_time import network_rows
@@ -33,7 +31,6 @@ from tactus.report.measure.stability.margins import cases as margin_cases
 from tactus.report.measure.table import Cell, Table
 from tactus.report.measure.table_records import SEED, read
 from tactus.report.measure.tanh_words import tanh_words
-from tactus.report.page import designs as compared
 from tactus.report.page import left_out as leaving
 from tactus.report.page import run_time, stability
 from tactus.report.page.markers import put, write
@@ -154,10 +151,7 @@ def pages() -> dict[Path, str]:
     found[docs / "stability.svg"] = margins(cases)
     found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
     found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
-    found[docs / "floors.svg"] = picture_of_floors()
-    found[docs / "designs.svg"] = compared.picture()
     found[docs / "overview.svg"] = overview(load_scene(SHOWN))
-    found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
     networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"
     found[docs / "wishes.svg"] = draw_wishes(

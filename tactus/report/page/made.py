@@ -11,17 +11,15 @@ from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import Pipeline
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
-from tactus.errors.scene_errors import disturbed_errors
+from tactus.report.draw.floors import picture_of_floors
+from tactus.report.draw.network import network
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.table_records import read
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
-from tactus.scene.disturbance import Disturbance
 from tactus.scene.schema import SCENE
 from tactus.synth.budget import budget_path, read_budget
-
-DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
 def scenes() -> str:
@@ -96,34 +94,17 @@ def demo() -> str:
     return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
-def disturbed() -> str:
-    """The errors of some scenes with noise and drift."""
-    disturbances = {
-        "as recorded": Disturbance(),
-        "noise 1 mV": Disturbance(noise=0.001),
-        "noise 2 mV": Disturbance(noise=0.002),
-        "noise 8 mV": Disturbance(noise=0.008),
-        "gain drift 1 %": Disturbance(gain=0.01),
-        "offset drift 10 mV": Disturbance(offset=0.01),
-    }
-    lines = [
-        f"| scene | output | {' | '.join(disturbances)} |",
-        f"|{'---|' * (2 + len(disturbances))}",
-    ]
-    for name in DISTURBED:
-        scene = load_scene(name)
-        errors = [disturbed_errors(scene, disturbance) for disturbance in disturbances.values()]
-        for output, found in zip(scene.outputs, zip(*errors, strict=True), strict=True):
-            lines.append(f"| {name} | {output} | {' | '.join(f'{e:.2f}' for e in found)} |")
-    return "\n".join(lines)
-
-
 def outside() -> str:
     """How many unlike readings are found, to tenths of a percent."""
     found = read("outside")
     rows = [[f"{c:.1f}" if isinstance(c, float) else c or "" for c in row] for row in found.rows]
     lines = [found.columns, ["---"] * len(found.columns), *rows]
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+
+
+def picture(draw: Callable[[], str]) -> str:
+    """An SVG within the page."""
+    return f"<div>\n{draw().strip()}\n</div>"
 
 
 MADE: dict[str, Callable[[], str]] = {
@@ -143,7 +124,9 @@ MADE: dict[str, Callable[[], str]] = {
     "ecp5": partial(designs.rows, designs.SINGLE, "ecp5"),
     "learned": partial(designs.rows, designs.LEARNED),
     "held-out": designs.spreads,
-    "disturbance": disturbed,
+    "picture-of-designs": partial(picture, designs.picture),
+    "floors": partial(picture, picture_of_floors),
+    "networks": partial(picture, lambda: network(load_scene("digit"))),
     "outside": outside,
     "segments": segments,
     "pipeline": pipeline,
