@@ -34,7 +34,6 @@ STAND_INS = {
     # The pages on new blocks and designs add these. Tests of their own type them in and run them.
     ("BLOCK", "relu"): "precise",
     ("BLOCK", "rowwise"): "hybrid",
-    ("TESTS", "tests/test_relu.py"): "tests/test_precise.py",
     ("LABELS", "placements.csv"): "labels.csv",
     ("CSV", "path/to/readings.csv"): "tutorial/readings.csv",
     ("CSV", "path/to/new.csv"): "tutorial/new.csv",
