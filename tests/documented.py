@@ -25,7 +25,8 @@ FIRST_WORD = re.compile(BEGIN)
 FRONT_DOORS = ("make", "tactus")
 # The pages show values that only a user has. For each, this names a value that a test can use.
 STAND_INS = {
-    ("SCENE", "path/to/rig.toml"): "tutorial/rig.toml",
+    ("SCENE", "my-rig/rig.toml"): "tutorial/rig.toml",
+    ("SCENE", "my-rig/board.toml"): "digit-board",
     ("SCENE", "my-rig.toml"): "digit",
     ("SCENE", "mine.toml"): "digit-board",
     ("SCENE", "my-digit/digit.toml"): "digit",
@@ -35,12 +36,11 @@ STAND_INS = {
     ("BLOCK", "relu"): "precise",
     ("BLOCK", "rowwise"): "hybrid",
     ("LABELS", "placements.csv"): "labels.csv",
-    ("CSV", "path/to/readings.csv"): "tutorial/readings.csv",
-    ("CSV", "path/to/new.csv"): "tutorial/new.csv",
+    ("CSV", "my-rig/readings.csv"): "tutorial/readings.csv",
     ("CSV", "all.csv"): "new.csv",
     ("TO", "readings.csv"): "written/readings.csv",
-    ("TO", "path/to/rig.toml"): "written/rig.toml",
-    ("TO", "path/to/out.csv"): "written/out.csv",
+    ("TO", "my-rig/rig.toml"): "written/rig.toml",
+    ("TO", "my-rig/out.csv"): "written/out.csv",
     ("OUTPUTS", "a,b"): "load,position",
 }
 # Of these pairs of variables a command needs one.

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from front_door import GIVEN, MAKEFILE, ROOT
+from conftest import GIVEN, MAKEFILE, ROOT
 
 from tactus.cli.commands import COMMANDS
 

@@ -335,7 +335,7 @@ def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     """Every second row of sensors 1 to 3 was interpolated. Sensor 4 was read in every row."""
     scene = load_scene("digit")
     assert len(readings.on_lines(scene.vectors().inputs)) == 62
-    page = (ROOT / "docs" / "tutorial.md").read_text()
+    page = (ROOT / "docs" / "limits.md").read_text()
     assert "`62 of 143 rows are exact means of the rows beside them`" in page
     noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
     assert len(readings.on_lines(noisy)) < 5

@@ -70,7 +70,7 @@ def test_sensors_that_each_tell_a_little_are_not_taken_out_together(count: int) 
 def test_the_page_shows_what_is_said_of_it(tmp_path: Path) -> None:
     scene = rail(tmp_path, s6=noise(1))
     (said,) = [str(finding) for finding in findings(scene) if finding.subject == "s6"]
-    page = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
     assert f"\n{said.replace(str(scene.path), 'path/to/rig.toml')}\n" in page
 
 
