@@ -78,7 +78,7 @@ docs: $(READY)
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
 	$(call own,write what is generated in the documentation,$(call ends,set -e; \
-		for page in lists thesis; do $(RUN) -m tactus.report.page.$$page; done))
+		$(RUN) -m tactus.report.page.lists))
 
 lint: $(READY)
 	$(call own,run ruff$(comma) import-linter and mypy,$(call ends,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && \

@@ -18,8 +18,13 @@ Row = dict[str, Cell]
 
 
 def names() -> list[str]:
-    """Every study."""
+    """Every study that can be measured again."""
     return sorted(path.parent.name for path in FOLDER.glob("*/study.py"))
+
+
+def finished() -> list[str]:
+    """Every study, also those whose README names the revision whose program measured them."""
+    return sorted(path.parent.name for path in FOLDER.glob("*/result.csv"))
 
 
 def recorded(name: str) -> Table:
@@ -58,6 +63,11 @@ def main() -> None:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     name = arguments.name
+    if name not in names() and name in finished():
+        raise InputError(
+            f"NAME={name}: is not measured again; {FOLDER / name / 'README.md'} names the revision "
+            "that did"
+        )
     if name not in names():
         raise InputError(
             f"NAME={name}: no such study, expected one of {', '.join(names())}"

@@ -1,7 +1,7 @@
 """Compares the figures that a page shows with measured ones, and states how exact this can be.
 
 Another processor rounds last bits differently, and other versions of SciPy take other steps. The
-relative change of figures was measured by ``python -m tactus.report.measure.spread`` on x86-64,
+relative change of figures was measured by studies/spread on x86-64,
 with every setting that it names, and with SciPy 1.13 and 1.17:
 
 ========= ====================================================================== ================

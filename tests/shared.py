@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import pytest
 from exporter import Exporter
 
-from tactus.core.files import read_kept, write_kept
 from tactus.core.store import VARIABLE
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
@@ -101,20 +100,6 @@ class Shared:
         """The entity that represents a block (``tactus.verify.sign_off.subject``), on the shared
         exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
-
-    def measured(self, name: str) -> Table:
-        """A table, measured once in this run."""
-        # What measures is imported only here, because every run imports this module, and that takes
-        # longer than the tests of one file.
-        from tactus.report.measure import store, table_records
-        from tactus.report.measure.registry import TABLES
-
-        path = self.folder / f"{name}.json"
-        self.once(
-            f"measured {name}",
-            lambda: write_kept(path, store.packed(TABLES[name](table_records.SEED))),
-        )
-        return store.unpacked(read_kept(path))
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in this run."""

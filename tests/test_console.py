@@ -192,7 +192,7 @@ def test_a_scene_that_pip_has_installed_has_no_fault(
     assert any("belongs to the installed package" in finding.text for finding in found)
 
 
-@pytest.mark.parametrize("words", [["prove"], ["figures"], ["sim", "digit"], ["synth", "digit"]])
+@pytest.mark.parametrize("words", [["prove"], ["sim", "digit"], ["synth", "digit"]])
 def test_records_belong_to_a_checkout(
     words: list[str],
     installed: Path,

@@ -24,7 +24,7 @@ from xml.etree import ElementTree
 import numpy as np
 from tactus.scene import load_scene
 from tactus.report.draw.datapath import datapath
-from tactus.report.measure.stability.networks import huge_weights
+from studies.stability.networks import huge_weights
 scene, other = (load_scene(path).twin() for path in sys.argv[1:])
 frames = np.random.default_rng(1).integers(-8192, 8192, (2000, scene.inputs))
 assert np.array_equal(scene.process(frames), other.process(frames))

@@ -31,11 +31,9 @@ from tactus.report.draw.profile import profile
 from tactus.report.draw.svg import own_ids
 from tactus.report.draw.swing import RUN, follow, swing, without_past
 from tactus.report.draw.swing_animation import swing_animation
-from tactus.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tactus.report.draw.waveforms import Row, waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.report.measure.table import Table
-from tactus.report.measure.tanh_words import tanh_words
 from tactus.report.page.designs import picture
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.scale import Scale
@@ -504,12 +502,3 @@ def test_axes_are_logarithmic(width: float, across: list[str]) -> None:
         *("0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100", "200", "500", "1000"),
         *("x", "y"),
     ]
-
-
-def test_tanh_words_fills_what_an_engine_may_have() -> None:
-    table = tanh_words(1)
-    discs = list(parse(draw_tanh_words(table)).iter(f"{SVG}circle"))
-    assert len(discs) == len(table.rows)
-    filled = [n for n, disc in enumerate(discs) if disc.get("fill") != "#fff"]
-    assert filled == [n for n, row in enumerate(table.rows) if row[-1] == "yes"]
-    assert len(filled) == 3

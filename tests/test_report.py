@@ -1,8 +1,6 @@
 """Tests the report: its content, the files beside it, and its look in a browser.
 
-Every run makes the report of a user's scene. ALL=1 also makes the complete report of a shipped
-scene, with every table and a comparison of the simulators. For the tests of the figures, every run
-measures these tables in any case.
+Every run makes the report of a user's scene. ALL=1 also makes that of a shipped scene.
 """
 
 import csv
@@ -16,19 +14,13 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
-from golden.activation.schemes import forms
-from tactus.cli.commands import BY_NAME
 from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
 from tactus.errors.scene_errors import UNKNOWN
-from tactus.report.draw import findings, looks
 from tactus.report.draw.plots import Plot
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.measure.registry import TABLES
-from tactus.report.measure.simulators import compare_simulators
 from tactus.report.measure.store import cached, part_key
-from tactus.report.measure.table import Cell, Table
-from tactus.report.measure.table_records import TIMED
+from tactus.report.measure.table import Table
 from tactus.report.page import build
 from tactus.report.page.content import content
 from tactus.report.page.page import Page, Picture, Section
@@ -36,28 +28,9 @@ from tactus.scene import load_scene
 from tactus.scene.reading import scene_path
 from tactus.verify.benches.runner import BUILD
 
-SCENE = "digit-load"
 OWN = "reported"
 DATA = ROOT / "scenes" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
-
-
-of_the_complete = pytest.mark.all_only
-BOTH = ["own", pytest.param("report", marks=of_the_complete)]
-
-
-@pytest.fixture(scope="module")
-def report(shared: Shared) -> Path:
-    """The report of the smallest scene, with the tables that the run has measured."""
-    shared.tables()
-    with shared.own_store():
-        shared.once("report", lambda: build.build_report(load_scene(SCENE), full=True))
-    return (BUILD / SCENE / "report.html").resolve()
-
-
-@pytest.fixture(scope="module")
-def data(report: Path) -> dict:
-    return json.loads((report.with_suffix("") / "report.json").read_text())
 
 
 @pytest.fixture(scope="module")
@@ -80,13 +53,6 @@ def own(shared: Shared) -> Path:
     with shared.own_store():
         shared.once("own report", make)
     return (BUILD / OWN / "report.html").resolve()
-
-
-@pytest.fixture(scope="module", params=BOTH)
-def page(request: pytest.FixtureRequest) -> Path:
-    """The report of a user's scene, or the complete one."""
-    found: Path = request.getfixturevalue(request.param)
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -148,12 +114,6 @@ def test_the_worst_rows_are_those_of_the_file(own_data: dict) -> None:
         assert max(row[-1] for row in table["rows"] if row[0] == name) == worst[name]
 
 
-def test_full_is_asked_for_at_the_front_door() -> None:
-    for command, asked in (("report", "1"), ("demo", "1"), ("report", "0"), ("demo", "")):
-        words = BY_NAME[command].words({"FULL": asked})
-        assert ("--full" in words) == (asked == "1"), command
-
-
 class Links(HTMLParser):
     """Everything that a page loads or links to, and every id."""
 
@@ -174,8 +134,8 @@ class Links(HTMLParser):
                 self.loads.append(value or "")
 
 
-def test_the_page_needs_nothing_beside_it(page: Path) -> None:
-    text = page.read_text()
+def test_the_page_needs_nothing_beside_it(own: Path) -> None:
+    text = own.read_text()
     links = Links(text)
     assert [link for link in links.loads if link != "data:,"] == []
     assert "@import" not in text
@@ -183,71 +143,33 @@ def test_the_page_needs_nothing_beside_it(page: Path) -> None:
     assert "<script" not in text
 
 
-def test_no_id_stands_twice_and_every_anchor_leads_somewhere(page: Path) -> None:
-    links = Links(page.read_text())
+def test_no_id_stands_twice_and_every_anchor_leads_somewhere(own: Path) -> None:
+    links = Links(own.read_text())
     assert len(links.ids) == len(set(links.ids))
     assert set(links.anchors) <= set(links.ids)
     assert len(links.anchors) > 10
 
 
-@of_the_complete
-def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> None:
-    folder = report.with_suffix("")
-    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "simulators", "blocks"}
-    for name, table in data["tables"].items():
-        with (folder / f"{name}.csv").open(newline="") as handle:
-            columns, *rows = csv.reader(handle)
-        assert columns == table["columns"]
-        assert len(rows) == len(table["rows"])
-        assert f'id="table-{name}"' in report.read_text()
-    for name, picture in data["pictures"].items():
-        svg = (folder / f"{name}.svg").read_text()
-        assert svg in report.read_text()
-        assert picture["says"].endswith((".", "?"))
+@pytest.mark.all_only
+def test_the_first_screen_is_the_scene(shared: Shared) -> None:
+    scene = load_scene("digit-load")
+    with shared.own_store():
+        build.build_report(scene)
+    page = BUILD / scene.name / "report.html"
+    tables = json.loads((page.with_suffix("") / "report.json").read_text())["tables"]
+    assert f"<h1>tactus: {scene.name}</h1>" in page.read_text()
+    costs = dict(row[:2] for row in tables["costs"]["rows"])
+    assert costs["clocks from first sample to last output"] == clocks_per_frame(scene.twin())
+    assert [row[0] for row in tables["errors"]["rows"]] == list(scene.outputs)
+    assert tables["blocks"]["rows"]
 
 
-@of_the_complete
-def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
-    scene = load_scene(SCENE)
-    design = scene.twin()
-    text = re.sub(r"\s+", " ", report.read_text())
-    assert f"<h1>tactus: {SCENE}</h1>" in text
-    costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
-    assert costs["clocks from first sample to last output"] == clocks_per_frame(design)
-    assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
-
-
-@of_the_complete
-def test_every_simulator_ran_the_same_frames(data: dict) -> None:
-    table = data["tables"]["simulators"]
-    names = [row[0] for row in table["rows"]]
-    assert [name.split()[0] for name in names] == [
-        "float,",
-        "bit-true,",
-        "bit-true,",
-        "MyHDL",
-        "Icarus",
-        "GHDL",
-    ]
-    frames = len(load_scene(SCENE).vectors().codes)
-    assert [row[1] for row in table["rows"] if "repeated" not in row[0]] == [frames] * 5
-    assert all(row[-1] >= frames for row in table["rows"][3:])
-
-
-def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "tactus.report.measure.simulators.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
-    )
-    with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
-        compare_simulators(load_scene(SCENE))
-
-
-@of_the_complete
-def test_a_second_report_measures_nothing(shared: Shared, report: Path) -> None:
+def test_a_second_report_measures_nothing(shared: Shared, own: Path) -> None:
     told: list[tuple[str, bool]] = []
     with shared.own_store():
-        content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)), full=True)
-    assert {name for name, kept in told if kept} >= set(TABLES)
+        scene = load_scene(str(shared.folder / OWN / f"{OWN}.toml"))
+        content(scene, lambda name, _, kept: told.append((name, kept)))
+    assert told
     assert [name for name, kept in told if not kept] == []
 
 
@@ -261,61 +183,9 @@ def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert told == [False, True, False]
 
 
-def test_tables_with_run_times_run_alone(measured_tables: dict[str, Table]) -> None:
-    assert {name for name, table in measured_tables.items() if table.timed} == set(TIMED)
-
-
 def test_a_plot_of_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="plot empty: no points for b"):
         Plot("empty", "t", "x", "y", {"a": [(1, 1)], "b": []}, "s.", [])
-
-
-def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The colour and marker of each label are those of ``looks``, also in the drawing itself."""
-    names = list(forms())
-    columns = ["scheme", "arithmetic", "latency clocks", "LUT", "mean %", "largest units"]
-    rows: list[list[Cell]] = [[n, "exact", i + 1, 9, 0.1, 1.0] for i, n in enumerate(names)]
-    activations = Table("a", columns, rows, "")
-    some = findings.activation_plots(activations)
-    fewer = findings.activation_plots(Table("a", columns, rows[::-2], ""))
-    columns = ["data", "arrangement", "design", "activation", "precision", "outputs", "scene"]
-    columns += ["clocks a frame", "LUT", "largest %", "mean %"]
-    nets: list[list[Cell]] = [
-        ["appendix2", arrangement, design, name, "exact", 4, "s", 9, 9, 1.0, 0.5]
-        for name in ("precise", "gradient")
-        for arrangement, design in (
-            ("single", "parallel"),
-            ("single", "hybrid"),
-            ("cascade", "hybrid"),
-        )
-    ]
-    several = findings.network_plots(Table("n", columns, nets, ""))
-    assert len(some) == len(fewer) == len(several) == 4
-    colours: dict[str, set[str]] = {}
-    markers: dict[str, set[str]] = {}
-    for plot in [*some, *fewer, *several]:
-        assert set(plot.looks) == set(plot.groups)
-        for label, look in plot.looks.items():
-            *design, activation, _ = label.split(", ")
-            colours.setdefault(activation, set()).add(look.colour)
-            markers.setdefault(" ".join(design) or activation, set()).add(look.marker)
-        text = plot.draw()
-        assert all(look.colour in text for look in plot.looks.values())
-    for seen in (colours, markers):
-        assert all(len(found) == 1 for found in seen.values())
-        assert len(set().union(*seen.values())) == len(seen)
-    monkeypatch.setattr(looks, "COLOURS", ("#123456",) * 10)
-    for plot in findings.activation_plots(activations):
-        drawn = set(re.findall(r"#[0-9a-f]{6}", plot.draw())) - {"#000000", "#ffffff", "#b0b0b0"}
-        assert drawn == {"#123456"}
-
-
-def test_a_sentence_follows_its_figures() -> None:
-    points = {"slow": [(5.0, 1e-9)], "quick": [(2.0, 1e-7), (1.0, 1e-3)]}
-    assert findings.cheapest(points, 1e-6) == ("quick", 2.0)
-    assert findings.cheapest(points, 1e-8) == ("slow", 5.0)
-    with pytest.raises(ValueError, match="no group reaches an error of 1e-12"):
-        findings.cheapest(points, 1e-12)
 
 
 def test_text_of_a_table_cannot_become_markup() -> None:
@@ -382,8 +252,8 @@ def browser(*options: object) -> str:
 
 
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
-def test_the_page_fits_and_reads_well(page: Path, width: int, tmp_path: Path) -> None:
-    seen = look(page, width, tmp_path)
+def test_the_page_fits_and_reads_well(own: Path, width: int, tmp_path: Path) -> None:
+    seen = look(own, width, tmp_path)
     assert seen["beyond"] == []
     assert seen["width"] <= width
     assert seen["figures"] > 5
@@ -408,8 +278,8 @@ def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
     assert seen["width"] > WIDTHS["phone"]
 
 
-def test_it_prints(page: Path, tmp_path: Path) -> None:
+def test_it_prints(own: Path, tmp_path: Path) -> None:
     paper = tmp_path / "report.pdf"
-    browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", page.as_uri())
+    browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", own.as_uri())
     pages = len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes()))
     assert 3 <= pages <= 60

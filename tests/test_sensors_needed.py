@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from tactus.report.measure import sensors_dropped, sensors_shipped, table_records
-from tactus.report.measure.table import Table
 from tactus.report.page import left_out as page
 from tactus.rig.sensors_needed import (
     Effort,
@@ -121,64 +119,7 @@ def test_a_scene_gives_its_recording_and_its_splits() -> None:
     assert len(past.sensors) == past.readings.shape[1] > len(past.names)
 
 
-@pytest.fixture(scope="module")
-def dropped() -> Table:
-    return table_records.read("sensors_dropped")
-
-
-def test_the_table_has_every_sensor_left_out_and_every_number_of_sensors() -> None:
-    quick = Effort(hidden=2, starts=1, steps=5)
-    scene = load_scene("digit")
-    table = sensors_dropped.dropped(scene, 1, quick, splits=1)
-    steps = {(row[0], row[1], row[2]) for row in table.rows}
-    each = [(sensors_dropped.EACH, name, 3) for name in scene.sensors]
-    assert {*each, (sensors_dropped.EACH, "none", 4)} < steps
-    assert {count for way, _, count in steps if way == sensors_dropped.IN_ORDER} == {1, 2, 3}
-    outputs = [*scene.outputs, sensors_dropped.WORST]
-    assert len(table.rows) == len(steps) * len(outputs)
-
-
-def test_the_record_is_that_table(dropped: Table) -> None:
-    count = len(load_scene("digit").sensors)
-    assert len(dropped.rows) == (1 + count + count - 1) * (len(load_scene("digit").outputs) + 1)
-    for row in dropped.rows:
-        assert row[6] <= row[5] <= row[7]
-
-
-def test_networks_that_are_trained_as_shipped_read_the_kept_sensors_alone(monkeypatch) -> None:
-    seen = []
-    right = sensors_shipped.measure
-    scene = load_scene("digit")
-    quick = replace(scene, training=replace(scene.training, steps=5))
-    monkeypatch.setattr(sensors_shipped, "load_scene", lambda _: quick)
-    monkeypatch.setattr(sensors_shipped, "SETS", (("sensor1", "sensor2"),))
-    monkeypatch.setattr(sensors_shipped, "candidates", lambda task: [(2, 0)])
-    monkeypatch.setattr(
-        sensors_shipped, "Parallel", lambda n_jobs: lambda jobs: [f(*a) for f, a, _ in jobs]
-    )
-
-    def watched(task, *rest):
-        seen.append((task.training.inputs.shape[1], task.scene.training.seed))
-        return right(task, *rest)
-
-    monkeypatch.setattr(sensors_shipped, "measure", watched)
-    table = sensors_shipped.kept(7, splits=1, restarts=1)
-    # In cascade, each network sees the outputs before it.
-    assert seen == [(2 + number, 7) for number in range(4)]
-    *outputs, worst = table.rows
-    assert [row[1] for row in outputs] == list(scene.outputs)
-    assert worst[2] == max(row[2] for row in outputs)
-
-
 def test_a_leaner_program_takes_fewer_words_and_clocks() -> None:
     rows = [line.split("|")[2:4] for line in page.program_rows().splitlines()[2:]]
     whole, *others = [(int(words), int(clocks)) for words, clocks in rows]
     assert all(words < whole[0] and clocks < whole[1] for words, clocks in others)
-
-
-def test_a_table_has_the_printed_errors_at_their_hidden_nodes() -> None:
-    table = sensors_dropped.nodes(1, counts=(4, 6), starts=1, splits=1)
-    printed = {(row[0], row[1]): row[-1] for row in table.rows}
-    assert len(printed) == 6
-    assert printed[(2, 6)] == 0.00027
-    assert [key for key, figure in printed.items() if figure] == [(2, 6)]

@@ -241,10 +241,10 @@ def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
 
 def test_a_change_of_what_measures_a_table_measures_that_table(sources: Copy) -> None:
     tables = sources.tables()
-    sources.add("tactus/report/measure/tanh_words.py", CODE)
+    sources.add("tactus/report/measure/adder_errors.py", CODE)
     found = changed(tables, sources.tables())
-    assert "tanh_words" in found
-    assert "widths" not in found
+    assert "adder_errors" in found
+    assert "profile" not in found
 
 
 def test_another_value_of_a_twin_is_another_key(sources: Copy, monkeypatch) -> None:

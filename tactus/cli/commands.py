@@ -339,8 +339,8 @@ COMMANDS = (
     Command(
         "figures",
         "Measures the figures that are compared with the thesis, and writes them to build/figures; "
-        "TABLE= names one table, SEED= changes the random choices, and RECORD=1 records the table.",
-        (TABLE, SEED, RECORD),
+        "TABLE= names one table, and SEED= changes the random choices.",
+        (TABLE, SEED),
         "tactus.report.measure",
     ),
     Command(
@@ -431,8 +431,8 @@ COMMANDS = (
     Command(
         "report",
         "Writes one HTML file about a scene: errors, effects of noise, results of the verification "
-        "and pictures; FULL=1 adds the errors and costs of every approximation.",
-        (SCENE, FULL),
+        "and pictures.",
+        (SCENE,),
         "tactus.report",
     ),
     Command(

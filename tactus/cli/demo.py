@@ -186,9 +186,7 @@ def bench_table(scene: Scene, results: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
-    parser.add_argument(
-        "--full", action="store_true", help="every entity, and the project's own tables too"
-    )
+    parser.add_argument("--full", action="store_true", help="every entity")
     arguments = parser.parse_args()
     started = time.perf_counter()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
@@ -224,7 +222,7 @@ def demonstrate(scenes: Sequence[Scene], full: bool) -> int:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         # The tables about the project itself take longest, and would be the same in each report.
         with stage(f"{scene.name}: writing the report"):
-            build_report(scene, full, own=len(scenes) == 1)
+            build_report(scene)
     if len(scenes) > 1:
         if not full:
             print("the project's own tables: make report, or FULL=1")

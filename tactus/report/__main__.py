@@ -18,12 +18,11 @@ from tactus.verify.benches.runner import ready_scene
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make report", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--full", action="store_true", help="the project's own tables too")
     arguments = parser.parse_args()
     scene = ready_scene(arguments.scene)
     stop_if_dry_run(f"simulate and measure scene {scene.name} and write its report")
     with held([BUILD / scene.name]):
-        build_report(scene, arguments.full)
+        build_report(scene)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ from tactus.report.draw.findings import Row
 from tactus.report.draw.findings import number as cell
 from tactus.report.draw.load import FRAME, beam
 from tactus.report.draw.run_time import AFTER, scene_of
-from tactus.report.measure.stability.margins import Case
 from tactus.scene import Scene, thesis_table
 from tactus.synth.budget import budget_path, read_budget
 
@@ -182,15 +181,16 @@ def wishes(
     networks: list[Row],
     named: tuple[str, str],
     clock_mhz: float,
-    found: list[Case],
+    parts: list[float],
     kept: dict[str, tuple[float, float]],
 ) -> str:
     """Errors against run time, cases against their bound, and what is kept of a whole scene.
 
     named: The two of ``networks`` that have their names beside them.
+    parts: The figure of each case as a part of its bound.
     kept: For each kind its count as built, and in the whole.
     """
-    body = [*_times(networks, named, clock_mhz), *_cases(found), *_kept(kept)]
+    body = [*_times(networks, named, clock_mhz), *_cases(parts), *_kept(kept)]
     headings = ("error against run time", "numerical stability", "left out")
     for x, heading in zip(LEFT, headings, strict=True):
         body.append(text((x, 20), heading, 15, font_weight="bold"))
@@ -232,10 +232,9 @@ def _times(networks: list[Row], named: tuple[str, str], clock_mhz: float) -> lis
     return body + last
 
 
-def _cases(found: list[Case]) -> list[str]:
+def _cases(parts: list[float]) -> list[str]:
     """How many cases reach which part of their bound, in powers of ten."""
     x, step = LEFT[1], WIDTH / -LEAST
-    parts = [case.part for case in found if case.part is not None]
     counts = Counter(max(LEAST, ceil(log10(part)) - 1) if part else LEAST for part in parts)
     body = [*_axis(x, f"of its bound; {len(parts)} cases")]
     for power in range(LEAST, 0):

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from tactus.report.draw.looks import Look, nth
-from tactus.report.draw.plot import plotted
-from tactus.report.draw.svg import PAGE_INCHES, PLOT_INCHES, style, svg
+from tactus.report.draw.svg import PLOT_INCHES, style, svg
 
 Points = Sequence[tuple[float, float]]
 # If the ends of an axis have a smaller ratio, powers of ten alone give too few numbers.
@@ -102,36 +101,6 @@ class Plot:
             _label(axes.yaxis)
         axes.set_xlabel(self.across)
         axes.set_ylabel(self.up)
-
-
-def side_by_side(name: str, title: str, plots: Sequence[Plot], columns: int = 4) -> str:
-    """Several plots in one ``<svg>`` element, as wide as a page, with one legend.
-
-    name: See ``tactus.report.draw.svg.svg``.
-    title: The title for readers who do not see the picture.
-    plots: The plots. A label has the same look in all of them.
-    columns: The number of columns of the legend.
-    """
-    labels = list(dict.fromkeys(label for plot in plots for label in plot.groups))
-    with style():
-        figure = Figure(figsize=PAGE_INCHES, layout="constrained")
-        places = figure.subplots(1, len(plots), squeeze=False)[0]
-        for plot, axes in zip(plots, places, strict=True):
-            plot.fill(axes, labels)
-            axes.set_title(plot.title, fontsize=10)
-        handles = {
-            label: handle
-            for axes in places
-            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-        }
-        if len(labels) > 1:
-            figure.legend(
-                [handles[label] for label in labels],
-                labels,
-                loc="outside lower center",
-                ncols=min(columns, len(labels)),
-            )
-        return plotted(figure, name, title)
 
 
 def _label(axis: Axis) -> None:

@@ -4,13 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from golden.activation.schemes import SCHEMES
-from golden.common.block import walk
 from golden.networks.network import Network
 from tactus.core.folders import BUILD
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import Cell, Table
-from tactus.scene import Scene, thesis_table
+from tactus.scene import Scene
 from tactus.synth.budget import Cells, budget_path, by_block, read_budget
 from tactus.synth.cells import DEPTH, FAMILIES
 from tactus.synth.netlist import KINDS
@@ -74,16 +72,6 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
     )
 
 
-def with_activation_cells(table: Table) -> Table:
-    """The table of activations, with the Virtex-II cells of those in a recorded scene."""
-    found = _activation_cells()
-    return _joined(
-        table,
-        lambda row: found.get((str(row[0]).split(",")[0].replace(" ", "_"), str(row[1]))),
-        "Cells of the largest entity in the recorded scenes.",
-    )
-
-
 def with_network_cells(table: Table) -> Table:
     """The table of clocks, with the Virtex-II cells of recorded scenes, entity by entity."""
     found = {
@@ -95,29 +83,6 @@ def with_network_cells(table: Table) -> Table:
     return _joined(table, lambda row: found.get(str(row[0])), note)
 
 
-def with_network_times(table: Table) -> Table:
-    """The table of clocks with the microseconds after the last sample.
-
-    They are those at the clock of the thesis, and at the one that was reached.
-    """
-    board = float(thesis_table("board")["clock_mhz"])
-    reached = {
-        scene.name: read_timing(timing_path(scene.path))[0].clock_mhz
-        for scene in scenes()
-        if timing_path(scene.path).is_file()
-    }
-    at, first = table.columns.index("clocks after the last sample"), table.columns.index("scene")
-    rows: list[list[Cell]] = []
-    for row in table.rows:
-        count, mhz = row[at], reached.get(str(row[first]))
-        if not isinstance(count, int):
-            raise ValueError(f"table {table.name}: clocks: got {count!r}, expected a count")
-        rows.append([*row, count / board, mhz, None if mhz is None else count / mhz])
-    columns = [*table.columns, f"us at {board:g} MHz", "ECP5 MHz", "us on an ECP5"]
-    note = "'ECP5 MHz' is the clock of the placed and routed design, as make synth recorded it."
-    return Table(table.name, columns, rows, f"{table.note} {note}", table.timed)
-
-
 def _joined(
     table: Table, cells: Callable[[Sequence[Cell]], dict[str, int] | None], note: str
 ) -> Table:
@@ -125,20 +90,4 @@ def _joined(
     for row in table.rows:
         found = cells(row)
         rows.append([*row, *(found[name] if found else None for name in COST)])
-    return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}", table.timed)
-
-
-def _activation_cells() -> dict[tuple[str, str], dict[str, int]]:
-    """For each block and precision, the cells of the entity with the most LUTs."""
-    found: dict[tuple[str, str], dict[str, int]] = {}
-    for scene in scenes():
-        path = budget_path(scene.path)
-        if not path.is_file():
-            continue
-        cells = read_budget(path)[FAMILY]
-        for part in walk(scene.twin()):
-            key = part.block, scene.precision.name
-            new = cells.get(part.entity)
-            if new and part.block in SCHEMES and new["LUT"] > found.get(key, {"LUT": -1})["LUT"]:
-                found[key] = new
-    return found
+    return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}")

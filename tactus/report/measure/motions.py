@@ -6,13 +6,13 @@ from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
 from tactus.core.table import read_table
 from tactus.physics.swing_data import ANGLES
-from tactus.report.measure.swing_recordings import FORMS
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, thesis_table
 from tactus.scene.metrics import displacement_errors
 from tactus.scene.reading import scene_path
 
 DATA = ROOT / "scenes" / "data"
+FORMS = ("single", "multiple", "cascade")
 SCENES = (
     # As the thesis built them, and ours.
     *(f"comparison/swing-{form}-thesis" for form in FORMS),

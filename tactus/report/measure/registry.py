@@ -15,12 +15,6 @@ from tactus.report.measure.table import Table
 Measured = Callable[[int], Table]
 # These modules import this one.
 ASKING = ("__main__", "registry", "steps")
-# These start simulators, or train for a quarter of an hour, so they are measured only if they are
-# asked for by name.
-ON_REQUEST = (
-    "simulators",
-    "sensors_shipped",
-)
 
 
 def _found() -> dict[str, Measured]:
@@ -44,7 +38,5 @@ def _tables(module: ModuleType) -> Iterator[tuple[str, Measured]]:
                 yield name, value
 
 
-_ALL = _found()
 # By name, in the order printed: of the modules by the alphabet, and in each as they are written.
-TABLES = {name: table for name, table in _ALL.items() if name not in ON_REQUEST}
-ASKED = {name: _ALL[name] for name in ON_REQUEST}
+TABLES = _found()

@@ -54,7 +54,7 @@ def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
 
 def packed(table: Table) -> dict[str, Any]:
     """A table as the store holds it."""
-    return {"name": table.name, **table.as_data(), "timed": list(table.timed)}
+    return {"name": table.name, **table.as_data()}
 
 
 def unpacked(answer: dict[str, Any]) -> Table:

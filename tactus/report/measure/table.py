@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tactus.core.files import replace_file
 from tactus.core.table import read_csv_file
 
 Cell = str | int | float | None
+# Of the random choices of the tables in reports and on pages.
+SEED = 1
 
 
 @dataclass(frozen=True)
@@ -26,22 +26,14 @@ class Table:
     columns: The headings with their units.
     rows: Cells of text or numbers, or None if there is no figure.
     note: Says what was measured and how, and what differs from the reference and why.
-    timed: The columns that hold run times of this machine, which differ from call to call.
     """
 
     name: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     note: str
-    timed: Sequence[str] = ()
 
     def __post_init__(self) -> None:
-        for heading in self.timed:
-            if heading not in self.columns:
-                raise ValueError(
-                    f"table {self.name}: timed: got {heading!r}, expected one of "
-                    f"{', '.join(self.columns)}"
-                )
         for n, row in enumerate(self.rows, start=1):
             if len(row) != len(self.columns):
                 raise ValueError(
@@ -60,16 +52,6 @@ class Table:
         return [
             all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
         ]
-
-    def without_times(self) -> Table:
-        """The table without its timed columns, which is the same again for the same seed."""
-        kept = [c for c, heading in enumerate(self.columns) if heading not in self.timed]
-        return Table(
-            self.name,
-            [self.columns[c] for c in kept],
-            [[row[c] for c in kept] for row in self.rows],
-            self.note,
-        )
 
     def as_data(self) -> dict[str, Any]:
         """The table as data for JSON, with all digits."""
@@ -104,21 +86,6 @@ def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
     """The columns and rows of a CSV that ``Table.write_csv`` wrote."""
     found = read_csv_file(path)
     return list(found.names), [[_cell(cell) for cell in row] for row in found.rows]
-
-
-def print_or_record(
-    prog: str, about: str | None, record: Path, measured: Callable[[], Table]
-) -> None:
-    """The command of a table that takes long: it prints the table, and records it with --record."""
-    parser = argparse.ArgumentParser(prog=prog, description=about)
-    parser.add_argument("--record", action="store_true")
-    arguments = parser.parse_args()
-    table = measured()
-    print("\n".join(table.lines()))
-    if arguments.record:
-        with replace_file(record) as temporary:
-            table.write_csv(temporary)
-        print(f"wrote {record}")
 
 
 def _cell(cell: str) -> Cell:

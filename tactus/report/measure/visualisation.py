@@ -1,4 +1,4 @@
-"""Equations 3.17 and 3.18: error against terms, and bit-true against real arithmetic."""
+"""Equation 3.18: bit-true against real arithmetic."""
 
 import itertools
 
@@ -8,57 +8,13 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, WIDTH_MM
-from golden.visualisation.functions import harmonic_limit, harmonic_load, harmonic_tail
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile, load_profile
 from tactus.core.table import read_table
-from tactus.report.measure.rbf import DATA
+from tactus.physics.digit_data import RECORDED
 from tactus.report.measure.table import Cell, Table
-from tactus.report.measure.timing import timed
-
-# The load, centre and half width of the curves of Figure 3.27. B is A with 10 terms.
-FIGURE_3_27 = {"A, B": (0.5, 0.5, 0.3), "C": (0.7, 0.5, 0.2)}
-TERMS = (1, 10, 100, 1000, 10_000, 100_000)
-FAR = 0.05  # from a jump, where the Gibbs overshoot has died away
 
 RANDOM_FRAMES = 20_000
 UNITS = 2**13
-
-
-def series(_: int) -> Table:
-    """Equation 3.17 against its closed form, for more and more terms."""
-    rows: list[list[Cell]] = []
-    for case, (load, centre, width) in FIGURE_3_27.items():
-        grid = np.linspace(0, 1, 201)
-        far = np.abs(np.abs(grid - centre) - width) >= FAR
-        limit = harmonic_limit(grid[far], load, centre, width)
-        top = load * (1 - 2 * width)
-        for terms in TERMS:
-            found, ms = timed(harmonic_load, grid[far], load, centre, width, terms)
-            miss = np.abs(found - limit)
-            bound = harmonic_tail(grid[far], load, centre, width, terms)
-            near = np.minimum(centre, centre - width + np.linspace(0.5, 1.5, 101) / (terms + 1))
-            peak = harmonic_load(near, load, centre, width, terms).max()
-            rows.append(
-                [
-                    case,
-                    terms,
-                    terms * int(far.sum()),
-                    ms,
-                    float(miss.max() / load),
-                    float(bound.max() / load),
-                    float((peak - top) / load),
-                ]
-            )
-    return Table(
-        "series",
-        ["case", "terms", "evaluations", "ms", "error / d", "bound / d", "overshoot / d"],
-        rows,
-        f"Equation 3.17 is compared with its limit, under the conditions of Figure 3.27. The error "
-        f"is the largest one at a distance of {FAR} or more from a jump. The bound is that of the "
-        "terms that are left out. The overshoot beside the jump tends to 0.0895, however many "
-        "terms there are. The evaluations are the terms times the positions.",
-        timed=["ms"],
-    )
 
 
 def errors_in_units(profile: LoadProfile, frames: Codes) -> Real:
@@ -91,7 +47,7 @@ def profile(seed: int) -> Table:
     def add(frames: str, width: float | None, power: int | None, errors: Real) -> None:
         rows.append([frames, width, power, errors.size, float(errors.mean()), float(errors.max())])
 
-    table = read_table(DATA / "appendix2.csv", ["load", "position", "width", "shape"])
+    table = read_table(RECORDED, ["load", "position", "width", "shape"])
     codes = SIGNAL.quantise(table)[0]
     powers = np.where(codes[:, 3] > design.shape_threshold, TRIANGLE, RECTANGLE)
     for name, load in zip("ABCDEFGH", dict.fromkeys(table[:, 0]), strict=True):

@@ -62,10 +62,10 @@ def made(seconds: float) -> list[str]:
     ]
 
 
-def build_report(scene: Scene, full: bool = False, own: bool = True) -> None:
-    """Build the report of a scene. For ``full`` and ``own`` see ``content``."""
+def build_report(scene: Scene) -> None:
+    """Build the report of a scene."""
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
-    page = content(scene, tell, full, own)
+    page = content(scene, tell)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")

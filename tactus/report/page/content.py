@@ -1,7 +1,7 @@
 """The content of the report of a scene."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,7 +12,6 @@ from tactus.network_files.network_file import provenance_path
 from tactus.report.draw.confusion import confusion_plot
 from tactus.report.draw.designs import picture_of, sentence
 from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
-from tactus.report.draw.past import past_plots
 from tactus.report.draw.pictures import draw
 from tactus.report.measure import motions
 from tactus.report.measure.classes import accuracy, per_class, wrong_rows
@@ -28,12 +27,10 @@ from tactus.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tactus.report.measure.simulators import compare_simulators
 from tactus.report.measure.steps import measured
 from tactus.report.measure.store import Progress, cached, packed, part_key, unpacked
-from tactus.report.measure.table import Cell, Table
-from tactus.report.measure.table_records import SEED
-from tactus.report.page import project, summary
+from tactus.report.measure.table import SEED, Cell, Table
+from tactus.report.page import summary
 from tactus.report.page.page import Page, Picture, Section
 from tactus.scene import Scene
 from tactus.scene.comparison import compared
@@ -57,15 +54,8 @@ class Drawable(Protocol):
     def draw(self) -> str: ...
 
 
-Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
-
-
-def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) -> Page:
-    """The report of a scene. ``tell`` is called for each part that is ready.
-
-    The report includes the errors and costs of the project's own approximations if ``full`` is
-    true. It also includes them if the scene is compared with the reference and ``own`` is true.
-    """
+def content(scene: Scene, tell: Progress) -> Page:
+    """The report of a scene. ``tell`` is called for each part that is ready."""
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
     files = [*scene.files, *(p for p in map(provenance_path, scene.weights_paths) if p.is_file())]
@@ -120,7 +110,6 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
             text=["What the project has and this scene does not need is not built:"],
             points=summary.left_out(scene, design),
         ),
-        _limits(scene, moved, drawn, tell),
         _pictures(scene, asked("pictures", draw.__module__), tell),
         _resources(scene, design, cost),
         _designs(
@@ -129,29 +118,12 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
             tell,
         ),
     ]
-    if full or (own and scene.reference):
-        sections += project.sections(
-            scene, asked("simulators", compare_simulators.__module__), drawn, tell
-        )
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
         summary.errors(found, moved),
         summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
         [section for section in sections if section is not None],
-    )
-
-
-def _limits(scene: Scene, moved: Table | None, drawn: Draw, tell: Progress) -> Section | None:
-    """The section on the value of past samples, if a scene of the swing has any."""
-    if moved is None or scene.window.plain:
-        return None
-    table = measured(tell, ["past"])["past"]
-    return Section(
-        "past",
-        "What limits it: past samples, noise, sampling rate",
-        pictures=drawn("past", past_plots(table)),
-        folded=[table],
     )
 
 

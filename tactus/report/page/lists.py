@@ -8,31 +8,23 @@ program knows is written as the site is built (``made``).
 import re
 import sys
 from collections.abc import Callable, Iterable
-from functools import partial
 from pathlib import Path
 
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
 from tactus.errors.scene_errors import held_out_means, scene_errors
-from tactus.report.draw import findings
 from tactus.report.draw.area import area
-from tactus.report.draw.margins import margins
 from tactus.report.draw.overview import overview
 from tactus.report.draw.overview import wishes as draw_wishes
 from tactus.report.draw.run_time import network_rows
-from tactus.report.draw.tanh_words import tanh_words as draw_tanh_words
+from tactus.report.draw.run_time import networks as draw_networks
 from tactus.report.measure.clocks import clocks
 from tactus.report.measure.costs import with_network_cells
-from tactus.report.measure.digits import digits
 from tactus.report.measure.left_out import left_out
-from tactus.report.measure.sensors_dropped import EACH, IN_ORDER
-from tactus.report.measure.stability.margins import cases as margin_cases
-from tactus.report.measure.table import Cell, Table
-from tactus.report.measure.table_records import SEED, read
-from tactus.report.measure.tanh_words import tanh_words
+from tactus.report.measure.table import SEED, read_csv
 from tactus.report.page import left_out as leaving
-from tactus.report.page import run_time, stability
+from tactus.report.page import run_time
 from tactus.report.page.markers import put, write
 from tactus.scene import load_scene, thesis_figures, thesis_table
 from tactus.scene.schema import EDITOR_SCHEMA, SCENE
@@ -85,34 +77,23 @@ def headline() -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def robustness(page: str) -> str:
-    """The plot of the table of the page, at the middle of its ranges.
-
-    The table is not measured again, because trainings end elsewhere in the ranges on another
-    machine.
-    """
-    lines = page.partition("\n## robustness\n")[2].partition("\n## ")[0].splitlines()
-    cells = [[c.strip() for c in line.strip("| ").split("|")] for line in lines if "|" in line]
-    rows: list[list[Cell]] = [
-        [float(row[0]), row[1], _middle(row[2]), _middle(row[3])] for row in cells[2:]
-    ]
-    columns = ["trained for mV", "output", "as recorded %", "2 mV %"]
-    return findings.robustness_plot(Table("robustness", columns, rows, "")).draw()
-
-
-def _middle(text: str) -> float:
-    ends = [float(end) for end in text.split(" to ")]
-    return sum(ends) / len(ends)
-
-
 def wishes(found: dict[Path, str]) -> str:
     """What tactus was asked to show, each with the headline of its page."""
     lines = ["![What was asked for, each in a picture](docs/wishes.svg)", ""]
     for wish, page in WISHES.items():
-        headline = re.search(r"\*\*(.+?)\*\*", found[ROOT / "docs" / page], re.S)
+        path = ROOT / "docs" / page
+        text = found.get(path) or path.read_text(encoding="utf-8")
+        headline = re.search(r"\*\*(.+?)\*\*", text, re.S)
         assert headline, page
         lines.append(f"- [{wish}](docs/{page}): {' '.join(headline[1].split())}")
     return "\n".join(lines)
+
+
+def parts_of_bounds() -> list[float]:
+    """The figure of each stiff or extreme case as a part of its bound, where that is above 0."""
+    columns, rows = read_csv(ROOT / "studies" / "stability" / "result.csv")
+    value, bound = columns.index("value"), columns.index("bound")
+    return [float(row[value] or 0) / float(row[bound] or 0) for row in rows if row[bound]]
 
 
 def editor_schema() -> str:
@@ -123,48 +104,33 @@ def editor_schema() -> str:
 def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     docs = ROOT / "docs"
-    cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
-    scenes_left_out, shipped = left_out(SEED), read("sensors_shipped")
+    networks = with_network_cells(clocks(SEED))
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "headline", headline),
-        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, shipped)),
-        (docs / "left-out-tables.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
+        (
+            docs / "error-against-run-time.md",
+            "headline",
+            lambda: "\n".join(run_time.headline(networks)),
+        ),
         (docs / "left-out.md", "programs", leaving.program_rows),
-        (docs / "left-out.md", "shipped", partial(leaving.shipped_rows, shipped)),
-        (docs / "left-out-tables.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
-        (docs / "left-out-tables.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
-        (docs / "left-out-tables.md", "nodes", partial(leaving.nodes_rows, nodes)),
-        (docs / "stability.md", "headline", partial(stability.headline, cases)),
-        (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
-        (docs / "stability-cases.md", "useless", partial(stability.useless, cases)),
-        (docs / "stability-cases.md", "kinds", partial(stability.kinds, cases)),
-        (docs / "stability-cases.md", "everything", partial(stability.everything, cases)),
     ]
     found: dict[Path, str] = {}
     for page, section, text in sections:
         before = found.get(page) or page.read_text(encoding="utf-8")
         found[page] = put(page, before, text(), COMMAND, section)
-    figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[EDITOR_SCHEMA] = editor_schema()
-    found[docs / "robustness.svg"] = robustness(figures) + "\n"
-    found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
-    found[docs / "stability.svg"] = margins(cases)
-    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(shipped).draw() + "\n"
-    found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "overview.svg"] = overview(load_scene(SHOWN))
-    networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"
     found[docs / "wishes.svg"] = draw_wishes(
         [row for row in network_rows(networks) if row["outputs"] == 4],
         (SHOWN, REBUILT),
         float(thesis_table("board")["clock_mhz"]),
-        margin_cases(cases),
-        leaving.kept(scenes_left_out),
+        parts_of_bounds(),
+        leaving.kept(left_out(SEED)),
     )
-    found |= run_time.pages(networks, COMMAND)
+    found[docs / "error-against-run-time" / "networks.svg"] = draw_networks(networks) + "\n"
     readme = ROOT / "README.md"
     found[readme] = put(readme, found[readme], wishes(found), COMMAND, "wishes")
-    found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
 

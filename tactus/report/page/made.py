@@ -14,7 +14,6 @@ from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.network import network
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.measure.table_records import read
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
@@ -94,14 +93,6 @@ def demo() -> str:
     return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
-def outside() -> str:
-    """How many unlike readings are found, to tenths of a percent."""
-    found = read("outside")
-    rows = [[f"{c:.1f}" if isinstance(c, float) else c or "" for c in row] for row in found.rows]
-    lines = [found.columns, ["---"] * len(found.columns), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
-
-
 def picture(draw: Callable[[], str]) -> str:
     """An SVG within the page."""
     return f"<div>\n{draw().strip()}\n</div>"
@@ -127,7 +118,6 @@ MADE: dict[str, Callable[[], str]] = {
     "picture-of-designs": partial(picture, designs.picture),
     "floors": partial(picture, picture_of_floors),
     "networks": partial(picture, lambda: network(load_scene("digit"))),
-    "outside": outside,
     "segments": segments,
     "pipeline": pipeline,
 }

@@ -1,0 +1,285 @@
+"""Ill-conditioned problems: fits, filters and derivatives, against the same with more digits."""
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from golden.activation import polynomial, segments
+from golden.activation.scheme import Scheme
+from golden.activation.schemes import SCHEMES
+from golden.learning.corrected import THETA
+from golden.learning.gradient import STEP, Gradient
+from golden.learning.lesson import ERROR, ROW, Equation
+from golden.learning.unit import Unit
+from golden.numbers.fixed import Codes
+from golden.numbers.precision import SIGNAL
+from golden.numbers.real import Real
+from golden.trained.mlp import tanh
+from studies.stability import digits
+from studies.stability.case import Row, largest
+from studies.stability.digits import DIGITS
+from tactus.core.table import read_table
+from tactus.physics.beam import Beam
+from tactus.physics.bound import least_deviations, slopes_by_codes
+from tactus.physics.conditioning import CUTOFF, SCAN_RATE, Conditioning
+from tactus.physics.digit_data import RECORDED, SENSORS
+from tactus.physics.known_loads import least_errors
+from tactus.physics.strain_sensor import COLUMNS, fit_sensors
+from tactus.recalibration.fit import Fit, fit
+from tactus.recalibration.outlook import outlook
+from tactus.recalibration.placements import Placements
+from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
+from tactus.rig.smooth_map import RIDGES, SAME, SmoothMap, spread
+from tactus.scene import Scene, load_scene
+from tactus.scene.disturbance import Disturbance
+from tactus.train.descent import levenberg_marquardt
+from tactus.train.descent.objective import Objective, Rows, pack
+
+FITS = "Levenberg-Marquardt"
+AGREE = f"agree with {DIGITS} digits"
+LEARNED = 400
+EPS = float(np.finfo(np.float64).eps)
+
+
+def networks() -> Iterator[Row]:
+    """Steps of Levenberg and Marquardt at lambda 0, on the networks of the digit."""
+    scene = load_scene("digit")
+    steps = list(_linearised(scene))
+    conditions = [float(np.linalg.cond(slopes)) for slopes, _ in steps]
+    case = f"lambda 0, Jacobians of digit, condition {min(conditions):.0e} to {max(conditions):.0e}"
+    parts, excess = [], []
+    for (slopes, errors), condition in zip(steps, conditions, strict=True):
+        found = _descended(slopes, errors)
+        step, length = digits.least_squares(slopes, -errors)
+        miss = float(np.linalg.norm(found - step) / np.linalg.norm(step))
+        parts.append(miss / (condition * EPS))
+        excess.append(float(np.linalg.norm(slopes @ found + errors)) / length - 1)
+    # Of normal equations, J' J, the error would be a multiple of the condition's square.
+    yield Row(FITS, case, AGREE, "error of the step / (condition x 2^-52)", max(parts), 10)
+    yield Row(FITS, case, AGREE, "sum of squares above the least", max(0.0, *excess), 1e-10)
+    # Two nodes alike: the columns of one are those of the other, and no step is the only one.
+    slopes, errors = steps[0]
+    twice = np.hstack([slopes, slopes])
+    found = _descended(twice, errors)
+    _, length = digits.least_squares(slopes, -errors)
+    above = float(np.linalg.norm(twice @ found + errors)) / length - 1
+    case = "lambda 0, every node twice: a singular Jacobian"
+    yield Row(FITS, case, AGREE, "sum of squares above the least", abs(above), 1e-10)
+
+
+def _linearised(scene: Scene) -> Iterator[tuple[Real, Real]]:
+    """Jacobian and errors of each network, without the weight decay that would condition them."""
+    vectors = scene.vectors()
+    outputs: list[Real] = []
+    for number, mlp in enumerate(scene.mlps()):
+        inputs = np.hstack([vectors.inputs, *outputs])
+        rows = Rows(inputs, vectors.targets[:, [number]], vectors.scale[:, [number]])
+        aim = Objective(mlp.shape, tanh, rows, rows, 0.0, len(inputs))
+        point, count = pack(mlp), len(inputs)
+        yield aim.jacobian(point)[:count], aim.residuals(point)[:count]
+        outputs.append(mlp.process(inputs))
+
+
+class _Linear:
+    """What a descent asks for, of a sum of squares of straight functions."""
+
+    def __init__(self, slopes: Real, errors: Real) -> None:
+        self._slopes, self._errors = slopes, errors
+
+    def residuals(self, point: Real) -> Real:
+        return np.asarray(self._errors + self._slopes @ point)
+
+    def jacobian(self, _: Real) -> Real:
+        return self._slopes
+
+
+def _descended(slopes: Real, errors: Real) -> Real:
+    aim: Any = _Linear(slopes, errors)
+    return levenberg_marquardt.descend(aim, np.zeros(slopes.shape[1]), 400)
+
+
+def sensors() -> Iterator[Row]:
+    """Sensors that repeat another, give nothing, or are nearly a sum of others."""
+    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
+    readings, targets = table[:, :4], table[:, 4:]
+    near = readings[:, 1] + 1e-7 * readings[:, 2]
+    every = np.column_stack([readings, readings[:, 0], np.full(len(table), 0.3), near])
+    train, asked = every[::4], every[1::16]
+    values = targets[::4]
+    for ridge in (min(RIDGES), max(RIDGES)):
+        found = SmoothMap(train, values, 1.0, ridge)(asked)
+        exact = _smooth(train, values, ridge, asked)
+        miss = largest((found - exact) / spread(values))
+        case = f"one sensor twice, one dead, two nearly alike; ridge {ridge:g}"
+        # The least eigenvalue of K + r I is r, and its largest at most the number of rows.
+        bound = 10 * len(train) / ridge * EPS
+        yield Row("smooth map", case, AGREE, "error / spread", miss, bound)
+    gauges = fit_sensors(table, Beam())
+    for which, name in (((0, 1, 2, 3), "the four sensors"), ((0, 1, 2, 3, 0), "one of them twice")):
+        slopes = slopes_by_codes([gauges[k] for k in which], targets[::12])
+        found = least_deviations(slopes, 1e-3)
+        told = np.isfinite(found).all(axis=1)
+        exact = np.array(
+            [1e-3 * np.sqrt(np.diag(digits.inverse_of_squares(one))) for one in slopes[told]]
+        )
+        condition = max(float(np.linalg.cond(one)) for one in slopes[told])
+        case = f"bound of gauges, {name}, condition to {condition:.0e}"
+        miss = largest(found[told] / exact - 1)
+        yield Row("Cramer-Rao", case, AGREE, "relative error", miss, 10 * condition * EPS)
+    # Two gauges cannot tell three unknowns apart, nor can one that is read twice.
+    slopes = slopes_by_codes([gauges[0], gauges[0], gauges[0]], targets[::12])
+    finite = int(np.isfinite(least_deviations(slopes, 1e-3)).all(axis=1).sum())
+    yield Row("Cramer-Rao", "one gauge three times", "be infinite", "finite", finite, 0)
+    some = targets[::20]
+    scale, quiet, loud = np.abs(some), 1e-11, 1e-3
+    errors = [
+        least_errors(gauges[:2], some, np.full(2, noise), scale, True, 20, np.random.default_rng(0))
+        / noise
+        for noise in (quiet, loud)
+    ]
+    off = largest(errors[0] - errors[1]) / largest(errors[1])
+    # A reading of 1 V is known to EPS, which is that part of the noise.
+    case, must = f"likelihood of known loads, noise of {quiet:g} V", "be in proportion to the noise"
+    yield Row("Cramer-Rao", case, must, "relative error", off, 10 * EPS / quiet)
+
+
+def _smooth(inputs: Real, values: Real, ridge: float, asked: Real) -> Real:
+    """``SmoothMap`` of length 1: the plane by eigenvectors, the rest by elimination."""
+    centre, unit, size = inputs.mean(axis=0), spread(inputs), spread(values)
+    known, other = (inputs - centre) / unit, (asked - centre) / unit
+    ones, more = (np.column_stack([np.ones(len(x)), x]) for x in (known, other))
+    plane = digits.truncated(ones, values, SAME)
+    reach = float(np.sqrt(2 * inputs.shape[1]))
+    rest = digits.ridge(known, (values - ones @ plane) / size, reach, ridge, other)
+    return more @ plane + size * rest
+
+
+def recalibration() -> Iterator[Row]:
+    """A correction from one placement, and from one that is made again and again."""
+    scene = load_scene("digit")
+    vectors = scene.vectors()
+    for name, drift in (("expected drift", None), ("drift of 100", Disturbance(0, 100.0, 100.0))):
+        recorded = Sensitivity.of(scene, np.zeros(4), drift)
+        for rows, which in (([5], "one placement"), ([5] * 24, "24 equal ones")):
+            there = Placements(
+                vectors.inputs[rows], vectors.targets[rows], vectors.scale[rows], np.ones(len(rows))
+            )
+            found = fit(recorded, there)
+            slopes = _equations(recorded, there, found)
+            condition = float(np.linalg.cond(slopes))
+            exact = digits.inverse_of_squares(slopes)
+            miss = largest(np.diag(found.root @ found.root.T) / np.diag(exact) - 1)
+            case = f"{which}, {name}, condition {condition:.0e}"
+            yield Row(
+                "recalibration",
+                case,
+                AGREE,
+                "relative error of variances",
+                miss,
+                10 * condition * EPS,
+            )
+            if len(rows) > 1:
+                sure = outlook(recorded, found)
+                off = int(not np.isfinite([*sure.before, *sure.after, *sure.chances]).all())
+                yield Row("recalibration", case, "give an outlook", "not finite", off, 0)
+
+
+def _equations(recorded: Sensitivity, there: Placements, found: Fit) -> Real:
+    """The derivatives of all equations at the correction, with those that draw it towards 0."""
+    _, slopes = outputs_and_slopes(recorded.scene, recorded.moved(there.inputs, found.theta))
+    by_theta = recorded.by_theta(slopes, there.inputs) * (100 / there.scale)[:, :, np.newaxis]
+    white = np.linalg.solve(np.linalg.cholesky(recorded.spread(there)), by_theta)
+    return np.concatenate([white.reshape(-1, white.shape[2]), np.eye(white.shape[2])])
+
+
+def filters() -> Iterator[Row]:
+    """The DC remover: a pole of 0.06 Hz, near 1, behind a large resting voltage."""
+    rng = np.random.default_rng(0)
+    for rate in (200.0, SCAN_RATE):
+        volts = (
+            4.1 + np.where(np.arange(20_000) < 10_000, 0.0, 0.5) + 0.01 * rng.normal(size=20_000)
+        )
+        found = Conditioning(1.0, CUTOFF, rate).amplify(volts, 4.1)
+        error = largest(found - digits.high_passed(volts - 4.1, CUTOFF, rate))
+        distance = 2 * np.pi * CUTOFF / rate
+        case = f"{CUTOFF:g} Hz at {rate:g} samples per second, pole {distance:.1e} below 1"
+        # Each sample rounds the state, of up to 1 V, which is forgotten after 1 / distance samples.
+        yield Row("DC remover", case, AGREE, "error V", error, EPS / distance)
+        if distance < 2.0**-SIGNAL.frac / 2:
+            must = "need more than 14 bits: there the pole would be 1"
+            yield Row("DC remover", case, must, "1 - pole in 2^-13", distance * 2**SIGNAL.frac, 0.5)
+
+
+def slopes() -> Iterator[Row]:
+    """The derivative of a steep node on and beside every border of its segments."""
+    steep, step = 2.0**10, 2.0**-20
+    for name, ends in (("gradient", segments.UPPER), ("polynomial", polynomial.UPPER)):
+        scheme, miss = SCHEMES[name], 0.0
+        for end, sign in itertools.product(ends, (-1, 1)):
+            border = sign * end
+            below, above = np.nextafter(border, -np.inf), np.nextafter(border, np.inf)
+            found = [_slope_at(scheme, q, steep) for q in (below, border, above)]
+            left, right = (
+                float(np.diff(scheme.real(np.array(pair))[0])[0]) / step
+                for pair in ((below - step, below), (above, above + step))
+            )
+            on = min(abs(found[1] - left), abs(found[1] - right))
+            miss = max(miss, abs(found[0] - left), on, abs(found[2] - right))
+        # The difference quotient of a parabola errs by half its step times its curvature, below 1.
+        case = f"steep node of weight {steep:g}, on and beside its {2 * len(ends)} borders"
+        yield Row(name, case, "have the slope of a side", "error of the slope", miss, step)
+
+
+def _slope_at(scheme: Scheme, q: float, steep: float) -> float:
+    """The derivative of the output by the bias of a node, as training computes it."""
+    rows = Rows(np.array([[q / steep]]), np.zeros((1, 1)), np.ones((1, 1)))
+    aim = Objective((1, 1, 1), scheme.real, rows, rows, 0.0, 1)
+    return float(aim.jacobian(np.array([steep, 0.0, 1.0, 0.0]))[0, 1])
+
+
+def learning() -> Iterator[Row]:
+    """Least mean squares of a board that learns, whose equations are nearly alike."""
+    rng = np.random.default_rng(0)
+    base, *others = rng.uniform(-0.08, 0.08, (3, 8))
+    rows = ROW.quantise(np.array([base, *(base + 0.01 * other for other in others)]))[0]
+    sought = THETA.quantise(rng.uniform(-2, 2, 8))[0]
+    real, aim = ROW.to_real(rows), THETA.to_real(sought)
+    constant = STEP.quantise(0.5 / np.array([(real**2).sum(axis=1).max()]))[0]
+    rate = float(STEP.to_real(constant)[0])
+    turn = iter(itertools.cycle(range(len(rows))))
+
+    def given(_: object, __: object, theta: Codes, *___: object) -> Equation:
+        row = rows[[next(turn)]]
+        return Equation(ERROR.quantise(ROW.to_real(row) @ (aim - THETA.to_real(theta[0])))[0], row)
+
+    nobody: Any = None
+    alone = np.array(
+        [[constant[0], 0]]
+    )  # without a leak, which would lead away from what is sought
+    rule = Gradient(nobody, alone, given)
+    unit, theta = Unit(1), np.zeros((1, 8), dtype=np.int64)
+    away, grown = [float(np.linalg.norm(aim))], 0.0
+    for _ in range(LEARNED * len(rows)):
+        theta = rule.step(nobody, theta, 0, 0, unit)
+        away.append(float(np.linalg.norm(THETA.to_real(theta[0]) - aim)))
+        grown = max(grown, away[-1] - away[-2])
+    values = np.linalg.svd(real, compute_uv=False)
+    case = f"{LEARNED} passes, three equations, condition {values[0] / values[-1]:.0e}"
+    code = 2.0**-THETA.frac
+    # A step moves towards what is sought, and rounds each of eight words by half a code, besides
+    # the error and the row by less.
+    must = "move away by no more than rounding"
+    most = 0.5 * np.sqrt(8) + 1
+    yield Row("board that learns", case, must, "codes", grown / code, most)
+    exact = digits.least_mean_squares(real, real @ aim, rate, LEARNED)
+    apart = float(np.linalg.norm(THETA.to_real(theta[0]) - exact))
+    figure = "distance in codes"
+    yield Row("board that learns", case, AGREE, figure, apart / code, most * len(away))
+
+
+def conditioned() -> Iterator[Row]:
+    """Every ill-conditioned problem."""
+    for cases in (networks, sensors, recalibration, filters, slopes, learning):
+        yield from cases()

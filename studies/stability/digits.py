@@ -1,0 +1,169 @@
+"""Independent calculations with more digits, by other formulas, which judge those of the project.
+
+They use mpmath, and are slow.
+"""
+
+from collections.abc import Sequence
+
+import mpmath as mp
+import numpy as np
+
+from golden.numbers.real import Real
+from tactus.physics.plate import Plate
+
+DIGITS = 50
+# Terms of a series in exp(-u) are left out from this u on: they are below 1e-26 of the first.
+FAR = 60
+
+
+def harmonic_sum(
+    position: float, load: float, centre: float, half_width: float, terms: int
+) -> float:
+    """Equation 3.17, see ``harmonic_load``."""
+    with mp.workdps(DIGITS):
+        w, c, p = (mp.mpf(value) for value in (half_width, centre, position))
+        return float(
+            4
+            * mp.mpf(load)
+            * mp.fsum(
+                mp.sinpi(m * w) * mp.cospi(m * c) * mp.cospi(m * p) / (m * mp.pi)
+                for m in range(1, terms + 1)
+            )
+        )
+
+
+def deflection(plate: Plate, point: tuple[float, float], load: tuple[float, float]) -> mp.mpf:
+    """w in m/N at a point for 1 N at a load.
+
+    Along y the m-th sine obeys f'''' - 2 k^2 f'' + k^4 f = delta(y - eta), k = m pi / a. The
+    solution without edges is (1 + u) exp(-u) / (4 k^3), u = k ``|y - eta|``, whose sum over all m
+    is in closed form (polylogarithms). Four solutions without a load, found from the four
+    conditions at the edges, are added to it.
+    """
+    with mp.workdps(DIGITS):
+        (x, y), (xi, eta) = (tuple(map(mp.mpf, place)) for place in (point, load))
+        a, b = mp.mpf(plate.length), mp.mpf(plate.width)
+        unit = mp.pi / a
+        c = unit * abs(y - eta)
+
+        def summed(theta: mp.mpf) -> mp.mpf:
+            z = mp.exp(mp.mpc(-c, theta))
+            return mp.re(mp.polylog(3, z) + c * mp.polylog(2, z))
+
+        total = (summed(unit * (x - xi)) - summed(unit * (x + xi))) / 2
+        reach = min(y, b - y) + min(eta, b - eta)
+        m = 1
+        while m * unit * reach < FAR:
+            both = mp.sin(m * unit * x) * mp.sin(m * unit * xi)
+            total += both * _edges(plate.clamped, m * unit * b, y / b, eta / b) / m**3
+            m += 1
+        return total * a**2 / (2 * mp.pi**3 * mp.mpf(plate.stiffness))
+
+
+def _edges(clamped: bool, beta: mp.mpf, y: mp.mpf, eta: mp.mpf) -> mp.mpf:
+    """What the edges y = 0 and y = 1 add to (1 + u) exp(-u), u = beta |y - eta|."""
+    derivative = 1 if clamped else 2
+
+    def values(at: mp.mpf) -> list[list[mp.mpf]]:
+        """Value and first or second derivative by beta y, of the four and of (1 + u) exp(-u)."""
+        low, high, u = beta * at, beta * (1 - at), beta * abs(at - eta)
+        side = mp.sign(at - eta)
+        el, eh, eu = mp.exp(-low), mp.exp(-high), mp.exp(-u)
+        if derivative == 1:
+            ends = [-el, (1 - low) * el, eh, (high - 1) * eh, -side * u * eu]
+        else:
+            ends = [el, (low - 2) * el, eh, (high - 2) * eh, (u - 1) * eu]
+        return [[el, low * el, eh, high * eh, (1 + u) * eu], ends]
+
+    rows = values(mp.mpf(0)) + values(mp.mpf(1))
+    matrix = mp.matrix([row[:4] for row in rows])
+    found = mp.lu_solve(matrix, mp.matrix([-row[4] for row in rows]))
+    return mp.fdot(found, values(y)[0][:4])
+
+
+def least_squares(matrix: Real, right: Real) -> tuple[Real, float]:
+    """The x with the least ``|matrix x - right|``, and that least length, by the normal equations.
+
+    These square the condition, for which there are digits to spare.
+    """
+    with mp.workdps(DIGITS):
+        exact, wanted = mp.matrix(matrix.tolist()), mp.matrix(right.tolist())
+        x = mp.lu_solve(exact.T * exact, exact.T * wanted)
+        return np.array([float(value) for value in x]), float(mp.norm(exact * x - wanted))
+
+
+def solved(matrix: Sequence[Sequence[mp.mpf]], right: Real) -> list[list[mp.mpf]]:
+    """The columns x of matrix x = right, by elimination; right has the shape (rows, columns)."""
+    with mp.workdps(DIGITS):
+        one = mp.matrix(matrix)
+        columns = [mp.lu_solve(one, mp.matrix(column)) for column in right.T.tolist()]
+        return [list(column) for column in columns]
+
+
+def inverse_of_squares(matrix: Real) -> Real:
+    """The inverse of matrix' matrix."""
+    with mp.workdps(DIGITS):
+        exact = mp.matrix(matrix.tolist())
+        inverse = (exact.T * exact) ** -1
+        return np.array(
+            [[float(inverse[i, j]) for j in range(inverse.cols)] for i in range(inverse.rows)]
+        )
+
+
+def ridge(inputs: Real, values: Real, reach: float, smoothing: float, asked: Real) -> Real:
+    """Gaussian kernel ridge regression of rows, at other rows; shape (asked, values)."""
+    with mp.workdps(DIGITS):
+
+        def kernel(rows: Real, more: float) -> list[list[mp.mpf]]:
+            return [
+                [
+                    mp.exp(
+                        -mp.fsum((mp.mpf(a) - b) ** 2 for a, b in zip(x, z, strict=True)) / reach**2
+                    )
+                    + (more if i == j else 0)
+                    for j, z in enumerate(inputs.tolist())
+                ]
+                for i, x in enumerate(rows.tolist())
+            ]
+
+        weights = solved(kernel(inputs, smoothing), values)
+        there = kernel(asked, 0)
+        return np.array([[float(mp.fdot(row, column)) for column in weights] for row in there])
+
+
+def truncated(matrix: Real, right: Real, same: float) -> Real:
+    """Least squares without directions whose singular value is below this part of the largest."""
+    with mp.workdps(DIGITS):
+        left, values, other = mp.svd_r(mp.matrix(matrix.tolist()))
+        kept = [k for k in range(len(values)) if values[k] > same * values[0]]
+        found = np.zeros((matrix.shape[1], right.shape[1]))
+        for column, wanted in enumerate(right.T.tolist()):
+            parts = {k: mp.fdot(left[:, k], wanted) / values[k] for k in kept}
+            for row in range(matrix.shape[1]):
+                found[row, column] = float(mp.fsum(other[k, row] * parts[k] for k in kept))
+        return found
+
+
+def least_mean_squares(rows: Real, wanted: Real, rate: float, passes: int) -> Real:
+    """theta += rate (wanted - row . theta) row, over all rows, from 0."""
+    with mp.workdps(DIGITS):
+        exact = [list(map(mp.mpf, row)) for row in rows.tolist()]
+        theta = [mp.mpf(0)] * rows.shape[1]
+        for _ in range(passes):
+            for row, goal in zip(exact, wanted.tolist(), strict=True):
+                step = rate * (goal - mp.fdot(row, theta))
+                theta = [value + step * by for value, by in zip(theta, row, strict=True)]
+        return np.array([float(value) for value in theta])
+
+
+def high_passed(volts: Real, cutoff: float, rate: float) -> Real:
+    """The bilinear transform of s / (s + omega), which starts at 0."""
+    with mp.workdps(DIGITS):
+        k = mp.tan(mp.pi * mp.mpf(cutoff) / mp.mpf(rate))
+        before = state = mp.mpf(0)
+        found = []
+        for volt in map(mp.mpf, volts.tolist()):
+            state = ((1 - k) * state + volt - before) / (1 + k)
+            before = volt
+            found.append(float(state))
+        return np.array(found)
