@@ -88,43 +88,50 @@ class Curve:
     It is 0 at the lowest code, and as short as it can be, so that equal functions have equal parts.
     """
 
-    __slots__ = ("_ends", "first", "key", "left", "right", "values", "word")
+    __slots__ = ("_ends", "_kept", "first", "key", "left", "right", "word")
 
     def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
         self.word, self.first, self.left, self.right = word, first, left, right
-        # Equal arrays are kept once.
-        self.key = hash(values.tobytes())
+        # Equal arrays are kept once, in as few bits as they need.
+        most = max(-int(values.min()), int(values.max()))
+        kept = values.astype(np.min_scalar_type(-1 - most))
+        self.key = hash(kept.tobytes())
         known = _arrays.get(self.key)
-        if known is None or not np.array_equal(known, values):
-            known = _arrays[self.key] = values
-        self.values = known
+        if known is None or not np.array_equal(known, kept):
+            known = _arrays[self.key] = kept
+        self._kept = known
         self._ends: tuple[int, int] | None = None
 
     @property
+    def values(self) -> np.ndarray:
+        return self._kept.astype(np.int64)
+
+    @property
     def last(self) -> int:
-        return self.first + len(self.values) - 1
+        return self.first + len(self._kept) - 1
 
     @property
     def line(self) -> bool:
         """Whether it is one straight line, then of slope `right`."""
-        return len(self.values) == 1 and self.left == self.right
+        return len(self._kept) == 1 and self.left == self.right
 
     def at(self, low: int, high: int) -> np.ndarray:
         """The values at the codes low to high."""
         a, b = max(low, self.first), min(high, self.last)
+        kept = self._kept[a - self.first : b - self.first + 1]
         if a == low and b == high:
-            return self.values[a - self.first : b - self.first + 1]
+            return kept.astype(np.int64)
         result = np.empty(high - low + 1, dtype=np.int64)
         left = max(0, min(self.first, high + 1) - low)
         right = max(0, high - max(self.last, low - 1))
         if left:
-            result[:left] = int(self.values[0]) + self.left * (
+            result[:left] = int(self._kept[0]) + self.left * (
                 np.arange(low, low + left) - self.first
             )
         if b >= a:
-            result[a - low : b - low + 1] = self.values[a - self.first : b - self.first + 1]
+            result[a - low : b - low + 1] = kept
         if right:
-            result[len(result) - right :] = int(self.values[-1]) + self.right * (
+            result[len(result) - right :] = int(self._kept[-1]) + self.right * (
                 np.arange(high - right + 1, high + 1) - self.last
             )
         return result
@@ -133,10 +140,10 @@ class Curve:
     def ends(self) -> tuple[int, int]:
         """The least and the greatest value."""
         if self._ends is None:
-            ends = [int(self.values.min()), int(self.values.max())]
+            ends = [int(self._kept.min()), int(self._kept.max())]
             ends += [
-                int(self.values[0]) - self.left * (self.first - self.word.low),
-                int(self.values[-1]) + self.right * (self.word.high - self.last),
+                int(self._kept[0]) - self.left * (self.first - self.word.low),
+                int(self._kept[-1]) + self.right * (self.word.high - self.last),
             ]
             self._ends = min(ends), max(ends)
         return self._ends
@@ -163,7 +170,7 @@ class Curve:
         return self is other or (
             self.word is other.word
             and (self.first, self.left, self.right) == (other.first, other.left, other.right)
-            and np.array_equal(self.values, other.values)
+            and np.array_equal(self._kept, other._kept)
         )
 
 
