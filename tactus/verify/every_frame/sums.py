@@ -499,20 +499,20 @@ def _bits(v: Sum) -> int:
     return bits
 
 
-def _odd(v: Sum) -> int:
-    """The odd factor that all terms of a weighted sum of words have in common."""
-    if not all(c.line for c in v.terms.values()):
-        return 1
-    common = math.gcd(*(c.right for c in v.terms.values()))
-    return common >> _twos(common)
-
-
 def _stairs(t: Curve) -> Curve:
     """A function of a word of few codes with constant ends, since on a finer grid its lines are
     stairs."""
     if not (t.left or t.right) or t.word.high - t.word.low >= FEW:
         return t
     return Curve(t.word, t.word.low, t.at(t.word.low, t.word.high), 0, 0)
+
+
+def _odd(v: Sum) -> int:
+    """The odd factor that all terms of a weighted sum of words have in common."""
+    if not all(c.line for c in v.terms.values()):
+        return 1
+    common = math.gcd(*(c.right for c in v.terms.values()))
+    return common >> _twos(common)
 
 
 class Space:
@@ -808,13 +808,6 @@ class Space:
         v = self.choose(self.negative(minus(v, low)), low, v)
         return self.choose(self.negative(minus(high, v)), high, v)
 
-    def reduced(self, v: Value, bits: int) -> Value:
-        """v without what 2^bits divides."""
-        if isinstance(v, int):
-            return v % (1 << bits)
-        rest = {w: c for w, c in v.terms.items() if _twos(c.bits()) < bits}
-        return v if len(rest) == len(v.terms) else value(v.constant % (1 << bits), rest)
-
     def modulo(self, v: Value, bits: int, signed: bool) -> Value:
         """The number from 0, or from -2^(bits - 1) on, that is v modulo 2^bits."""
         low = -(1 << bits - 1) if signed else 0
@@ -823,26 +816,12 @@ class Space:
         a, b = v.ends
         if a - low >> bits == b - low >> bits:
             return plus(v, -(a - low >> bits << bits))
-        result = plus(v, times(self.floor(plus(v, -low), bits), -(1 << bits)))
-        if isinstance(result, Sum):
-            a, b = result.ends
-            result = Sum(
-                result.constant, result.terms, (max(a, low), min(b, low + (1 << bits) - 1))
-            )
-        return result
+        return plus(v, times(self.floor(plus(v, -low), bits), -(1 << bits)))
 
     def equal(self, a: Value, b: Value) -> bool:
         """Whether a and b are the same for every frame."""
         d = minus(a, b)
-        if isinstance(d, int):
-            return d == 0
-        groups: dict[Any, dict[Word, Curve]] = {}
-        for word, term in d.terms.items():
-            groups.setdefault(word.base or word, {})[word] = term
-        rest: Value = d.constant
-        for terms in groups.values():
-            rest = plus(rest, self.of(lambda v: v, Sum(0, terms)))
-        return rest == 0 if isinstance(rest, int) else False
+        return isinstance(d, int) and d == 0
 
 
 def describe(word: Word) -> str:

@@ -1,6 +1,5 @@
 """Expressions as sums of functions of words."""
 
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -78,11 +77,7 @@ class Values:
             c = self.number(s, 1, False)
             if isinstance(c, int):
                 return self.residue(yes if c else no, e.width)
-            branches = [self.residue(v, e.width) for v in (yes, no)]
-            # Only bits of the result count: what lies above them may be left out, or help.
-            with suppress(UnsupportedError):
-                return space.choose(c, *(space.reduced(v, e.width) for v in branches))
-            return space.choose(c, *branches)
+            return space.choose(c, *(self.residue(v, e.width) for v in (yes, no)))
         if kind == "read":
             return self._read(e)
         if kind in ("$add", "$sub", "$mul", "$neg", "$not"):
