@@ -158,11 +158,10 @@ class Sequences:
                 if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
                     raise WrongError(f"out_last is {out['out_last']} at output {k}")
                 if number == watched:
-                    self._compare(
-                        k, clock - ended[number], out[f"out_data_{k}" if self.words else "out_data"]
-                    )
+                    self._compare(k, clock - ended[number], out)
 
-    def _compare(self, k: int, clock: int, bits: Bits) -> None:
+    def _compare(self, k: int, clock: int, out: dict[str, Bits]) -> None:
+        bits = out[f"out_data_{k}" if self.words else "out_data"]
         if self.expected is None:
             self.inner = self.network.words(self.space, self.samples)
             self.expected = self.network.outputs(self.inner)
@@ -371,7 +370,7 @@ class Sequences:
                     if out["out_valid"] != inputs["in_valid"] or out.get("frame_error", 0) != 0:
                         raise RefusedError(f"out_valid hangs on frames {clock} clocks away")
                     if inputs["in_valid"]:
-                        self._compare(k, clock, out[f"out_data_{k}"])
+                        self._compare(k, clock, out)
 
     def _close(self, start: State, tail: int, ends: int) -> None:
         """Frames as close as they may be: what the others hold is unknown, so it does not
