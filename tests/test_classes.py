@@ -41,7 +41,7 @@ from tactus.synth.budget import budget_path
 from tactus.train.descent.scaling import scaled
 from tactus.train.descent.task import task_for
 from tactus.train.layer_objective import ClassObjective, LabelledRows
-from tactus.train.layer_training import measured
+from tactus.train.layer_training import measure
 from tb.common.cases import random_network
 
 # For each shipped scene how many LUTs of a Virtex-II and how many clocks it may take.
@@ -53,7 +53,7 @@ LIMITS = {
     "digits-fast": (9500, 10),
     "wine-fast": (500, 10),
 }
-APPENDIX = FOLDER / "data" / "appendix2.csv"
+APPENDIX = FOLDER.parent / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")
 CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
 SCENE = """
@@ -522,7 +522,7 @@ def test_the_loads_are_learnt_in_a_few_damped_steps() -> None:
         found, training=replace(found.training, optimiser="levenberg-marquardt", steps=150)
     )
     task = task_for(short, short.vectors(), [])
-    assert measured(task, task.scene.members[0].layers, 0).test <= 2
+    assert measure(task, task.scene.members[0].layers, 0).test <= 2
 
 
 def test_the_value_is_the_cross_entropy() -> None:

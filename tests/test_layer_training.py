@@ -19,12 +19,12 @@ from tactus.errors.scene_errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import load_scene
-from tactus.train import layer_training
+from tactus.train import candidate_runs, layer_training
 from tactus.train.descent.objective import Objective, Rows
 from tactus.train.descent.objective import pack as pack_of_two
 from tactus.train.descent.task import task_for
 from tactus.train.layer_objective import LayeredObjective
-from tactus.train.layer_training import random_layers, search, widths
+from tactus.train.layer_training import widths
 from tb.common.cases import random_network, write_scene
 
 
@@ -58,7 +58,10 @@ NETWORKS = [
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
 def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
-    check_derivatives(objective(network), packed(network))
+    aim, point = objective(network), packed(network)
+    check_derivatives(aim, point)
+    slopes = aim.jacobian(point)
+    assert np.allclose(aim.curvature(point), 2 * slopes.T @ slopes)
 
 
 def test_a_hidden_layer_of_tanh_is_measured_as_before() -> None:
@@ -77,27 +80,6 @@ def test_weights_in_a_vector_and_back(network: Trained) -> None:
     for one, other in zip(layers_of(found), layers_of(network), strict=True):
         assert np.array_equal(one.weights, other.weights)
         assert one.activation_text == other.activation_text
-
-
-def test_a_descent_ends_when_validation_does_not_fall() -> None:
-    """Whatever lowers the training error makes the rows that are held back worse."""
-    network = random_layers((2, 3, 3, 1), ("relu", "relu"), np.random.default_rng(1))
-    aim = objective(network, decay=0.0)
-    aim.validation = Rows(
-        aim.training.inputs, network.process(aim.training.inputs), np.ones((7, 1))
-    )
-    aim.patience = 3
-    seen = []
-
-    def descend(objective, start, steps):
-        point = start
-        for _ in range(steps):
-            seen.append(point)
-            _, slope = objective.evaluate(point)
-            point = point - 1e-3 * slope
-
-    assert np.array_equal(aim.search(descend, packed(network), 50), packed(network))
-    assert len(seen) == 4
 
 
 def scene_of(tmp_path: Path, more: str = "") -> Path:
@@ -175,17 +157,48 @@ def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -
     assert story["candidates"] == 8 * scene.training.restarts
     # The candidate that was chosen is trained again on its own, and is better than the least one.
     task = task_for(scene, scene.vectors(), [])
-    found = {(c.layers, c.restart): c for c in search(task, 1)}
+    found = {one: layer_training.measure(task, *one) for one in layer_training.candidates(task)}
     best = min(found.values(), key=lambda c: c.rank)
     assert story["network"] == ":".join(map(str, (3, *best.layers, 2)))
     assert story["best_restart"] == best.restart
     assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
     assert best.validation < found[(2,), 0].validation
     assert scene.networks()[0].activations == ("relu",) * len(best.layers)
-    # All candidates are known when the same scene is trained again.
-    monkeypatch.setattr(layer_training, "measured", lambda *_: pytest.fail("computed again"))
+
+
+def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes_on(
+    tmp_path: Path, monkeypatch
+) -> None:
+    path = scene_of(tmp_path)
+    text = path.read_text().replace("[4, 4]", "0").replace('"single"', '"cascade"')
+    text = text.replace('weights = "deep.npz"', 'weights = ["deep-0.npz", "deep-1.npz"]')
+    path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 5]"))
+    monkeypatch.setattr(layer_training, "MANY_ROWS", 59)
+    monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
+    measure, seen = layer_training.measure, []
+
+    def watched(task, hidden, restart):
+        if len(seen) == 11:
+            raise KeyboardInterrupt
+        result = measure(task, hidden, restart)
+        seen.append((task.number, len(task.training.inputs), result))
+        return result
+
+    monkeypatch.setattr(layer_training, "measure", watched)
+    with pytest.raises(KeyboardInterrupt):
+        trained(path, monkeypatch)
+    seen.append((None, 0, None))
     trained(path, monkeypatch)
-    assert read_provenance(scene.weights_paths[0]) == story
+    for number, name in enumerate(("deep-0.npz", "deep-1.npz")):
+        rows: dict[int, list] = {}
+        for _, count, result in (one for one in seen if one[0] == number):
+            rows.setdefault(count, []).append(result)
+        assert {count: len(found) for count, found in rows.items()} == {10: 8, 20: 4, 30: 2}
+        better = sorted(rows[10], key=lambda result: result.rank)[:4]
+        assert {(r.layers, r.restart) for r in rows[20]} == {(r.layers, r.restart) for r in better}
+        story = read_provenance(tmp_path / name)
+        best = min(rows[30], key=lambda result: result.rank)
+        assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
 
 
 def test_the_nodes_that_a_search_tries() -> None:

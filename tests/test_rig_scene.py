@@ -368,6 +368,11 @@ def test_the_scene_is_what_the_readings_ask_for(tmp_path: Path) -> None:
     assert "no target is 0" in text
 
 
+def test_measured_values_of_which_some_repeat_are_no_positions(tmp_path: Path) -> None:
+    force = np.append(np.repeat(np.linspace(0.1, 0.9, 29), 2), [0.01, 0.99])
+    assert scene_of(tmp_path, "force,place", force=force.round(2)).group_by == ""
+
+
 def test_one_output_is_one_network(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, "place")
     assert scene.arrangement == "single"

@@ -28,13 +28,17 @@ from golden.numbers.fixed import Fix
 from golden.numbers.precision import EXACT, PRECISIONS, THESIS, Precision
 from golden.numbers.transcendental import exp_floors, tanh_floors
 from golden.visualisation.exp_memory import exp_memory
-from tactus.core.machine import possible_settings
+from tactus.core import machine
 from tactus.scene import load_scene, scene_names
 
 ROOT = Path(__file__).parents[1]
 
-# Environment variables that make this machine compute as others.
-SETTINGS = possible_settings()
+# The flag that a processor must have for a setting, since a setting for another core would end in
+# an illegal instruction.
+FLAGS = {"openblas-prescott": "sse2", "openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
+CPU = machine.CPUINFO
+PRESENT = CPU.read_text(encoding="utf-8").split() if CPU.is_file() else []
+SETTINGS = {n: s for n, s in machine.SETTINGS.items() if n not in FLAGS or FLAGS[n] in PRESENT}
 # For each library, the setting that differs most from a new processor. Every run sets these at
 # once, because each is a variable of another library. ALL=1 tries each setting alone.
 OLDEST = {"numpy-sse", "openblas-prescott", "glibc-sse"}

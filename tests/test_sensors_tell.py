@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.trained.mlp import Mlp
 from tactus.core.finding import OK, WARNING
 from tactus.core.fingerprint import ROOT
 from tactus.core.table import read_csv_file, read_table, write_table
+from tactus.network_files.network_file import write_network
 from tactus.report.measure.outcome import telling
 from tactus.rig.sensors_needed import Recording, recording_of
-from tactus.rig.sensors_tell import Telling, findings, measured, telling_of
+from tactus.rig.sensors_tell import Telling, findings, measured, missed_by_networks, telling_of
 from tactus.rig.survey import survey
 from tactus.rig.write_scene import write_scene
 from tactus.scene import Scene, load_scene
@@ -45,6 +47,17 @@ def test_a_channel_of_noise_is_named_and_no_other(tmp_path: Path, seed: int) -> 
     assert list(warned) == ["dead"]
     assert warned["dead"].startswith("tells nothing")
     assert f"take it out of data.sensors in {scene.path}" in warned["dead"]
+
+
+def test_what_a_network_misses_tells_something(tmp_path: Path) -> None:
+    scene = load_scene("digit-load")
+    assert missed_by_networks(scene, scene.sensors) == set(scene.sensors)
+    scene = rail(tmp_path, dead=noise(1))
+    for path, inputs in zip(scene.weights_paths, (6, 7), strict=True):
+        write_network(path, Mlp(np.zeros((1, inputs)), np.zeros(1), np.ones((1, 1)), np.zeros(1)))
+    scene = scaled(load_scene(str(scene.path)))
+    assert not missed_by_networks(scene, scene.sensors)
+    assert not measured(recording_of(scene), split_of(scene), scene.sensors).nothing
 
 
 def test_what_can_be_taken_out_together_is_said(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from tactus.train.spline_training import (
     as_layers,
     candidates,
     choices,
-    measured,
+    measure,
     train,
 )
 from tactus.train.splines import training as splines
@@ -109,9 +109,9 @@ def test_an_interrupted_search_goes_on(
     whole, lines = first.read_text(), second.read_text().splitlines(keepends=True)
     second.write_text(lines[0] + lines[1][:10])
     computed = []
-    original = spline_training.measured
+    original = spline_training.measure
     monkeypatch.setattr(
-        spline_training, "measured", lambda *a: computed.append(a[0].number) or original(*a)
+        spline_training, "measure", lambda *a: computed.append(a[0].number) or original(*a)
     )
     command.train_scene(scene, tmp_path / "build", 1)
     assert computed == [1] * (len(lines) - 1)
@@ -323,7 +323,7 @@ def test_it_learns_classes(tmp_path: Path, hardware: str) -> None:
 def test_candidates_for_classes_are_chosen_by_decisions(tmp_path: Path) -> None:
     scene = rings(tmp_path, TABLES)
     task = SplineStages(scene).task([], 0)
-    found = measured(task, 1, 0)
+    found = measure(task, 1, 0)
     _, network = as_read(task, as_layers(task, train(task, 1, 0), task.training))
     for frames, error in ((task.validation, found.validation), (task.test, found.test)):
         decided = task.bit_true(network, frames).argmax(axis=1)
@@ -333,6 +333,6 @@ def test_candidates_for_classes_are_chosen_by_decisions(tmp_path: Path) -> None:
 def test_what_hardware_cannot_compute_is_a_refused_candidate(tmp_path: Path) -> None:
     scene = rings(tmp_path, TABLES)
     options = {**scene.design_options, "hidden_bits": 99}
-    found = measured(SplineStages(replace(scene, design_options=options)).task([], 0), 1, 0)
+    found = measure(SplineStages(replace(scene, design_options=options)).task([], 0), 1, 0)
     assert found.validation == float("inf")
     assert "hidden_bits: got 99" in found.refused

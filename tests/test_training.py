@@ -27,7 +27,6 @@ from tactus.train.descent.search import (
     Result,
     bit_true_error,
     bit_true_errors,
-    search,
     signed_errors,
     train,
 )
@@ -218,40 +217,6 @@ def test_every_activation_can_be_trained(small_scene: Scene, activation: str) ->
     assert np.abs(results - exact).max() < 0.002 + 0.03 * np.abs(mlp.w2).sum(axis=1).max()
     spread = np.abs(results - vectors.targets).mean()
     assert spread < np.abs(vectors.targets - vectors.targets.mean(axis=0)).mean()
-
-
-def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
-    return list(search(task_for(scene, scene.vectors(), []), record, workers))
-
-
-def open_search(scene: Scene) -> Scene:
-    """The scene without a fixed number of hidden nodes, with 3 sizes and 2 restarts."""
-    members = (replace(scene.members[0], hidden=0),)
-    return replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
-
-
-def test_workers_do_not_change_the_outcome(small_scene: Scene, tmp_path: Path) -> None:
-    scene = open_search(small_scene)
-    one = searched(scene, tmp_path / "one.jsonl")
-    assert [(r.hidden, r.restart) for r in one] == [(h, r) for h in (2, 3, 4) for r in (0, 1)]
-    assert len(one) == 6
-    assert searched(scene, tmp_path / "two.jsonl", workers=2) == one
-    assert (tmp_path / "one.jsonl").read_bytes() == (tmp_path / "two.jsonl").read_bytes()
-
-
-def test_an_interrupted_search_goes_on(small_scene: Scene, tmp_path: Path, monkeypatch) -> None:
-    scene, record = open_search(small_scene), tmp_path / "record.jsonl"
-    whole = searched(scene, record)
-    lines = record.read_text().splitlines(keepends=True)
-    record.write_text("".join(lines[:3]) + lines[3][:10])
-    computed = []
-    from tactus.train.descent import search as module
-
-    original = module.measure
-    monkeypatch.setattr(module, "measure", lambda *a: computed.append(a[1:]) or original(*a))
-    assert searched(scene, record) == whole
-    assert computed == [(r.hidden, r.restart) for r in whole[3:]]
-    assert record.read_text() == "".join(lines)
 
 
 def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:

@@ -4,7 +4,7 @@ import argparse
 import platform
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+from threadpoolctl import threadpool_limits
 
 from golden.input_error import InputError
 from golden.trained.dense import Trained
@@ -31,15 +32,16 @@ from tactus.scene.schema import FEWEST
 from tactus.scene.trained_scale import story
 from tactus.scene.vectors import warn_outside
 from tactus.train import layer_training, spline_training
-from tactus.train.candidate_runs import continued
+from tactus.train.candidate_runs import continued, parts_of
+from tactus.train.descent import search
 from tactus.train.descent.cluster import computed_on
 from tactus.train.descent.few_digits import count_digits
 from tactus.train.descent.scaling import scaled
-from tactus.train.descent.search import Result, candidates, search
+from tactus.train.descent.search import Result
 from tactus.train.descent.split import split_story, unused_text
 from tactus.train.descent.stages import Stages
 from tactus.train.descent.task import Task
-from tactus.train.layer_training import LayersResult, LayerStages, layers_searched
+from tactus.train.layer_training import LayersResult, LayerStages, has_many_rows, layers_searched
 from tactus.train.spline_training import SplineStages
 from tactus.train.task_errors import bit_true_error, percent_errors
 
@@ -47,38 +49,49 @@ TOOLS = ("numpy", "scipy", "python")
 
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
-    """The best candidate, and how many were refused; prints the progress."""
-    best: Result | None = None
-    refused = 0
-    member = task.scene.members[task.number]
-    name = task.scene.classes or ", ".join(member.outputs)
-    results: Iterator[Result]
-    if has_layers(task.scene):
-        results = continued(
-            layer_training.measured, LayersResult, task, tried(task), record, workers
-        )
-    elif task.scene.training.functions:
-        results = continued(spline_training.measured, Result, task, tried(task), record, workers)
-    else:
-        results = search(task, record, workers)
+    """The best candidate, and how many were refused; prints the progress.
+
+    With many rows, candidates are first compared on parts of them, and the better half goes on.
+    """
+    kept, parts = tried(task), list(parts_of(task)) if has_many_rows(task.scene) else [task]
     later = range(task.number + 1, len(task.scene.members))
-    behind = sum(sum(costs(replace(task, number=number))) for number in later)
-    own = costs(task)
-    # A line each.
+    # Each part takes about as long as any other of the same network.
+    behind = len(parts) * sum(sum(costs(replace(task, number=number))) for number in later)
+    for number, part in enumerate(parts):
+        rows = len(part.training.inputs)
+        own = record if part is task else record.with_name(f"{record.stem}-{rows}.jsonl")
+        rest = behind / 2**number + (len(parts) - number - 1) * sum(costs(task, kept))
+        results = compared(part, kept, own, workers, rest)
+        ranked = sorted(zip(results, kept, strict=True), key=lambda pair: pair[0].rank)
+        kept = [candidate for _, candidate in ranked[: -(-len(ranked) // 2)]]
+    return ranked[0][0], sum(bool(one.refused) for one in results)
+
+
+def compared(
+    task: Task, chosen: Sequence[tuple[Any, int]], record: Path, workers: int, behind: float
+) -> list[Result]:
+    """The results of some candidates, one of which is not refused; prints the progress.
+
+    behind: What follows, in the measure of ``costs``.
+    """
+    name = task.scene.classes or ", ".join(task.scene.members[task.number].outputs)
+    if has_many_rows(task.scene):
+        name += f", {len(task.training.inputs)} rows"
+    own, seen = costs(task, chosen), list[Result]()
     known = record.read_bytes().count(b"\n") if record.is_file() else 0
+    module, kind, _ = training_of(task.scene)
     with Progress(name, len(own), "candidates", costs=own, behind=behind, known=known) as progress:
-        for result in results:
-            refused += bool(result.refused)
-            if not result.refused and (best is None or result.rank < best.rank):
-                best = result
-            found = f"{best.validation:.2f} % with {nodes_of(best)}" if best else "none"
+        for result in continued(module.measure, kind, task, chosen, record, workers):
+            seen.append(result)
+            best = min(seen, key=lambda one: one.rank)
+            found = "none" if best.refused else f"{best.validation:.2f} % with {nodes_of(best)}"
             progress.step(f"best bit-true validation {found}")
-    if best is None:
+    if best.refused:
         raise InputError(
-            f"{task.scene.path}: {name}: all {refused} candidates were refused; the last: "
-            f"{result.refused}"
+            f"{task.scene.path}: {name}: all {len(seen)} candidates were refused; the last: "
+            f"{seen[-1].refused}"
         )
-    return best, refused
+    return seen
 
 
 def main() -> None:
@@ -121,24 +134,22 @@ def nodes_of(result: Result) -> str:
     return f"{result.hidden} hidden nodes"
 
 
-def has_layers(scene: Scene) -> bool:
-    """Whether training is that of ``tactus.train.layer_training``: of any layers, and of
-    classes."""
+def training_of(scene: Scene) -> tuple[Any, type[Result], type[Stages]]:
+    """The module that trains the networks of a scene, its results and its stages."""
     if scene.training.functions:
-        return False
-    return bool(scene.labels or scene.members[0].layers or scene.training.layers)
+        return spline_training, Result, SplineStages
+    layers = scene.labels or scene.members[0].layers or scene.training.layers
+    if layers or has_many_rows(scene):
+        return layer_training, LayersResult, LayerStages
+    return search, Result, Stages
 
 
 def tried(task: Task) -> Sequence[tuple[Any, int]]:
     """The hidden nodes, or those of each layer, and the number of the start of every candidate."""
-    if has_layers(task.scene):
-        return layer_training.candidates(task)
-    if task.scene.training.functions:
-        return spline_training.candidates(task)
-    return candidates(task)
+    return list(training_of(task.scene)[0].candidates(task))
 
 
-def costs(task: Task) -> list[float]:
+def costs(task: Task, chosen: Sequence[tuple[Any, int]] = ()) -> list[float]:
     """About how long each candidate takes, compared with the others.
 
     A descent of small networks of any kind takes about the time of the number of weights to the
@@ -146,7 +157,7 @@ def costs(task: Task) -> list[float]:
     """
     member = task.scene.members[task.number]
     found = []
-    for hidden, _ in tried(task):
+    for hidden, _ in chosen or tried(task):
         layers = hidden if isinstance(hidden, tuple) else (hidden,)
         widths = (member.inputs, *layers, len(member.outputs))
         found.append(sum((a + 1) * b for a, b in pairwise(widths)) ** 1.5)
@@ -176,11 +187,11 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     if unused:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
-    made = LayerStages if has_layers(scene) else SplineStages if settings.functions else Stages
+    made = training_of(scene)[2]
     versions = (np.__version__, scipy.__version__, platform.python_version())
     asked = store.key(
         "training",
-        code=code([made.__module__, search.__module__]),
+        code=code([made.__module__, search.__name__]),
         scene=[scene.path, *scene.data_paths],
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
@@ -193,7 +204,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         with held([records]):
             best, refused = choose(task, records / f"{number}.jsonl", workers)
         hidden = best.layers if isinstance(best, LayersResult) else best.hidden
-        stages.add(hidden, best.restart)
+        # On several threads a large product rounds in another way.
+        with threadpool_limits(1 if has_many_rows(scene) else None):
+            stages.add(hidden, best.restart)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
         errors: dict[str, Any] = {}
@@ -250,9 +263,9 @@ def searched_text(task: Task) -> str:
         low, high = scene.training.layers
         nodes = sorted({layers[0] for layers in layers_searched(scene) if layers})
         return f"{low} to {high} layers of {', '.join(map(str, nodes))} {scene.training.activation}"
-    if has_layers(scene):
+    if scene.labels or scene.members[0].layers:
         return scene.members[task.number].text
-    nodes = [hidden for hidden, _ in candidates(task)]
+    nodes = [hidden for hidden, _ in search.candidates(task)]
     return f"{nodes[0]} to {nodes[-1]}"
 
 

@@ -26,19 +26,6 @@ SETTINGS: dict[str, dict[str, str]] = {
     "one-thread": {"OPENBLAS_NUM_THREADS": "1"},
     "two-threads": {"OPENBLAS_NUM_THREADS": "2"},
 }
-# The flag that a processor must have for a setting, since a setting for another core would end in
-# an illegal instruction.
-FLAGS = {"openblas-prescott": "sse2", "openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
-
-
-def possible_settings() -> dict[str, dict[str, str]]:
-    """The settings whose instructions this processor has."""
-    flags = CPUINFO.read_text(encoding="utf-8").split() if CPUINFO.is_file() else []
-    return {
-        name: setting
-        for name, setting in SETTINGS.items()
-        if name not in FLAGS or FLAGS[name] in flags
-    }
 
 
 def processor() -> str:

@@ -60,8 +60,8 @@ OF_ROWS = "those of the\n# recorded rows, with a tenth to spare"
 POWERS = "powers\n# of two around the recorded rows, with which a quantised network can be exact"
 
 SEARCHED = """\
-# Every number of hidden nodes from 4 to 12 is trained from 8 random starts, in about a minute for
-# some hundred rows on two cores. More of either lower the errors a little and take longer.
+# Up to nine numbers of hidden nodes from 4 to 12 are tried from 8 random starts, in about a minute
+# for some hundred rows on two cores. More of either lower the errors a little and take longer.
 hidden = [4, 12]
 restarts = 8
 # A small value, because readings have little noise; use 1e-4 where they have much.
@@ -298,9 +298,9 @@ def weights(outputs: list[str], path: Path) -> list[str]:
 
 
 def _positions(found: Survey) -> str:
-    """Of the outputs whose values repeat, the one with the most values; empty if there is none."""
-    counts = {name: len(np.unique(values)) for name, values in found.outputs.items()}
-    often = {name: n for name, n in counts.items() if 1 < n <= len(found.recording.rows) / 2}
+    """Of the outputs that were set, so that every value repeats, the one with the most values."""
+    counts = {n: np.unique(v, return_counts=True)[1] for n, v in found.outputs.items()}
+    often = {name: len(rows) for name, rows in counts.items() if rows.min() > 1}
     return max(often, key=lambda name: often[name]) if often else ""
 
 

@@ -3,20 +3,22 @@
 A smooth map (``tactus.rig.smooth_map``) from the sensors to the outputs is fitted to rows that
 train, once with all sensors and once without each of them. Its errors are those on rows that take
 no part. Sensors that are not missed one by one may be missed together, so these are left out at
-once, too. Similar maps to the sensor itself, from the outputs, and from these together with the
-other sensors, show how much of it follows from anything. Networks have smaller errors;
-``tactus.rig.sensors_needed`` trains them, which takes minutes.
+once, too. What is said of a sensor has to hold for several splits of the rows and, where the
+scene's networks are there, for these. Similar maps to the sensor itself, from the outputs, and from
+these together with the other sensors, show how much of it follows from anything. Networks have
+smaller errors; ``tactus.rig.sensors_needed`` trains them, which takes minutes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.finding import OK, WARNING, Finding, several
-from tactus.rig.sensors_needed import Recording, recording_of
+from tactus.rig.sensors_needed import Recording, recording_of, splits_of
 from tactus.rig.smooth_map import SmoothMap, spread, thinned
 from tactus.scene import Scene
 from tactus.train.descent.split import Split, split_of
@@ -39,6 +41,10 @@ TOLD = 0.8
 # explain. Noise is like that. A sensor that corrects others, such as one for temperature, follows
 # from no output, but it does follow from outputs and sensors together.
 FOLLOWS, WORSE, LOST = 0.1, 2.0, 0.05
+# A sensor that tells nothing tells nothing with so many splits, of other seeds.
+SPLITS = 3
+# A network misses a sensor if without it the error of an output grows by more than this factor.
+MISSED = 1.05
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,7 @@ class Telling:
     follows: Part of the variance of each sensor, on held-out rows, that follows from the outputs,
         or from the outputs and the other sensors if that is more. It is below 0 where a constant
         fits better.
+    missed: Sensors that tell something in another way, and are not in ``nothing``.
     together: The sensors of ``nothing`` that can be left out at once.
     without_together: Errors without all of these.
     """
@@ -62,6 +69,7 @@ class Telling:
     follows: dict[str, float]
     together: tuple[str, ...]
     without_together: Real
+    missed: Collection[str] = ()
 
     @property
     def nothing(self) -> list[str]:
@@ -69,7 +77,7 @@ class Telling:
         return [
             name
             for name, errors in self.without.items()
-            if self.follows[name] < FOLLOWS and self.harmless(errors)
+            if name not in self.missed and self.follows[name] < FOLLOWS and self.harmless(errors)
         ]
 
     @property
@@ -84,8 +92,8 @@ class Telling:
         return bool(self.explained.any() and (errors < most)[self.explained].all())
 
 
-def measured(recording: Recording, split: Split) -> Telling:
-    """Measure how much the sensors of a recording tell, with a split of its rows."""
+def measured(recording: Recording, split: Split, missed: Collection[str] = ()) -> Telling:
+    """Measure how much the sensors of a recording tell; ``missed`` is as in ``Telling``."""
     train = thinned(split.training, MOST_ROWS)
     others = [thinned(part, MOST_OTHERS) for part in (split.validation, split.test)]
     rows = np.concatenate(others)
@@ -110,7 +118,7 @@ def measured(recording: Recording, split: Split) -> Telling:
             for known in (targets, np.column_stack([targets, others_kept]))
         )
     whole = errors([])
-    found = Telling(recording.outputs, constant, whole, without, follows, (), whole)
+    found = Telling(recording.outputs, constant, whole, without, follows, (), whole, missed)
     # Those that are missed least come first.
     for name in sorted(found.nothing, key=lambda name: float((without[name] / whole).max())):
         more = (*found.together, name)
@@ -155,7 +163,33 @@ def telling_of(scene: Scene) -> Telling | None:
     few = min(len(split.validation), len(split.test)) < LEAST_OTHERS
     if few or len(scene.sensors) > MOST_SENSORS:
         return None
-    return measured(recording_of(scene), split)
+    recording = recording_of(scene)
+    found = measured(recording, split)
+    if not found.nothing:
+        return found
+    nothing = set(found.nothing)
+    for other in splits_of(scene, [scene.training.seed + n for n in range(1, SPLITS)]):
+        nothing &= set(measured(recording, other).nothing)
+    nothing -= missed_by_networks(scene, nothing)
+    return measured(recording, split, set(recording.names) - nothing)
+
+
+def missed_by_networks(scene: Scene, names: Collection[str]) -> set[str]:
+    """Those of some sensors that the scene's networks miss if each reading is the mean of all."""
+    try:
+        scene.networks()
+    except InputError:
+        # They are not there yet, or do not fit.
+        return set()
+    vectors = scene.vectors()
+    sensors = np.array([scene.sensors[tap.sensor] for tap in scene.window.taps])
+
+    def errors(name: str) -> Real:
+        inputs = np.where(sensors == name, vectors.inputs.mean(axis=0), vectors.inputs)
+        return np.asarray(vectors.percent_errors(scene.process_real(inputs)).mean(axis=0))
+
+    whole = errors("")
+    return {name for name in names if (errors(name) > MISSED * whole).any()}
 
 
 def findings(scene: Scene) -> list[Finding]:
@@ -165,14 +199,8 @@ def findings(scene: Scene) -> list[Finding]:
         return []
     subject, names = "what sensors tell", telling.outputs
     shown = ", ".join(f"{n} {c:.2g} %" for n, c in zip(names, telling.constant, strict=True))
-    found = [
-        Finding(
-            OK,
-            subject,
-            "mean errors on rows that are held out from a fit, Gaussian kernel ridge regression; "
-            f"without any sensor {shown}",
-        )
-    ]
+    fit = "mean errors on rows that are held out from a fit, Gaussian kernel ridge regression"
+    found = [Finding(OK, subject, f"{fit}; without any sensor {shown}")]
     if not telling.explained.any():
         text = "nothing: with all of them no output errs less than without any"
         return [*found, Finding(WARNING, subject, text)]
@@ -180,11 +208,9 @@ def findings(scene: Scene) -> list[Finding]:
     for name, errors in telling.without.items():
         text = f"without it {_compared(telling, errors)}"
         if name in together:
-            advice = f"tells nothing: it follows from nothing else; take it out of {_place(scene)}"
-            found.append(Finding(WARNING, name, f"{advice} ({text})"))
+            advice = "tells nothing: it follows from nothing else; take it out of data.sensors in"
+            found.append(Finding(WARNING, name, f"{advice} {scene.path} ({text})"))
             continue
-        if name in telling.nothing:
-            text += "; it is not missed alone, but together with others that tell as little"
         found.append(Finding(OK, name, text))
     if len(together) > 1:
         compared = _compared(telling, telling.without_together)
@@ -199,7 +225,3 @@ def _compared(telling: Telling, errors: Real) -> str:
         f"{output} {without:.2g} % instead of {whole:.2g} %"
         for output, without, whole in zip(telling.outputs, errors, telling.whole, strict=True)
     )
-
-
-def _place(scene: Scene) -> str:
-    return f"data.sensors in {scene.path}"

@@ -40,15 +40,6 @@ class Candidate:
         """The design and its options, as text."""
         return ", ".join([self.design, *(f"{key} {self.options[key]}" for key in self.options)])
 
-    @property
-    def toml(self) -> str:
-        """The lines of a scene that name it, in one line."""
-        values = {"design": self.design, **self.options}
-        return "; ".join(
-            f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
-            for key, value in values.items()
-        )
-
 
 # Options that a scene's own design does not keep: limits, and those of an engine that is loaded.
 LEFT_OUT = ("clocks", "interval", "reload", "program_words", "operand_words", "table_blocks")

@@ -1,11 +1,12 @@
-"""Levenberg-Marquardt for classes: damped steps with the curvature of the cross-entropy.
+"""Levenberg-Marquardt by normal equations, for classes and for many rows.
 
-MINPACK's, which trains networks for numbers, minimises a sum of squares, and takes the curvature of
-a square from the slope of its residual alone. The cross-entropy of a row is no such square: taken
-as one, each step overshoots, and weights grow large before the validation error falls. So the
-curvature here is that of the cross-entropy by the logits, carried to the weights by the derivatives
-of the logits (the generalised Gauss-Newton matrix: N. N. Schraudolph, "Fast curvature matrix-vector
-products for second-order gradient descent", Neural Computation 14 (2002), 1723-1738).
+MINPACK's, which trains networks for numbers on fewer rows, minimises a sum of squares, and takes
+the curvature of a square from the slope of its residual alone. The cross-entropy of a row is no
+such square: taken as one, each step overshoots, and weights grow large before the validation error
+falls. So the curvature here is that of the cross-entropy by the logits, carried to the weights by
+the derivatives of the logits (the generalised Gauss-Newton matrix: N. N. Schraudolph, "Fast
+curvature matrix-vector products for second-order gradient descent", Neural Computation 14 (2002),
+1723-1738).
 
 The damping follows K. Madsen, H. B. Nielsen and O. Tingleff, "Methods for non-linear least squares
 problems", Technical University of Denmark, second edition, 2004, algorithm 3.16.
@@ -14,7 +15,7 @@ problems", Technical University of Denmark, second edition, 2004, algorithm 3.16
 import numpy as np
 
 from golden.numbers.real import Real
-from tactus.train.layer_objective import ClassObjective
+from tactus.train.layer_objective import LayeredObjective
 
 # The first damping and the least one, as a part of the largest curvature along a weight.
 FIRST_DAMPING = 1e-2
@@ -23,7 +24,7 @@ LEAST_DAMPING = 1e-12
 TOLERANCE = 1e-12
 
 
-def descend(objective: ClassObjective, start: Real, steps: int) -> Real:
+def descend(objective: LayeredObjective, start: Real, steps: int) -> Real:
     """The point that the descent reaches with at most ``steps`` evaluations."""
     point = start
     value, gradient = objective.evaluate(point)

@@ -8,22 +8,21 @@ words count as exact. Then edges become straight, or are left out, where that co
 and with ``training.refit`` the network is trained on with more rows.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
-from golden.trained.dense import DenseNetwork, Trained
+from golden.trained.dense import DenseNetwork
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings
-from tactus.train.candidate_runs import in_order
 from tactus.train.descent.search import Result, shift_biases
-from tactus.train.descent.task import Frames, Task, task_for
+from tactus.train.descent.stages import Stages
+from tactus.train.descent.task import Frames, Task
 from tactus.train.spline_layers import function_network
 from tactus.train.splines import training as splines
 from tactus.train.splines.loss import SQUARES, CrossEntropy, Loss
@@ -98,7 +97,7 @@ def class_scale(task: Task, network: DenseNetwork) -> Scale:
     return task.scene.scales_as_read(file, task.number)[1][0]
 
 
-def measured(task: Task, hidden: int, number: int) -> Result:
+def measure(task: Task, hidden: int, number: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
         _, network = as_read(task, as_layers(task, train(task, hidden, number), task.training))
@@ -110,33 +109,18 @@ def measured(task: Task, hidden: int, number: int) -> Result:
     return Result(hidden, number, validation, test)
 
 
-def search(task: Task, workers: int = -1) -> Iterator[Result]:
-    """The results of all candidates, in order, each as soon as it is known."""
-    return in_order(measured, task, candidates(task), workers)
-
-
 @dataclass
-class SplineStages:
-    """The stages in which training makes a scene's networks; see
-    ``tactus.train.descent.stages``."""
+class SplineStages(Stages):
+    """The stages in which training makes a scene's networks of learned functions."""
 
-    scene: Scene
-    chosen: list[Trained] = field(default_factory=list)
-    tested: list[Trained] = field(default_factory=list)
-    written: list[Trained] = field(default_factory=list)
-    files: list[Trained] = field(default_factory=list)
     edges: list[dict[str, int]] = field(default_factory=list)
-
-    def task(self, earlier: list[Any], number: int) -> Task:
-        """The task of a network that follows the earlier ones of a stage."""
-        return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, hidden: int, number: int) -> None:
         """Add the next network, from the candidate that was chosen."""
         task = self.task(self.chosen, len(self.chosen))
         found = train(task, hidden, number)
         found = splines.pruned(found, task.training, task.validation, Learned.error)
-        stages = [(self.chosen, found, task.training, task)]
+        stages: list[Any] = [(self.chosen, found, task.training, task)]
         if self.scene.training.refit:
             for networks, part in ((self.tested, "known"), (self.written, "every")):
                 own = self.task(networks, len(self.chosen))
@@ -147,6 +131,6 @@ class SplineStages:
         made = [as_read(own, as_layers(own, one, frames)) for _, one, frames, own in stages]
         for (networks, *_), (_, read) in zip(stages, made, strict=True):
             networks.append(read)
-        self.files.append(made[-1][0])
+        self.files.append(cast(Any, made[-1][0]))
         kinds = found.edges.kinds.tolist()
         self.edges.append({"curved_edges": kinds.count(2), "straight_edges": kinds.count(1)})
