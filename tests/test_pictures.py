@@ -18,7 +18,7 @@ from golden.input_error import InputError
 from golden.instruments.pictures import flow_of
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
-from tactus.core.table import read_table
+from tactus.physics.swing_data import independent_run
 from tactus.report.draw.animation import animation
 from tactus.report.draw.area import area, designs
 from tactus.report.draw.axes import Axes
@@ -374,7 +374,7 @@ def test_what_is_followed_is_what_the_twin_gives_from_the_first_whole_past_on() 
     found = follow(scene, RUN, 2.0)
     past = scene.window.past
     assert found.time[0] == past / 200
-    codes = SIGNAL.quantise(read_table(RUN, scene.sensors)[: past + 3])[0]
+    codes = SIGNAL.quantise(independent_run(RUN, scene.sensors)[: past + 3])[0]
     wanted = SIGNAL.to_real(scene.twin().process(codes))
     at = [scene.outputs.index(name) for name in "xyz"]
     assert np.allclose(found.estimate[:3] / [10.0, 551.7 / 1.4, 142.4 / 1.4], wanted[:, at])

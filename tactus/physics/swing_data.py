@@ -13,6 +13,7 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ RATE, SECONDS = 200.0, 25.0  # section 6.4.3
 # In degrees. The first run trains; the last two test what was chosen without them.
 ANGLES = (35.0, 30.0, 25.0, 20.0, 33.0)
 BOUND = 0.7  # of the coded targets, section 6.4.4
+DECIMALS = 4  # of a recording; they keep every code of the ADC
 
 # In V at the sensor, before the gain. See docs/physics.md: Figure 6.14 is not in the text of the
 # thesis. This noise alone causes about the whole error of the thesis' best network.
@@ -125,6 +127,27 @@ class Coding:
         return np.hstack([recording.sensors, (recording.place - self.offset) * self.scale])
 
 
+@cache
+def _training() -> Recording:
+    return record(ANGLES[0], 1)
+
+
+@cache
+def _independent(number: int) -> Real:
+    """Run ``number`` of those for testing, 1 and up, as ``write_recordings`` would write it.
+
+    It is made when it is needed. Codes of the ADC and four decimals hide the last bits in which
+    processors differ.
+    """
+    run = record(ANGLES[number], 1 + number)
+    return np.round(Coding.of(_training()).code(run), DECIMALS)
+
+
+def independent_run(number: int, columns: Sequence[str]) -> Real:
+    """Some of ``COLUMNS`` of a run for testing, shape (rows, columns)."""
+    return _independent(number)[:, [COLUMNS.index(name) for name in columns]]
+
+
 def write_recordings(
     folder: Path, seed: int = 1, angles: Sequence[float] = ANGLES, noise: float = NOISE
 ) -> list[Path]:
@@ -154,7 +177,7 @@ def write_recordings(
     paths = []
     for n, (name, angle, recording) in enumerate(zip(names, angles, runs, strict=True)):
         path = folder / name
-        write_table(path, COLUMNS, coding.code(recording), 4)
+        write_table(path, COLUMNS, coding.code(recording), DECIMALS)
         paths.append(path)
         story += [
             "",

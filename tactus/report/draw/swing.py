@@ -1,7 +1,6 @@
 """Draws the motion of the swing and the estimates of the networks, on an independent run."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,14 +8,15 @@ from matplotlib.figure import Figure
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.core.table import read_table
-from tactus.physics.swing_data import RATE
+from tactus.physics.swing_data import RATE, independent_run
 from tactus.report.draw.drawing import identifier
 from tactus.report.draw.plot import plotted
 from tactus.report.draw.svg import PLOT_INCHES, style
-from tactus.scene import FOLDER, Scene, load_scene
+from tactus.scene import Scene, load_scene
 
-RUN = FOLDER / "data" / "swing-test-1.csv"
+# The run that is drawn.
+RUN = 1
+NAME = f"swing-test-{RUN}"
 COORDINATES = ("x", "y", "z")
 # A few swings. With more of them, estimate and motion could not be distinguished.
 SECONDS = 10.0
@@ -41,11 +41,11 @@ class Followed:
     estimate: Real
 
 
-def follow(scene: Scene, run: Path, seconds: float) -> Followed:
+def follow(scene: Scene, run: int, seconds: float) -> Followed:
     """The estimates of a scene's hardware for the first seconds of a run."""
     count, past = round(seconds * RATE), scene.window.past
-    codes, _ = SIGNAL.quantise(read_table(run, scene.sensors)[:count], str(run))
-    actual = read_table(run, scene.outputs)[past:count]
+    codes, _ = SIGNAL.quantise(independent_run(run, scene.sensors)[:count])
+    actual = independent_run(run, scene.outputs)[past:count]
     found = SIGNAL.to_real(scene.twin().core.process(scene.window.frames(codes)))
     at = [scene.outputs.index(name) for name in COORDINATES]
     mm = np.array([scene.length_mm[name] / scene.full_scale[name] for name in COORDINATES])
@@ -90,6 +90,6 @@ def swing(scene: Scene) -> str:
         figure.align_ylabels()
         lines = [line for axis in rows[: 2 if before else 1] for line in axis.lines]
         rows[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-        rows[-1].set_xlabel(f"time since release in {RUN.stem}, s; x, y, z count from code 0")
-        title = f"Motion of the swing in {RUN.stem} and the estimates of scene {scene.name}"
+        rows[-1].set_xlabel(f"time since release in {NAME}, s; x, y, z count from code 0")
+        title = f"Motion of the swing in {NAME} and the estimates of scene {scene.name}"
         return plotted(figure, identifier("swing", scene.name), title)

@@ -6,7 +6,7 @@ from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture, text
 from tactus.report.draw.steps import steps
-from tactus.report.draw.swing import RUN, Followed, follow, without_past
+from tactus.report.draw.swing import NAME, RUN, Followed, follow, without_past
 from tactus.scene import Scene
 
 # The seconds that are shown, and those of a step. A swing takes about one and a half.
@@ -38,7 +38,7 @@ def swing_animation(scene: Scene) -> str:
     # Both estimates end at the same frame.
     skipped = len(before.time) - len(found.time)
     bodies = [_step(found, n, before.estimate[n + skipped]) for n in shown]
-    title = f"The mass of the swing in {RUN.stem}, true and as scene {scene.name} finds it"
+    title = f"The mass of the swing in {NAME}, true and as scene {scene.name} finds it"
     body = [*_still(), *steps("swing_animation", scene.name, STEP, bodies)]
     return picture(title, (WIDTH, HEIGHT), body)
 

@@ -4,8 +4,7 @@ import tomllib
 
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
-from tactus.core.table import read_table
-from tactus.physics.swing_data import ANGLES
+from tactus.physics.swing_data import ANGLES, independent_run
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, thesis_table
 from tactus.scene.metrics import displacement_errors
@@ -32,17 +31,16 @@ def shipped(scene: Scene) -> bool:
 
 
 def motions(seed: int) -> Table:
-    """Equation 6.6 for each output, with the networks as trained and the runs as shipped."""
+    """Equation 6.6 for each output, with the networks as trained."""
     printed = thesis_table("swing")
     millimetres = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))["mm_per_unit"]
     rows: list[list[Cell]] = []
     for scene in map(load_scene, SCENES):
         design, window = scene.twin().core, scene.window
-        for run in RUNS:
-            path = DATA / f"{run}.csv"
-            inputs = window.frames(read_table(path, scene.sensors))
-            actual = read_table(path, scene.outputs)[window.past :]
-            codes, _ = SIGNAL.quantise(inputs, str(path))
+        for number, run in enumerate(RUNS, 1):
+            inputs = window.frames(independent_run(number, scene.sensors))
+            actual = independent_run(number, scene.outputs)[window.past :]
+            codes, _ = SIGNAL.quantise(inputs, run)
             exact = displacement_errors(SIGNAL.to_real(design.process(codes)), actual)
             real = displacement_errors(scene.process_real(inputs), actual)
             for c, name in enumerate(scene.outputs):
