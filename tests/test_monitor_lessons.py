@@ -65,12 +65,12 @@ def scene() -> Scene:
 def test_the_page_says_how_long_learning_takes(scene: Scene) -> None:
     twin = scene.twin()
     assert isinstance(twin, UartInstrument)
-    page, core = section("learning", "As a program of an engine"), twin.core
+    page, core = " ".join(section("learning", "As a program of an engine").split()), twin.core
     assert isinstance(core, LearningEngine)
     free = twin.interval - twin.converter_reader.slots - twin.readout.busy
     equations = int(free / np.mean(core.equation_clocks))
     assert f"a scan takes {twin.interval} clocks of 25 MHz, of which {free} are free" in page
-    assert f"There is room for {equations} equations" in " ".join(page.split())
+    assert f"There is room for {equations} equations" in page
     assert 0.2 < 400 * 20 * core.outputs / equations * twin.interval / 25e6 < 0.3
 
 
