@@ -1,4 +1,4 @@
-"""Tests table clocks: every scene, its clocks, and the figures in docs/overview.md."""
+"""Tests table clocks: every scene and its clocks."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ from tactus.errors.scene_errors import scene_errors
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import Table
-from tactus.scene import DEFAULT_SCENES, load_scene
+from tactus.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
 
@@ -34,16 +34,6 @@ def test_the_worst_output_has_the_largest_error(table: Table) -> None:
     for name in ("digit-single-thesis", "swing-cascade"):
         errors = scene_errors(load_scene(name))["bit-true"]
         assert found[name] == max(error.largest_mean for error in errors)
-
-
-def test_the_clocks_of_the_front_page(table: Table) -> None:
-    page = (ROOT / "docs" / "overview.md").read_text()
-    shown = {"clocks a frame": "clocks a frame", "clocks between frames": "interval clocks"}
-    for beginning, column in shown.items():
-        (line,) = re.findall(rf"^ +{beginning} .*", page, re.M)
-        counts = re.findall(r"(?<!\S)[\d,]+(?!\S)", line)[-len(DEFAULT_SCENES) :]
-        found = by_scene(table, column)
-        assert counts == [f"{found[name]:,}" for name in DEFAULT_SCENES]
 
 
 @pytest.mark.parametrize(

@@ -359,7 +359,7 @@ COMMANDS = (
     Command(
         "lean",
         "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
-        "scenes to compare with, and RECORD=1 records the result for docs/left-out.md.",
+        "scenes to compare with, and RECORD=1 records the result for make figures TABLE=left_out.",
         (SCENE, option("BESIDE", "other"), RECORD),
         "tactus.synth.lean",
     ),
