@@ -16,8 +16,8 @@ from tactus.physics.bound import MEAN_PER_DEVIATION
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import FOLDER, GaugeRig, load_rig
 from tactus.physics.strain_sensor import StrainSensor
+from tactus.report import gauges
 from tactus.report.draw.gauges import along
-from tactus.report.measure import gauges
 
 TEXT = (FOLDER / "digit.toml").read_text()
 

@@ -9,6 +9,7 @@ from golden.networks.function_sums import learned
 from golden.trained.dense import DenseNetwork
 from golden.trained.function_network import Edge, FunctionNetwork
 from tactus.report.draw.pictures import pictures
+from tactus.report.draw.titled_picture import Picture
 from tactus.report.measure.learned_edges import (
     BINS,
     INPUT,
@@ -18,7 +19,6 @@ from tactus.report.measure.learned_edges import (
     nodes_of,
     scene_edges,
 )
-from tactus.report.page.page import Picture
 from tactus.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
 

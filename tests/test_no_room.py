@@ -23,7 +23,7 @@ COMMANDS = (
     "tactus.cli.predict mine.toml mine.csv out.csv",
     "tactus.cli.train mine.toml --force",
     "tactus.cli.network mine.toml out.onnx",
-    "tactus.report.measure.designs mine.toml --picture=out.svg",
+    "tactus.report.designs mine.toml --picture=out.svg",
 )
 # Where a command names each of several places before it begins.
 FILES = {"tactus.cli.train mine.toml --force": 2}

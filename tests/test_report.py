@@ -18,12 +18,13 @@ from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
 from tactus.errors.scene_errors import UNKNOWN
 from tactus.report.draw.plots import Plot
+from tactus.report.draw.titled_picture import Picture
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.store import cached, part_key
 from tactus.report.measure.table import Table
 from tactus.report.page import build
 from tactus.report.page.content import content
-from tactus.report.page.page import Page, Picture, Section
+from tactus.report.page.page import Page, Section
 from tactus.scene import load_scene
 from tactus.scene.reading import scene_path
 from tactus.verify.benches.runner import BUILD

@@ -13,7 +13,7 @@ from golden.input_error import InputError
 from tactus.cli import demo
 from tactus.errors.scene_errors import held_out_means, scene_errors
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.side_by_side import KINDS, side_by_side
+from tactus.report.page.side_by_side import KINDS, side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
 from tactus.synth.budget import budget_path, read_budget
 from tactus.verify.benches import results

@@ -225,7 +225,7 @@ COMMANDS = (
         "and marks those that no other one beats. FAMILY= names the family of the device, and "
         "PICTURE= draws LUTs against clocks.",
         (SCENE, option("FAMILY", "xc2v|ecp5"), option("PICTURE", "designs.svg"), FORCE),
-        "tactus.report.measure.designs",
+        "tactus.report.designs",
     ),
     Command(
         "train",
@@ -354,7 +354,7 @@ COMMANDS = (
         "Finds the best places of gauges on the beam that RIG= describes, and writes a picture and "
         "a table.",
         (word("RIG", "my-beam.toml", default="digit"),),
-        "tactus.report.measure.gauges",
+        "tactus.report.gauges",
     ),
     Command(
         "lean",

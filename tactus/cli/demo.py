@@ -34,7 +34,7 @@ from tactus.errors.scene_errors import (
     unit_errors,
 )
 from tactus.report.page.build import build_report
-from tactus.report.side_by_side import side_by_side
+from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, thesis_figures
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import millimetres

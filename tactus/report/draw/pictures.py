@@ -13,10 +13,10 @@ from tactus.report.draw.network import network
 from tactus.report.draw.profile import profile
 from tactus.report.draw.swing import COORDINATES, moves, swing
 from tactus.report.draw.swing_animation import swing_animation
+from tactus.report.draw.titled_picture import Picture
 from tactus.report.draw.waveforms import waveforms
 from tactus.report.measure.learned_edges import scene_edges
 from tactus.report.measure.simulated_frame import simulate_frame
-from tactus.report.page.page import Picture
 from tactus.scene import Scene
 from tactus.scene.visualisation import RESULTS
 

@@ -1,10 +1,9 @@
 """Draws the values of the ports of a design, clock by clock, as a timing diagram."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 
-from golden.numbers.fixed import Fix
 from tactus.report.draw.drawing import (
     FAINT,
     INK,
@@ -16,6 +15,7 @@ from tactus.report.draw.drawing import (
     text,
     text_width,
 )
+from tactus.report.measure.simulated_frame import Row
 
 # The pixels of a clock, enough for a value, or for a value that is written upright.
 WIDE, MIDDLE, NARROW, PAGE = 44.0, 20.0, 12.0, 1000.0
@@ -28,23 +28,6 @@ MOST_CLOCKS, AT_AN_END = 300, 2
 VALUE = 9.0
 # This background hides the lines of the clocks behind the letters.
 _EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_order": "stroke"}
-
-
-@dataclass(frozen=True)
-class Row:
-    """What stood on one port of a design during a recording.
-
-    owner: Whose port it is. Neighbouring ports with the same owner share this heading.
-    values: The values just before the rising edge of each clock, None if undefined.
-    fmt: The format of the codes, or None for a flag.
-    valid: A flag of the same owner, which says in which clocks the codes count.
-    """
-
-    owner: str
-    name: str
-    values: tuple[int | None, ...]
-    fmt: Fix | None = None
-    valid: str = ""
 
 
 def waveforms(ports: Sequence[Row], title: str) -> str:

@@ -13,11 +13,11 @@ from pathlib import Path
 
 from golden.input_error import InputError
 from golden.networks.network import Network
+from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from tactus.core.folders import BUILD
 from tactus.export.exporter import compile_order
 from tactus.export.handover.ports import read_ports, verilog_type
-from tactus.report.draw.waveforms import Row
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator
@@ -27,6 +27,23 @@ BEFORE, BEHIND = 1, 2
 # Values of input ports, and for how many clocks they are held.
 Held = tuple[dict[str, int], int]
 MEMBER = ("in_valid", "in_data", "in_last", "out_valid", "out_data")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What stood on one port of a design during a recording.
+
+    owner: Whose port it is. Neighbouring ports with the same owner share this heading.
+    values: The values just before the rising edge of each clock, None if undefined.
+    fmt: The format of the codes, or None for a flag.
+    valid: A flag of the same owner, which says in which clocks the codes count.
+    """
+
+    owner: str
+    name: str
+    values: tuple[int | None, ...]
+    fmt: Fix | None = None
+    valid: str = ""
 
 
 @dataclass(frozen=True)

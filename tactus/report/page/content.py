@@ -13,6 +13,7 @@ from tactus.report.draw.confusion import confusion_plot
 from tactus.report.draw.designs import picture_of, sentence
 from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tactus.report.draw.pictures import draw
+from tactus.report.draw.titled_picture import Picture
 from tactus.report.measure import motions
 from tactus.report.measure.classes import accuracy, per_class, wrong_rows
 from tactus.report.measure.costs import FAMILY, Costs, blocks, costs
@@ -31,7 +32,7 @@ from tactus.report.measure.steps import measured
 from tactus.report.measure.store import Progress, cached, packed, part_key, unpacked
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
-from tactus.report.page.page import Page, Picture, Section
+from tactus.report.page.page import Page, Section
 from tactus.scene import Scene
 from tactus.scene.comparison import compared
 from tactus.sizing.model import CELLS

@@ -15,7 +15,7 @@ from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.network import network
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
-from tactus.report.side_by_side import side_by_side
+from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
 from tactus.scene.schema import SCENE
 from tactus.synth.budget import budget_path, read_budget
