@@ -41,6 +41,7 @@ def test_there_are_no_more_files() -> None:
 
 def test_pages_have_no_more_words() -> None:
     assert count({".md"}, words=True) <= BUDGET["words"]
+    assert all(len(p.read_text("utf-8").split()) <= 2500 for p in ROOT.glob("docs/**/*.md"))
 
 
 def test_there_are_no_more_records() -> None:
