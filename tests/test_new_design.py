@@ -43,7 +43,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project with the four files."""
     folder = tmp_path_factory.mktemp("design") / "tactus"
-    for room in ("golden", "hdl", "scenes", "tactus", "tb", "docs", "tests"):
+    for room in ("golden", "hdl", "scenes", "tactus", "tb", "docs", "studies", "tests"):
         copy_room(room, folder)
     for name in ("Makefile", "pyproject.toml"):
         shutil.copy(ROOT / name, folder)
