@@ -180,15 +180,15 @@ def test_the_profile_keeps_its_bound(tables) -> None:
 
 def test_a_table_as_text() -> None:
     table = Table("t", ["name", "value"], [["long name", 1.23456], ["x", None], ["y", 12]], "Why.")
-    assert table.lines() == [
-        "t",
-        "",
-        "name       value",
-        "long name  1.235",
-        "x              -",
-        "y             12",
-        "",
-        "Why.",
+    body = ["name       value", "long name  1.235", "x              -", "y             12"]
+    assert table.lines() == ["t", "", *body, "", "Why."]
+
+
+def test_a_page_rounds_a_column_alike_unless_it_has_several_units() -> None:
+    rows = [[0.4061, 116.7, 248, 0.9999], [1.018, 3.42, 3.875, 0.5]]
+    assert Table("t", ["%", "MHz", "all", "part"], rows, "").shown == [
+        ["0.41", "116.7", "248", "0.9999"],
+        ["1.02", "3.4", "3.88", "0.5000"],
     ]
 
 

@@ -83,7 +83,6 @@ def write_page(
         keep_trailing_newline=True,
     )
     styled = environment("tactus.certify")
-    plain.filters["shown"] = styled.filters["shown"]
     for name, found in (("certificate.md", plain), ("certificate.html", styled)):
         text = found.get_template(f"{name}.jinja").render(page=page)
         (folder / name).write_text(text, encoding="utf-8")

@@ -102,7 +102,7 @@ def held_out_text(scene: Scene) -> str:
         return f"{len(rows)} that neither trained nor chose the network, {how}"
     shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
     return (
-        "none any more, the networks were trained on with all; before, the mean on "
+        "none any more, since the networks were trained further on all rows; before, the mean on "
         f"{len(split_of(scene).test)} that they had not seen, {how}, was {shown}"
     )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactus.errors.scene_errors import held_out_text
+from tactus.errors.scene_errors import UNKNOWN, held_out_means
 from tactus.report.draw.looks import nth
 from tactus.report.draw.plots import Plot
 from tactus.report.draw.svg import PLOT_INCHES, plain, style, svg
@@ -80,8 +80,8 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
             groups = {"trained or chose": drawn & ~held, "held out": drawn & held}
         miss = found.results[:, c] - found.targets[:, c]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
-        if found.held_out is None:
-            text += f"Held-out rows: {held_out_text(found.scene)}. "
+        if held_out_means(found.scene) is None:
+            text += f"Held-out rows: {UNKNOWN}. "
         yield Predicted(
             f"predicted_{c}",
             f"{output}: computed against recorded",

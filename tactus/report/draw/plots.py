@@ -16,6 +16,8 @@ Points = Sequence[tuple[float, float]]
 FEW = 300
 # More numbers, such as 0.0025, would overlap on a linear axis across.
 TICKS = 5
+# Labels of more letters stand below each other, and each makes the plot so many inches taller.
+LONG, LINE = 26, 0.12
 _LINES = ("-", "--", ":", "-.")
 
 
@@ -57,10 +59,13 @@ class Plot:
     def draw(self) -> str:
         """The plot as an ``<svg>`` element."""
         with style():
-            figure = Figure(figsize=PLOT_INCHES, layout="constrained")
+            count, (width, height) = len(self.groups), PLOT_INCHES
+            columns = 2 if count > 3 else count
+            if columns > 1 and max(map(len, self.groups)) > LONG:
+                columns, height = 1, height + count * LINE
+            figure = Figure(figsize=(width, height), layout="constrained")
             self.fill(figure.add_subplot(), list(self.groups))
-            if len(self.groups) > 1:
-                columns = 2 if len(self.groups) > 3 else len(self.groups)
+            if count > 1:
                 figure.legend(loc="outside lower center", ncols=columns)
             return svg(figure, self.name)
 

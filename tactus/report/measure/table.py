@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,6 +53,16 @@ class Table:
             all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
         ]
 
+    @property
+    def shown(self) -> list[list[str]]:
+        """The cells of a page: whole numbers in groups of three digits, and floats rounded.
+
+        The floats of a column have the decimals that give its largest three significant digits. If
+        they span a thousand, or stand beside counts, each has its own decimals.
+        """
+        places = [_decimals(row[c] for row in self.rows) for c in range(len(self.columns))]
+        return [list(map(_shown, row, places)) for row in self.rows]
+
     def as_data(self) -> dict[str, Any]:
         """The table as data for JSON, with all digits."""
         return {
@@ -96,6 +106,27 @@ def _cell(cell: str) -> Cell:
         with suppress(ValueError):
             return kind(cell)
     return cell
+
+
+def _decimals(cells: Iterable[Cell]) -> int | None:
+    found = [cell for cell in cells if cell]
+    sizes = [abs(cell) for cell in found if isinstance(cell, float)]
+    counts = any(isinstance(cell, int) for cell in found)
+    if counts or not sizes or max(sizes) >= 1000 * min(sizes):
+        return None
+    places = max(int(min(sizes) < 10), 2 - math.floor(math.log10(max(sizes))))
+    # A part of 1 must not look like 0 or 1.
+    while any(size < 1 and round(size, places) in (0, 1) for size in sizes):
+        places += 1
+    return places
+
+
+def _shown(cell: Cell, places: int | None) -> str:
+    if isinstance(cell, float) and places is not None:
+        return f"{cell:,.{places}f}"
+    if isinstance(cell, float):
+        return f"{cell:,.0f}" if 100 <= abs(cell) < 1e6 else f"{cell:.3g}"
+    return f"{cell:,}" if isinstance(cell, int) else cell_text(cell)
 
 
 def cell_text(cell: Cell) -> str:

@@ -97,6 +97,7 @@ def content(scene: Scene, tell: Progress) -> Page:
     errors = drawn("errors", plots)
     noise = drawn("noise", list(disturbance_plots(disturbed)))
     sections = [
+        _verified(scene),
         _errors(found, errors, places),
         Section(
             "sensors",
@@ -104,7 +105,6 @@ def content(scene: Scene, tell: Progress) -> Page:
             pictures=noise,
             tables=[disturbed, sensors(found), *([told] if told else [])],
         ),
-        _verified(scene),
         Section(
             "left-out",
             "Left out",
@@ -131,7 +131,8 @@ def content(scene: Scene, tell: Progress) -> Page:
 def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Section:
     tables = [worst_rows(found)]
     if found.scene.labels:
-        tables = [accuracy(found), per_class(found), wrong_rows(found)]
+        wrong = wrong_rows(found)
+        tables = [accuracy(found), per_class(found), *([wrong] if wrong.rows else [])]
     return Section(
         "outputs",
         "Decisions" if found.scene.labels else "Errors row by row",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from tactus.report.draw.titled_picture import Picture
-from tactus.report.measure.table import Cell, Table, cell_text
+from tactus.report.measure.table import Table
 
 
 @dataclass(frozen=True)
@@ -59,10 +59,4 @@ def environment(package: str) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters["shown"] = _cell
     return found
-
-
-def _cell(cell: Cell) -> str:
-    """A cell as it is printed, with whole numbers in groups of three digits."""
-    return f"{cell:,}" if isinstance(cell, int) else cell_text(cell)

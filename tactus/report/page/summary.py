@@ -46,7 +46,7 @@ def errors(found: Outcome, moved: Table | None) -> Table:
     if moved is not None:
         return _motion_errors(scene, moved)
     known = scene_errors(scene)
-    columns = ["output", "mean %", "largest %", "worst %", "held out %"]
+    columns = ["output", "held out %", "mean %", "largest %", "worst %"]
     columns += [f"noise {noise:g} %" for noise in found.noisy]
     means = held_out_means(scene)
     rows: list[list[Cell]] = []
@@ -54,7 +54,7 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         error = known["bit-true"][c]
         held: Cell = UNKNOWN if means is None else means[c]
         noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
-        rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
+        rows.append([name, held, error.mean, error.largest_mean, error.worst, *noisy])
     note = (
         "The errors are bit-true, which means those of the hardware, on the recorded rows. "
         + (ERRORS_OF_CLASSES if scene.labels else "")
@@ -63,7 +63,7 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         "with noise of this size on every reading, in its unit."
     )
     if not scene.group_by:
-        columns, rows = _without(2, columns), [_without(2, row) for row in rows]
+        columns, rows = _without(3, columns), [_without(3, row) for row in rows]
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
         columns += ["thesis largest %"]
