@@ -49,10 +49,8 @@ def lane_memory(
 
     sign, low, bits = HIDDEN.width - 1, spec.segment_width, spec.segment_bits
     # One bit says whether the word is a slope, and those above the segment's are 0.
-    top = spec.half_width
-    looks = flag()
-    part, segment = unsigned(sign - low), unsigned(sign - low)
-    looked, placed = unsigned(top), unsigned(top)
+    looks, part, segment = flag(), unsigned(sign - low), unsigned(sign - low)
+    looked, placed = unsigned(spec.half_width), unsigned(spec.half_width)
 
     @always_comb
     def look():
@@ -102,6 +100,8 @@ def lane_memory(
         @always_comb
         def find():
             looked.next = kind[1]
+
+        word.read, cut, complement = True, (), ()  # MyHDL refuses a port that nothing reads.
 
     @always_comb
     def widen():
