@@ -17,7 +17,7 @@ from golden.layers.constant_matrix import ConstantMatrix
 from golden.numbers.fixed import Fix
 from tactus.core.fingerprint import ROOT
 from tactus.report.page.datasheets import COMPARED
-from tactus.scene import load_scene, scene_names
+from tactus.scene import class_names, load_scene, scene_names, scene_path
 from tactus.synth.absorb import absorb
 from tactus.synth.activations import cells
 from tactus.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
@@ -37,6 +37,7 @@ from tb.common.cases import random_mlp, write_scene
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 RECORDED = [*scene_names(), *(f"comparison/{name}" for name in COMPARED)]
+CLASSES = [name for name in class_names() if timing_path(scene_path(name)).is_file()]
 
 
 def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
@@ -330,9 +331,9 @@ def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) 
     assert (digest(tmp_path) == before) is same
 
 
-@pytest.mark.parametrize("name", tiered(scene_names(), RECORDED[len(scene_names()) :]))
+@pytest.mark.parametrize("name", tiered(scene_names(), CLASSES + RECORDED[len(scene_names()) :]))
 def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
-    """Every run exports the shipped scenes, and ALL=1 those that are compared with them."""
+    """Every run exports the shipped scenes; ALL=1 those for classes and those to compare with."""
     scene = load_scene(name)
     timing, recorded_digest = read_timing(timing_path(scene.path))
     assert recorded_digest == digest(shared.export(name, "verilog")), (
