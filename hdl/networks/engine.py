@@ -37,8 +37,8 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     """A frame of sensor samples in, a frame of outputs out, on one multiplier or on none.
 
     With a multiplier the fields of a step stand in several words of the program, each where the
-    clock of its use finds it; docs/blocks/engine.md shows which. Clocks from the last sample to the
-    outputs: ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.
+    clock of its use finds it; docs/instruction-set.md shows which. Clocks from the last sample to
+    the outputs: ``spec.clocks_text``. Reset clears all flags and counters, and a loaded image.
     """
     table = spec.table_address
     word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)

@@ -27,7 +27,7 @@ def lanes(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=N
     """A frame of sensor samples in, a frame of outputs out, on several multipliers.
 
     The fields of a step stand in several words of the program, each where the clock of its use
-    finds it; docs/blocks/lanes.md shows which. Clocks from the last sample to the outputs:
+    finds it; docs/instruction-set.md shows which. Clocks from the last sample to the outputs:
     ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.
     """
     count = spec.lanes
