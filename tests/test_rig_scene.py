@@ -221,7 +221,7 @@ def test_columns_that_are_no_sensors_are_left_out(tmp_path: Path, column, why: s
     assert "more" not in found.sensors
 
 
-@pytest.mark.parametrize(("sessions", "grouped", "split"), [(6, 1, 1), (3, 1, 0), (60, 0, 0)])
+@pytest.mark.parametrize(("sessions", "grouped", "split"), [(6, 1, 1), (2, 1, 1), (60, 0, 0)])
 def test_sessions_that_have_names_are_held_out_whole(
     tmp_path: Path, sessions: int, grouped: bool, split: bool
 ) -> None:

@@ -95,6 +95,19 @@ def test_groups_of_several_columns() -> None:
     assert len(set.union(*seen)) == 6
 
 
+@pytest.mark.parametrize("groups", [2, 3])
+def test_of_few_groups_one_is_held_out(groups: int) -> None:
+    values = (np.arange(36.0) % groups)[:, None]
+    split = split_groups(values, 1)
+    training, validation, test = ({*values[part, 0]} for part in parts(split))
+    assert len(test) == 1
+    assert test.isdisjoint(training | validation)
+    assert sorted(np.concatenate(parts(split))) == list(range(36))
+    assert len(split.training) == 2 * len(split.validation)
+    with pytest.raises(InputError, match=r"got 1 groups .*expected at least 2"):
+        split_groups(values[::groups], 1)
+
+
 def test_random_is_what_it_was() -> None:
     scene = digit(split="random")
     for ours, plain in zip(parts(split_of(scene)), parts(split_rows(143, 1)), strict=True):
@@ -104,7 +117,6 @@ def test_random_is_what_it_was() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"split": "groups", "split_by": ("shape",)}, "got 2 groups .*expected at least 4"),
         (
             {"split": "blocks", "split_by": (), "block_rows": 99},
             "got 1 blocks of about 99 rows, expected at least",

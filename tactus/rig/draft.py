@@ -141,8 +141,8 @@ SESSIONS = """\
 split = "groups"
 split_by = {names}
 """
-# The fewest sessions that can be split, and the fewest rows of a session, in the mean.
-FEWEST_SESSIONS, ROWS_OF_SESSION = 4, 8
+# The fewest rows of a session, in the mean.
+ROWS_OF_SESSION = 8
 
 
 def draft(
@@ -217,7 +217,7 @@ def _training(found: Survey, hardware: Scene | None) -> str:
 
 def _split(found: Survey) -> str:
     session = _session(found)
-    if session and len(set(labels_in(found.recording, session))) >= FEWEST_SESSIONS:
+    if session:
         return SESSIONS.format(names=_list([session]))
     return BLOCKS if found.interpolated else ""
 

@@ -126,15 +126,24 @@ def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
 def split_groups(values: Real, seed: int, place: str = "groups") -> Split:
     """Split groups of rows at random; rows with the same ``values`` stay together.
 
+    With two or three groups, one is the test rows as a whole, and two thirds of the rows of the
+    others train.
+
     values: shape (rows, columns).
     place: The beginning of a message.
     """
     groups, member = np.unique(values, axis=0, return_inverse=True)
-    if len(groups) < 4:
+    if len(groups) < 2:
         raise InputError(
             f"{place}: got {len(groups)} groups of rows with the same training.split_by, expected "
-            "at least 4 to split in 50, 25, 25 %"
+            "at least 2, of which one is held out"
         )
+    if len(groups) < 4:
+        rng = np.random.default_rng(seed)
+        unseen = member.ravel() == rng.integers(len(groups))
+        seen = rng.permutation(np.flatnonzero(~unseen))
+        training = -(-2 * len(seen) // 3)
+        return Split(seen[:training], seen[training:], np.flatnonzero(unseen))
     chosen = _halves(len(groups), seed)
     return Split(
         *(
