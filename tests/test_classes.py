@@ -53,7 +53,7 @@ LIMITS = {
     "digits-fast": (9500, 10),
     "wine-fast": (500, 10),
 }
-APPENDIX = FOLDER.parent / "data" / "appendix2.csv"
+APPENDIX = FOLDER / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")
 CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
 SCENE = """

@@ -206,7 +206,7 @@ def test_a_teacher_stands_between_rows(small_scene: Scene) -> None:
 
 def test_normalised_weights_are_refused(tmp_path: Path) -> None:
     scene = load_scene("digit-single-thesis")
-    text = scene.path.read_text().replace("../../data", str(scene.data_path.parent))
+    text = scene.path.read_text().replace("../data", str(scene.data_path.parent))
     path = tmp_path / "mine.toml"
     path.write_text(text.replace("[training]", "[training]\ndigits = 100"))
     with pytest.raises(InputError, match=r"digits: got 100 with precision 'thesis', .*'exact'"):

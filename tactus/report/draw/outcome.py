@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactus.errors.scene_errors import UNKNOWN, held_out_means
+from tactus.errors.scene_errors import UNKNOWN, trained_means
 from tactus.report.draw.looks import nth
 from tactus.report.draw.plots import Plot
 from tactus.report.draw.svg import PLOT_INCHES, plain, style, svg
@@ -80,7 +80,7 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
             groups = {"trained or chose": drawn & ~held, "held out": drawn & held}
         miss = found.results[:, c] - found.targets[:, c]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
-        if held_out_means(found.scene) is None:
+        if found.held_out is None and trained_means(found.scene, "test_mean_percent") is None:
             text += f"Held-out rows: {UNKNOWN}. "
         yield Predicted(
             f"predicted_{c}",
