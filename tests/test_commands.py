@@ -16,13 +16,12 @@ from tactus.boards.record import record_path
 from tactus.boards.variants import variants_path
 from tactus.cli.commands import BY_NAME, CLOSING, COMMANDS, WIDTH, Command
 from tactus.core.fingerprint import fingerprint
+from tactus.core.table import read_texts
 from tactus.network_files.network_file import provenance_path
 from tactus.report.measure.networks import scenes
-from tactus.report.page.datasheets import recorded
+from tactus.report.page.datasheets import COMPARED
 from tactus.scene import DEFAULT_SCENES, FOLDER, Scene, class_names, load_scene, scene_names
-from tactus.synth.budget import budget_path
-from tactus.synth.lean import lean_path
-from tactus.synth.timing import timing_path
+from tactus.synth.recorded import CELLS, LEAN, TIMING
 from tb.common.cases import random_mlp, write_scene
 
 ROOT = Path(__file__).parents[1]
@@ -282,14 +281,15 @@ def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
 def test_no_stray_files_beside_the_scenes() -> None:
     expected = set()
     for scene in map(load_scene, class_names()):
-        recordings = (budget_path(scene.path), timing_path(scene.path), lean_path(scene.path))
-        expected |= {*scene.files, *map(provenance_path, scene.weights_paths), *recordings}
+        expected |= {*scene.files, *map(provenance_path, scene.weights_paths)}
     for scene in scenes():
         expected |= {path for path in scene.files if path.is_relative_to(FOLDER)}
         expected |= set(map(provenance_path, scene.weights_paths))
-    for scene, _ in recorded():
-        expected |= {budget_path(scene.path), timing_path(scene.path)}
-    expected |= {path for scene in scenes() if (path := lean_path(scene.path)).exists()}
+    lean = {*class_names(), *scene_names()}
+    synthesised = {*lean, *(f"comparison/{name}" for name in COMPARED)}
+    for kind, named in ((CELLS, synthesised), (TIMING, synthesised), (LEAN, lean)):
+        expected.add(FOLDER / f"{kind}.csv")
+        assert set(read_texts(FOLDER / f"{kind}.csv", "scene")) == named
     for scene, name in product(scenes(), board_names()):
         board = load_board(name)
         found = (record_path(scene, board), variants_path(scene, board))

@@ -13,7 +13,7 @@ from tactus.cli.demo import error_table
 from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from tactus.scene import load_scene, thesis_figures
 from tactus.scene.disturbance import Disturbance
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 from tactus.synth.netlist import KINDS
 
 pytestmark = [
@@ -101,7 +101,7 @@ def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
     assert [line.strip() for line in texts.splitlines()] == left_out(load_scene(first).twin())
     for name in (first, *others):
         scene = load_scene(name)
-        recorded = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+        recorded = read_budget(scene.path)["xc2v"][scene.twin().entity]
         assert cells(table, name) == [str(recorded[kind]) for kind in KINDS]
     whole, found = (cells(table, *start) for start in ((f"{first},", "whole"), (first,)))
     saved = [str(int(a) - int(b)) for a, b in zip(whole, found, strict=True)]

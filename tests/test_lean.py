@@ -2,9 +2,8 @@
 
 import json
 import re
-import shutil
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +14,13 @@ from golden.input_error import InputError
 from golden.networks.left_out import left_out
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
-from tactus.core.files import write_json
 from tactus.export.exporter import MANIFEST, export
 from tactus.report.measure.left_out import words
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import lean
-from tactus.synth.budget import budget_path
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.budget import read_budget, write_budget
+from tactus.synth.recorded import LEAN, is_recorded
+from tactus.synth.timing import read_timing, write_timing
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
 
 
@@ -138,20 +137,20 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
 def test_what_a_scene_saves_is_recorded_of_its_hardware(name: str) -> None:
     scene = load_scene(name)
     assert not lean.is_stale(scene), f"run: make lean SCENE={name} RECORD=1"
-    found = lean.read_lean(lean.lean_path(scene.path))
+    found = lean.read_lean(scene.path)
     assert found.lean["LUT"] <= found.whole["LUT"]
 
 
 def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
     shipped = load_scene("digit-reload")
     path = tmp_path / "digit-reload.toml"
-    for made in (budget_path, timing_path):
-        shutil.copy(made(shipped.path), made(path))
+    timing, verilog = read_timing(shipped.path)
+    write_budget(path, read_budget(shipped.path))
+    write_timing(path, timing, verilog)
     scene = replace(shipped, path=path)
     lean.record(scene)
     assert not lean.is_stale(scene)
-    timing, _ = read_timing(timing_path(path))
-    write_json(timing_path(path), {"verilog": "another", "timing": asdict(timing)})
+    write_timing(path, timing, "another")
     assert lean.is_stale(scene)
 
 
@@ -159,7 +158,7 @@ def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "mine", "exact", [random_mlp((2, 2, 1), 1.0, 1)])
     with pytest.raises(InputError, match=r"mine\.toml: no recorded budget; make synth RECORD=1"):
         lean.record(load_scene(str(path)))
-    assert not lean.lean_path(path).exists()
+    assert not is_recorded(path, LEAN)
 
 
 def test_words_are_counted_as_often_as_they_stand_there() -> None:

@@ -15,7 +15,7 @@ from tactus.errors.scene_errors import held_out_means, scene_errors
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.page.side_by_side import KINDS, side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 from tactus.verify.benches import results
 from tactus.verify.benches.runner import Job
 from tactus.verify.benches.tools import SIMULATORS
@@ -97,7 +97,7 @@ def test_cells_are_those_that_were_recorded(
     scenes: list[Scene], table: list[str], kind: str
 ) -> None:
     cells = [c for c in row(table, f"{kind}s").split() if "(" not in c and c not in ("about", "%)")]
-    tops = [read_budget(budget_path(s.path))["xc2v"][s.twin().entity] for s in scenes]
+    tops = [read_budget(s.path)["xc2v"][s.twin().entity] for s in scenes]
     assert cells[1:] == [f"{top[kind]:,}" for top in tops]
     device, printed = thesis_table("device"), thesis_table("digit.cascade_b")
     expected = {

@@ -28,7 +28,7 @@ from tactus.sizing.price import Price, shares_of
 from tactus.sizing.routed import clock_of, placed
 from tactus.sizing.table_luts import bit_columns, luts_of
 from tactus.synth.sizing import EXTRAS, networks, rows_of
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.timing import read_timing
 from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_mlp, write_scene
 
@@ -72,7 +72,7 @@ def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> N
             with suppress(InputError):
                 size_of(core)
                 counts = multipliers(core), block_rams(core, "ecp5")
-                timing = read_timing(timing_path(scene.path))[0]
+                timing = read_timing(scene.path)[0]
                 assert counts == (timing.multipliers, timing.block_rams), name
                 placed += 1
     assert entities > 300

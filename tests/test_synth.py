@@ -17,10 +17,11 @@ from golden.layers.constant_matrix import ConstantMatrix
 from golden.numbers.fixed import Fix
 from tactus.core.fingerprint import ROOT
 from tactus.report.page.datasheets import COMPARED
-from tactus.scene import class_names, load_scene, scene_names, scene_path
+from tactus.scene import class_names, load_scene, scene_names
+from tactus.synth import recorded
 from tactus.synth.absorb import absorb
 from tactus.synth.activations import cells
-from tactus.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
+from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
 from tactus.synth.cells import (
     DEPTH,
     FAMILIES,
@@ -30,14 +31,13 @@ from tactus.synth.cells import (
     synthesise_flat,
 )
 from tactus.synth.netlist import KINDS, count, depth, total
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.timing import read_timing
 from tactus.synth.tools import digest, run_tool
 from tb.common.cases import random_mlp, write_scene
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 RECORDED = [*scene_names(), *(f"comparison/{name}" for name in COMPARED)]
-CLASSES = [name for name in class_names() if timing_path(scene_path(name)).is_file()]
 
 
 def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
@@ -290,11 +290,8 @@ def test_a_tool_is_ended_when_its_processor_time_is_over(tmp_path: Path) -> None
     assert not (tmp_path / "found.v").exists()
 
 
-def test_a_budget_comes_back_and_tells_less_from_more(tmp_path: Path) -> None:
-    path = tmp_path / "scene.budget.csv"
+def test_a_budget_tells_less_from_more() -> None:
     cells = {"xc7": {n: dict.fromkeys(COLUMNS[2:], 3) for n in ("one", "two")}}
-    write_budget(path, cells)
-    assert read_budget(path) == cells
     assert differences(cells, cells) == []
     other = {"xc7": {"one": {**cells["xc7"]["one"], "LUT": 2}, "three": cells["xc7"]["two"]}}
     assert differences(other, cells) == [
@@ -305,15 +302,31 @@ def test_a_budget_comes_back_and_tells_less_from_more(tmp_path: Path) -> None:
 
 
 def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "scene.budget.csv"
-    with pytest.raises(MissingFileError, match=r"scene\.budget\.csv: no such file"):
-        read_budget(path)
-    path.write_text("family,entity\nxc7,one\n")
-    with pytest.raises(InputError, match=r"scene\.budget\.csv: got columns family, entity, exp"):
-        read_budget(path)
-    path.write_text(f"{','.join(COLUMNS)}\nxc7,one,few{',0' * 6}\n")
-    with pytest.raises(InputError, match=r"scene\.budget\.csv:2: .*expected whole numbers"):
-        read_budget(path)
+    scene, path = tmp_path / "mine.toml", tmp_path / "mine.cells.csv"
+    with pytest.raises(MissingFileError, match=r"mine\.cells\.csv: no rows of mine; RECORD=1"):
+        read_budget(scene)
+    path.write_text("scene,entity\nmine,one\n")
+    with pytest.raises(InputError, match=r"mine\.cells\.csv: got columns scene, entity, exp"):
+        read_budget(scene)
+    path.write_text(f"scene,{','.join(COLUMNS)}\nmine,xc7,one,few{',0' * 6}\n")
+    with pytest.raises(InputError, match=r"mine\.cells\.csv:2: .*expected numbers"):
+        read_budget(scene)
+
+
+def test_shipped_scenes_share_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorded, "FOLDER", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    paths = [Path(f"{n}.toml") for n in ("wine/wine", "classes/wine/wine", "wine/me")]
+    cells = {"xc7": {n: dict.fromkeys(COLUMNS[2:], 3) for n in ("one", "two")}}
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        assert not recorded.is_recorded(path)
+        write_budget(path, cells)
+    fewer = {"xc7": {"two": cells["xc7"]["one"]}}
+    write_budget(paths[0].resolve(), fewer)
+    assert [read_budget(path) for path in paths] == [fewer, cells, cells]
+    rows = [line.split(",")[::2][:2] for line in Path("cells.csv").read_text().splitlines()[1:]]
+    assert rows == [["classes/wine", "one"], ["classes/wine", "two"], ["wine", "two"]]
 
 
 @pytest.mark.parametrize(
@@ -331,16 +344,18 @@ def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) 
     assert (digest(tmp_path) == before) is same
 
 
-@pytest.mark.parametrize("name", tiered(scene_names(), CLASSES + RECORDED[len(scene_names()) :]))
+@pytest.mark.parametrize(
+    "name", tiered(scene_names(), class_names() + RECORDED[len(scene_names()) :])
+)
 def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
     """Every run exports the shipped scenes; ALL=1 those for classes and those to compare with."""
     scene = load_scene(name)
-    timing, recorded_digest = read_timing(timing_path(scene.path))
+    timing, recorded_digest = read_timing(scene.path)
     assert recorded_digest == digest(shared.export(name, "verilog")), (
         f"run: make synth RECORD=1 SCENE={scene.path}"
     )
     assert timing.clock_mhz >= scene.clock_mhz
-    budget = read_budget(budget_path(scene.path))
+    budget = read_budget(scene.path)
     design = scene.twin()
     entities = {part.entity for part in walk(design)}
     expected = dict.fromkeys(FAMILIES, entities)
@@ -357,7 +372,7 @@ def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: s
     found = {family: synthesise(verilog, "engine", family)}
     if family == FLAT_FAMILY:
         found[family][f"engine {FLAT}"] = synthesise_flat(verilog, "engine")
-    budget = read_budget(budget_path(scene.path))
+    budget = read_budget(scene.path)
     assert differences(found, {family: budget[family]}) == []
 
 
@@ -377,23 +392,21 @@ def test_the_command(tmp_path: Path) -> None:
     assert "in an XC2V3000: " in first.stdout
     assert "MHz reached, 64 MHz needed" in first.stdout
     figures = json.loads((tmp_path / "small" / "synth" / "synth.json").read_text())
-    assert figures["cells"] == read_budget(budget_path(scene.path))
+    assert figures["cells"] == read_budget(scene.path)
     assert figures["cells"]["xc2v"]["hybrid"]["multiplier"] == 3
     assert figures["timing"]["needed_mhz"] == 64
 
-    path = budget_path(scene.path)
-    lines = path.read_text().splitlines()
-    entity, *cells = lines[1].split(",")[1:]
-    lines[1] = ",".join(["xc2v", entity, str(int(cells[0]) + 1), *cells[1:]])
-    path.write_text("\n".join(lines) + "\n")
+    figures["cells"]["xc2v"]["hybrid"]["multiplier"] = 2
+    write_budget(scene.path, figures["cells"])
     again = call()
     assert again.returncode == 2
-    assert f"xc2v, {entity}: LUT: got {cells[0]}, recorded {int(cells[0]) + 1}" in again.stderr
+    assert f"{scene.path.with_suffix('.cells.csv')}: 1 figures differ" in again.stderr
+    assert "xc2v, hybrid: multiplier: got 3, recorded 2" in again.stderr
 
 
 def test_counts_of_a_scene_add_up() -> None:
     """A block has at least as many cells as its parts, and its kinds add up to its cells."""
-    budget = read_budget(budget_path(load_scene("digit-load").path))["xc2v"]
+    budget = read_budget(load_scene("digit-load").path)["xc2v"]
     design = load_scene("digit-load").twin()
     parts = Counter(part.entity for part in design.parts())
     for kind in KINDS:

@@ -25,7 +25,7 @@ from golden.trained.function_network import FunctionNetwork
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.errors.scene_errors import provenances
 from tactus.scene import load_scene
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_learned
 
@@ -329,7 +329,7 @@ def test_a_scene_that_decides() -> None:
 
 def test_wines_in_tables_are_smaller_than_wine_fast() -> None:
     mine, other = (
-        read_budget(budget_path(one.path))["xc7"][one.twin().entity]["LUT"]
+        read_budget(one.path)["xc7"][one.twin().entity]["LUT"]
         for one in map(load_scene, ("comparison/wine-tables", "classes/wine-fast"))
     )
     assert mine < other

@@ -18,10 +18,19 @@ from tactus.core.cli import stop_if_dry_run
 from tactus.core.files import replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
+from tactus.core.table import write_csv_file
 from tactus.export.exporter import export
 from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene
-from tactus.synth.budget import Cells, budget_path, by_block, differences, read_budget, write_budget
+from tactus.synth.budget import (
+    COLUMNS,
+    Cells,
+    by_block,
+    differences,
+    read_budget,
+    rows,
+    write_budget,
+)
 from tactus.synth.cells import (
     DEPTH,
     FAMILIES,
@@ -32,8 +41,10 @@ from tactus.synth.cells import (
     synthesise_flat,
 )
 from tactus.synth.netlist import KINDS
+from tactus.synth.recorded import CELLS, TIMING, is_recorded, table_of
 from tactus.synth.shares import shares
-from tactus.synth.timing import DEVICE_NAME, PINS, TOOLS, Timing, route, timing_path, write_timing
+from tactus.synth.timing import DEVICE_NAME, PINS, TOOLS, Timing, route, write_timing
+from tactus.synth.tools import digest
 
 
 def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
@@ -92,7 +103,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make synth", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--build", type=Path, default=BUILD)
-    parser.add_argument("--record", action="store_true", help="write the budget beside the scene")
+    parser.add_argument("--record", action="store_true", help="record the figures")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     design = scene.twin()
@@ -118,11 +129,12 @@ def main() -> None:
         tools = {name: version(name) for name in TOOLS}
         everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
         write_json(folder / "synth.json", everything)
-        write_budget(folder / "cells.csv", cells)
+        write_csv_file(folder / "cells.csv", [COLUMNS, *rows(cells)])
         if arguments.record:
-            write_budget(budget_path(scene.path), cells)
-            write_timing(timing_path(scene.path), timing, verilog)
-            print(f"wrote {budget_path(scene.path)} and {timing_path(scene.path)}")
+            write_budget(scene.path, cells)
+            write_timing(scene.path, timing, digest(verilog))
+            paths = (str(table_of(scene.path, kind)[0]) for kind in (CELLS, TIMING))
+            print(f"wrote {' and '.join(paths)}")
     _compare(scene, cells)
     if timing.clock_mhz < scene.clock_mhz:
         raise InputError(
@@ -132,11 +144,11 @@ def main() -> None:
 
 
 def _compare(scene: Scene, cells: Cells) -> None:
-    path = budget_path(scene.path)
-    if not path.is_file():
+    path, _ = table_of(scene.path, CELLS)
+    if not is_recorded(scene.path, CELLS):
         print(f"nothing recorded; RECORD=1 writes {path}")
         return
-    lines = differences(cells, read_budget(path))
+    lines = differences(cells, read_budget(scene.path))
     if lines:
         raise InputError(
             f"{path}: {len(lines)} figures differ; RECORD=1 records them\n" + "\n".join(lines)

@@ -1,13 +1,13 @@
 """The budget: the recorded cells of a scene's entities. New counts are compared with it."""
 
 from pathlib import Path
+from typing import Any
 
 from golden.common.block import walk
-from golden.input_error import InputError
 from golden.networks.network import Network
-from tactus.core.table import read_csv_file, write_csv_file
 from tactus.synth.cells import DEPTH
 from tactus.synth.netlist import KINDS
+from tactus.synth.recorded import CELLS, read_rows, write_rows
 
 COLUMNS = ["family", "entity", *KINDS, DEPTH]
 # Counts by family, by entity, and by the kind of cell.
@@ -26,35 +26,26 @@ def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int,
     return lines
 
 
-def budget_path(scene: Path) -> Path:
-    """Where the budget of a scene stands: beside it."""
-    return scene.with_suffix(".budget.csv")
-
-
-def write_budget(path: Path, found: Cells) -> None:
-    """Record the cells that were found."""
-    rows = [
+def rows(found: Cells) -> list[list[Any]]:
+    """A row for each entity of each family."""
+    return [
         [family, entity, *(entities[entity][name] for name in COLUMNS[2:])]
         for family, entities in found.items()
         for entity in sorted(entities)
     ]
-    write_csv_file(path, [COLUMNS, *rows])
 
 
-def read_budget(path: Path) -> Cells:
-    """The recorded cells."""
-    read = read_csv_file(path)
-    if list(read.names) != COLUMNS:
-        raise InputError(
-            f"{path}: got columns {', '.join(read.names)}, expected {', '.join(COLUMNS)}"
-        )
+def write_budget(scene: Path, found: Cells) -> None:
+    """Record the cells that were found for a scene."""
+    write_rows(scene, CELLS, COLUMNS, rows(found))
+
+
+def read_budget(scene: Path) -> Cells:
+    """The recorded cells of a scene."""
+    columns = {"family": str, "entity": str} | dict.fromkeys(COLUMNS[2:], int)
     found: Cells = {}
-    for line, (family, entity, *cells) in zip(read.lines, read.rows, strict=True):
-        try:
-            counts = dict(zip(COLUMNS[2:], map(int, cells), strict=True))
-        except ValueError:
-            raise InputError(f"{path}:{line}: got {cells}, expected whole numbers") from None
-        found.setdefault(family, {})[entity] = counts
+    for family, entity, *cells in read_rows(scene, CELLS, columns):
+        found.setdefault(family, {})[entity] = dict(zip(COLUMNS[2:], cells, strict=True))
     return found
 
 

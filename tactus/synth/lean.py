@@ -2,27 +2,29 @@
 
 The scene is built twice: whole, with every segment of every activation and every hidden node, and
 as it is. The scenes of ``--beside`` are built as they are, for comparison. ``--record`` keeps the
-cells of both builds beside the scene, for docs/left-out.md.
+cells of both builds for docs/left-out.md.
 """
 
 import argparse
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from golden.input_error import InputError
 from golden.networks.left_out import left_out
 from tactus.core.cli import stop_if_dry_run, words
-from tactus.core.files import read_json, write_json
 from tactus.core.progress import Progress
 from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene
 from tactus.synth.activations import cells
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 from tactus.synth.cells import FAMILIES
 from tactus.synth.netlist import KINDS
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.recorded import LEAN, TIMING, is_recorded, read_rows, table_of, write_rows
+from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"
+COLUMNS: dict[str, type] = {f"{kind}, {how}": int for how in ("whole", "lean") for kind in KINDS}
+COLUMNS |= {"verilog": str}
 
 
 @dataclass(frozen=True)
@@ -39,49 +41,44 @@ class Lean:
     lean: dict[str, int]
 
 
-def lean_path(scene: Path) -> Path:
-    """Where the record of a scene stands: beside it."""
-    return scene.with_suffix(".lean.json")
-
-
-def read_lean(path: Path) -> Lean:
-    """The recorded cells."""
-    return read_json(
-        path, "recorded cells; make lean RECORD=1 records them", make=lambda found: Lean(**found)
-    )
+def read_lean(scene: Path) -> Lean:
+    """The recorded cells of a scene."""
+    ((*cells, verilog),) = read_rows(scene, LEAN, COLUMNS)
+    whole, lean = cells[: len(KINDS)], cells[len(KINDS) :]
+    return Lean(verilog, *(dict(zip(KINDS, c, strict=True)) for c in (whole, lean)))
 
 
 def is_stale(scene: Scene) -> bool:
     """Whether the record of a scene is of other hardware than ``make synth`` has recorded last."""
-    found = read_lean(lean_path(scene.path))
+    found = read_lean(scene.path)
     return (found.verilog, found.lean) != _synthesised(scene)
 
 
 def record(scene: Scene) -> Path:
-    """Keep the cells of a scene beside it: whole, and as ``make synth`` recorded them."""
-    if not timing_path(scene.path).is_file() or not budget_path(scene.path).is_file():
+    """Record the cells of a scene: whole, and as ``make synth`` recorded them."""
+    if not is_recorded(scene.path, TIMING) or not is_recorded(scene.path):
         raise InputError(
             f"{scene.path}: no recorded budget; make synth RECORD=1 SCENE={scene.path} records it"
         )
     verilog, lean = _synthesised(scene)
     design = scene.twin(lean=False)
     whole = lean if design == scene.twin() else cells(design, FAMILY)
-    path = lean_path(scene.path)
-    write_json(path, asdict(Lean(verilog, {kind: whole[kind] for kind in KINDS}, lean)))
-    return path
+    row = [*(build[kind] for build in (whole, lean) for kind in KINDS), verilog]
+    write_rows(scene.path, LEAN, COLUMNS, [row])
+    return table_of(scene.path, LEAN)[0]
 
 
 def _synthesised(scene: Scene) -> tuple[str, dict[str, int]]:
     """The digest and the cells that ``make synth`` recorded."""
-    top = read_budget(budget_path(scene.path))[FAMILY][scene.twin().entity]
-    return read_timing(timing_path(scene.path))[1], {kind: top[kind] for kind in KINDS}
+    top = read_budget(scene.path)[FAMILY][scene.twin().entity]
+    return read_timing(scene.path)[1], {kind: top[kind] for kind in KINDS}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make lean", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--beside", default="", help="scenes, quoted as for a shell")
-    parser.add_argument("--record", action="store_true", help="keep the cells beside the scene")
+    parser.add_argument("--record", action="store_true", help="keep the cells")
     arguments = parser.parse_args()
     names = [arguments.scene, *words("BESIDE", arguments.beside)]
     scenes = [load_scene(name) for name in names]

@@ -41,9 +41,10 @@ from tactus.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
 from tactus.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances, recorded
 from tactus.sizing.routed import COLUMNS as PLACED_COLUMNS
 from tactus.sizing.routed import ROUTED, Placed, path_of
-from tactus.synth.budget import Cells, budget_path, read_budget
+from tactus.synth.budget import Cells, read_budget
 from tactus.synth.cells import flat_name, synthesise, synthesise_flat
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.recorded import is_recorded
+from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"
 # The largest output is found beside the networks, which are compared without it.
@@ -115,12 +116,11 @@ def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
     """Every recorded network without what stands around it, and the cells of its entities."""
     for name in [*scene_names(), *class_names(), *comparison_names()]:
         scene = load_scene(name)
-        path = budget_path(scene.path)
-        if path.is_file() and not scene.design_options.get("reload"):
+        if is_recorded(scene.path) and not scene.design_options.get("reload"):
             core = scene.twin().core
             while isinstance(core, Windowed):
                 core = core.network
-            yield name, scene, core, read_budget(path)
+            yield name, scene, core, read_budget(scene.path)
 
 
 def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = "") -> list[Recorded]:
@@ -159,7 +159,7 @@ def own_cells(found: dict[str, dict[str, int]], block: Block, cell: str) -> int:
 
 def placed_row(name: str, scene: Scene) -> Placed:
     """What ``make synth`` recorded of a network that was placed and routed."""
-    timing, _ = read_timing(timing_path(scene.path))
+    timing, _ = read_timing(scene.path)
     return Placed(
         name,
         kind_of(scene.design, scene.design_options),

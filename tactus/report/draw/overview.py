@@ -16,7 +16,7 @@ from tactus.report.draw.findings import number as cell
 from tactus.report.draw.load import FRAME, beam
 from tactus.report.draw.run_time import AFTER, scene_of
 from tactus.scene import Scene, thesis_table
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 
 SIZE = (680.0, 276.0)
 INK, FAINT, ACCENT, SOFT = "var(--ink)", "var(--faint)", "var(--accent)", "var(--soft)"
@@ -100,7 +100,7 @@ def _chip(scene: Scene) -> list[str]:
     """The networks of the scene, each with its nodes, on a chip with its recorded cells."""
     (x, y), (width, _) = CHIP, CHIP_SIZE
     shapes = [network.shape for network in scene.networks()]
-    cells = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+    cells = read_budget(scene.path)["xc2v"][scene.twin().entity]
     body = [box(CHIP, CHIP_SIZE, fill=SOFT, stroke=INK, rx=6)]
     for n in range(7):
         at = y + 17 + 26 * n

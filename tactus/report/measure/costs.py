@@ -1,4 +1,4 @@
-"""The costs of scenes, from the figures that ``make synth`` recorded beside them."""
+"""The costs of scenes, from the figures that ``make synth`` recorded."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,11 +9,12 @@ from tactus.core.folders import BUILD
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
-from tactus.synth.budget import Cells, budget_path, by_block, read_budget
+from tactus.synth.budget import Cells, by_block, read_budget
 from tactus.synth.cells import DEPTH, FAMILIES
 from tactus.synth.netlist import KINDS
+from tactus.synth.recorded import TIMING, is_recorded
 from tactus.synth.shares import shares
-from tactus.synth.timing import Timing, read_timing, timing_path
+from tactus.synth.timing import Timing, read_timing
 from tactus.synth.tools import digest
 from tactus.verify.benches.runner import export
 
@@ -39,10 +40,10 @@ class Costs:
 
 def costs(scene: Scene, design: Network) -> Costs | None:
     """The recorded costs of a scene, or None if there are none."""
-    if not budget_path(scene.path).is_file() or not timing_path(scene.path).is_file():
+    if not is_recorded(scene.path) or not is_recorded(scene.path, TIMING):
         return None
-    cells = read_budget(budget_path(scene.path))
-    timing, verilog = read_timing(timing_path(scene.path))
+    cells = read_budget(scene.path)
+    timing, verilog = read_timing(scene.path)
     export(scene, "verilog")
     return Costs(
         cells,
@@ -75,9 +76,9 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
 def with_network_cells(table: Table) -> Table:
     """The table of clocks, with the Virtex-II cells of recorded scenes, entity by entity."""
     found = {
-        scene.name: read_budget(budget_path(scene.path))[FAMILY][scene.twin().entity]
+        scene.name: read_budget(scene.path)[FAMILY][scene.twin().entity]
         for scene in scenes()
-        if budget_path(scene.path).is_file()
+        if is_recorded(scene.path)
     }
     note = "The cells are counted entity by entity, as make synth recorded them."
     return _joined(table, lambda row: found.get(str(row[0])), note)

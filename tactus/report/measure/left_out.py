@@ -11,7 +11,8 @@ from golden.engine.program_words import ProgramWords
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.synth.lean import FAMILY, Lean, lean_path, read_lean
+from tactus.synth import recorded
+from tactus.synth.lean import FAMILY, Lean, read_lean
 from tactus.synth.netlist import KINDS
 
 WHOLE, LEAN = "whole", "as it is"
@@ -40,8 +41,7 @@ def _words(part: Block) -> int:
 
 def recorded_cells(scene: Scene) -> Lean | None:
     """The record that ``make lean RECORD=1`` made for a scene, or None if there is none."""
-    path = lean_path(scene.path)
-    return read_lean(path) if path.is_file() else None
+    return read_lean(scene.path) if recorded.is_recorded(scene.path, recorded.LEAN) else None
 
 
 def left_out(_: int) -> Table:

@@ -12,7 +12,8 @@ from tactus.report.measure.costs import COST, FAMILY
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
+from tactus.synth.recorded import is_recorded
 
 # The scene whose weights are used.
 OF = "digit-single"
@@ -38,8 +39,8 @@ def one_network(seed: int) -> Table:
     random = random_frames(seed, recorded.shape[1])
     rows: list[list[Cell]] = []
     for name, scene, design in designs:
-        path = budget_path(scene.path)
-        cells = read_budget(path)[FAMILY].get(design.entity) if path.is_file() and name else None
+        known = name and is_recorded(scene.path)
+        cells = read_budget(scene.path)[FAMILY].get(design.entity) if known else None
         rows.append(
             [
                 name or None,

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 from golden.common.block import walk
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.synth.budget import Cells, budget_path, read_budget
+from tactus.synth.budget import Cells, read_budget
 from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
 from tactus.synth.netlist import KINDS
 from tactus.synth.shares import shares
-from tactus.synth.timing import read_timing, timing_path
+from tactus.synth.timing import read_timing
 
 # These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.
 COMPARED = [
@@ -27,7 +27,7 @@ def recorded() -> Iterator[tuple[Scene, Cells]]:
     names = [*scene_names(), *(f"comparison/{n}" for n in COMPARED)]
     for name in names:
         scene = load_scene(name)
-        yield scene, read_budget(budget_path(scene.path))
+        yield scene, read_budget(scene.path)
 
 
 def block_tables() -> dict[str, str]:
@@ -76,7 +76,7 @@ def scene_table() -> str:
             f"{share[name]:.0f} ({printed.get(name, '-')})"
             for name in ("luts_percent", "mult18x18_percent")
         ]
-        timing, _ = read_timing(timing_path(scene.path))
+        timing, _ = read_timing(scene.path)
         row = [
             scene.name,
             top["LUT"],

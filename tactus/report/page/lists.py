@@ -28,7 +28,7 @@ from tactus.report.page import run_time
 from tactus.report.page.markers import put, write
 from tactus.scene import load_scene, thesis_figures, thesis_table
 from tactus.scene.schema import EDITOR_SCHEMA, SCENE
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 
 COMMAND = "python -m tactus.report.page.lists"
 # The networks that the pages show.
@@ -58,7 +58,7 @@ def headline() -> str:
     scenes = (rebuilt, today)
     held_out = [worst(held_out_means(s) or []) for s in scenes]
     largest = [worst(e.largest_mean for e in scene_errors(s)["bit-true"]) for s in scenes]
-    cells = [read_budget(budget_path(s.path))["xc2v"][s.twin().entity] for s in scenes]
+    cells = [read_budget(s.path)["xc2v"][s.twin().entity] for s in scenes]
     rows = [
         ("error on held-out rows", "-", *held_out),
         ("largest error at a position", worst(figures), *largest),

@@ -18,7 +18,7 @@ from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
 from tactus.scene.schema import SCENE
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 
 
 def scenes() -> str:
@@ -45,7 +45,7 @@ def classes() -> str:
     ]
     for name in class_names():
         scene = load_scene(name)
-        top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+        top = read_budget(scene.path)["xc2v"][scene.twin().entity]
         held_out, _ = held_out_or_all(scene, decisions_of(scene))
         rows = len(held_out.actual)
         cells = [

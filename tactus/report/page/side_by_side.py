@@ -14,7 +14,7 @@ from golden.input_error import InputError
 from tactus.errors.scene_errors import held_out_means, scene_errors
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.scene import Scene, load_scene, thesis_figures, thesis_table
-from tactus.synth.budget import budget_path, read_budget
+from tactus.synth.budget import read_budget
 
 FAMILY = "xc2v"
 # This scene has the networks of digit, with a scan and a profile as in the thesis.
@@ -138,7 +138,7 @@ def _cells(scenes: Sequence[Scene]) -> list[Row]:
     """The recorded cells of the scene and its networks, and their share of the thesis' device."""
     device, printed = thesis_table("device"), thesis_table(scenes[0].reference)
     rows: list[Row] = []
-    cells = [read_budget(budget_path(scene.path))[FAMILY] for scene in scenes]
+    cells = [read_budget(scene.path)[FAMILY] for scene in scenes]
     tops = [(scene.twin(), scene.twin().core) for scene in scenes]
     for kind in KINDS:
         share, count = SHARES.get(kind, ("", ""))
@@ -200,6 +200,6 @@ def _weights(scene: Scene) -> list[Path]:
 
 
 def _with_all_around(scene: Scene, whole: Scene) -> str:
-    cells = read_budget(budget_path(whole.path))[FAMILY][whole.twin().entity]
+    cells = read_budget(whole.path)[FAMILY][whole.twin().entity]
     counts = ", ".join(f"{cells[kind]:,} {kind}s" for kind in KINDS)
     return f"Scene {whole.name} is {scene.name} with scan and profile: {counts}."
