@@ -125,11 +125,9 @@ class Monitor:
 
     def _send(self, line: Line) -> None:
         """Send the lesson that waits, if one does; only this thread writes to the line."""
-        if self.lessons is None:
-            return
         with self._lock:
-            lesson = self.lessons.next()
-        if lesson is None:
+            lesson = self.lessons.next() if self.lessons else None
+        if self.lessons is None or lesson is None:
             return
         try:
             line.write(lesson.packet)
@@ -204,10 +202,9 @@ class Monitor:
             )
 
     def _rows(self, frames: list[Frame], values: Real, now: float) -> list[Sequence[object]]:
-        seconds = f"{now - self._began:.3f}"
         return [
             [
-                *(seconds, frame.number, frame.count, " ".join(frame.flags)),
+                *(f"{now - self._began:.3f}", frame.number, frame.count, " ".join(frame.flags)),
                 *self.board.texts(row),
                 *self.board.decision(frame),
             ]
@@ -328,9 +325,7 @@ class Monitor:
                 # A board of other hardware may set flags that this one does not have.
                 if name in FLAG_TEXTS and (count or name in board.flags)
             ],
-            "learning": (
-                self.lessons.state(self._course, now, self._learning) if self.lessons else None
-            ),
+            "learning": self.lessons and self.lessons.state(self._course, now, self._learning),
             "messages": list(self.messages.lines),
             "recorded": self.csv.rows if self.csv else 0,
             "recording": str(self.csv.path) if self.csv else "",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -99,8 +100,10 @@ class Server:
                 self.send_header("Content-Length", str(len(data)))
                 self.send_header("Content-Security-Policy", POLICY)
                 self.send_header("Cache-Control", "no-store")
-                self.end_headers()
-                self.wfile.write(data)
+                # A browser may be gone before its answer comes.
+                with suppress(ConnectionError):
+                    self.end_headers()
+                    self.wfile.write(data)
 
             def log_message(self, *_: object) -> None:
                 """Print nothing: the terminal is for what the board sends."""

@@ -39,7 +39,8 @@ def labelled(
 
     tip: The text that is shown when a pointer rests on the box.
     """
-    words = max([text_width(title, TITLE), *(text_width(words, SMALL) for words in lines)])
+    # Bold letters are wider.
+    words = max([1.15 * text_width(title, TITLE), *(text_width(words, SMALL) for words in lines)])
     inner = content.width if content else 0.0
     width = max(words, inner) + 2 * PAD
     head = PAD + LINE * (1 + len(lines))

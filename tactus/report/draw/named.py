@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 from tactus.report.draw.axes import Axes
 from tactus.report.draw.drawing import ACCENT, FAINT, Point, dot, line, text, text_width
@@ -51,6 +51,7 @@ def drawn(points: Sequence[Named], axes: Axes) -> Iterator[str]:
     ordered = [*best, *(one for one in points if one not in best)]
     places = [axes.at(one.x, one.y) for one in ordered]
     taken: list[Box] = [_around(place) for place in places]
+    taken += [(a[0] - 1, a[1] - 1, b[0] + 1, b[1] + 1) for a, b in pairwise(steps)]
     for one, place in zip(ordered, places, strict=True):
         colour = ACCENT if one in best else FAINT
         box, anchor, apart = _free(one.name, place, axes, taken)

@@ -227,9 +227,10 @@ def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | 
         "resources",
         "Resources",
         text=[
-            f"ECP5, placed and routed: {found.timing.luts:,} LUTs, {found.timing.flip_flops:,} "
-            f"flip-flops, {found.timing.multipliers} multipliers, {found.timing.block_rams} block "
-            f"RAMs; {found.timing.clock_mhz} MHz. Slowest path: {found.timing.slowest}."
+            f"ECP5, placed and routed: LUTs {found.timing.luts:,}, flip-flops "
+            f"{found.timing.flip_flops:,}, multipliers {found.timing.multipliers}, block RAMs "
+            f"{found.timing.block_rams}; {found.timing.clock_mhz} MHz. Slowest path: "
+            f"{found.timing.slowest}."
         ],
         folded=[blocks(scene, design, found)],
     )
