@@ -1,5 +1,6 @@
 """Each study begins as its result says, and what it needs and is not there is named."""
 
+import hashlib
 import re
 from itertools import islice
 from pathlib import Path
@@ -9,20 +10,23 @@ import pytest
 from golden.input_error import InputError, MissingFileError
 from studies.__main__ import FOLDER, differences, finished, measured, names, recorded, same
 from studies.beans import study as beans
+from studies.gripper import study as gripper
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene
 
 # Studies whose first row takes long, or needs what a computer without a network does not have; and
 # one that test_stability.py measures whole.
 NOT_BEGUN = {"peers", "stability"}
+# Studies that bring data of others.
+BRING = {"beans": beans.DATA, "gripper": gripper.TEST}
 # Of floating point on another processor.
 ROUNDING = 0.1
 
 
 @pytest.mark.parametrize("name", sorted(set(names()) - NOT_BEGUN))
 def test_a_study_begins_as_its_result(name: str) -> None:
-    if name == "beans" and not beans.DATA.is_file():
-        pytest.skip("make study NAME=beans brings its data")
+    if name in BRING and not BRING[name].is_file():
+        pytest.skip(f"make study NAME={name} brings its data")
     table = recorded(name)
     (first,) = islice(measured(name), 1)
     assert list(first) == list(table.columns)
@@ -63,3 +67,37 @@ def test_other_data_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(InputError, match=r"got sha256 .*, expected 26266219"):
         beans.bring((tmp_path / "other.csv").as_uri())
     assert not beans.DATA.exists()
+
+
+def test_halves_of_a_recording_are_joined_and_other_halves_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    halves = {"pose.csv": b"1,2\n3,4\n", "force.csv": b"5\n6"}
+    for name, data in halves.items():
+        (tmp_path / name).write_bytes(data)
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in halves.items()}
+    path = tmp_path / "joined.csv"
+    monkeypatch.setattr(gripper, "FOLDER", tmp_path)
+    monkeypatch.setattr(gripper, "ADDRESS", f"{tmp_path.as_uri()}/")
+    monkeypatch.setattr(gripper, "COLUMNS", ["a", "b", "c"])
+    monkeypatch.setattr(gripper, "PARTS", {path: digests})
+    gripper.bring()
+    assert path.read_text() == "a,b,c\n1,2,5\n3,4,6\n"
+    path.unlink()
+    (tmp_path / "force.csv").write_bytes(b"5\n7")
+    with pytest.raises(InputError, match=r"force\.csv: got sha256 .*, expected"):
+        gripper.bring()
+    assert not path.exists()
+
+
+def test_a_gripper_has_the_networks_that_it_brings(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gripper, "FOLDER", tmp_path)
+    monkeypatch.setattr(gripper, "PARTS", {})
+    gripper.bring()
+    rows = [f"{','.join('0' * 21)}\n"] * 9
+    (tmp_path / "gripper.csv").write_text("".join([",".join(gripper.COLUMNS) + "\n", *rows]))
+    path = tmp_path / "gripper.toml"
+    path.write_bytes(gripper.SCENE.read_bytes())
+    assert load_scene(str(path)).twin().core.interval == 1601

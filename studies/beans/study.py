@@ -34,14 +34,18 @@ def bring(address: str = ADDRESS) -> None:
     """Write the scene's data from those at an address, if they are not there."""
     if DATA.is_file():
         return
-    try:
-        with urllib.request.urlopen(address) as answer:
-            found = answer.read()
-    except OSError as error:
-        raise InputError(f"{address}: cannot be read: {error}") from None
-    data = converted(checked(found, ADDRESS_SHA256, address).decode())
+    data = converted(fetched(address, ADDRESS_SHA256).decode())
     with replace_file(DATA) as temporary:
         temporary.write_bytes(checked(data.encode(), DATA_SHA256, str(DATA)))
+
+
+def fetched(address: str, digest: str) -> bytes:
+    """The data at an address, if they have the digest."""
+    try:
+        with urllib.request.urlopen(address) as answer:
+            return checked(answer.read(), digest, address)
+    except OSError as error:
+        raise InputError(f"{address}: cannot be read: {error}") from None
 
 
 def checked(data: bytes, expected: str, name: str) -> bytes:

@@ -1,0 +1,95 @@
+"""How well an engine finds force and torque of a soft gripper, beside fits of others."""
+
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.numbers.real import Real
+from studies.beans.study import fetched
+from tactus.core.files import replace_file
+from tactus.core.table import read_csv_file
+from tactus.rig.predict import readings_of
+from tactus.rig.trained_on import outputs_of
+from tactus.scene import Scene, load_scene
+
+FOLDER = Path(__file__).parent
+SCENE, NETWORKS = FOLDER / "gripper.toml", FOLDER / "networks.npz"
+DATA, TEST = FOLDER / "gripper.csv", FOLDER / "gripper-test.csv"
+ADDRESS = (
+    "https://raw.githubusercontent.com/bionicdl-sustech/SoftRoboticTongs/"
+    "1edf46b92a9aa07db8adc89a81c88f6588a0aeb2/SupplementaryFile-A-ThreeDataset/baseline/baseline_"
+)
+OUTPUTS = ["fx", "fy", "fz", "tx", "ty", "tz"]
+COLUMNS = [f"m{marker}{axis}" for marker in range(1, 6) for axis in "xyz"] + OUTPUTS
+# Of each file: the end of its address with markers and that with forces, each with its digest.
+PARTS = {
+    DATA: {
+        "pose_train.csv": "80e38171fcf9e14dd6c0c33839a324e7f10123838c6a26c0e86bf3cc44abb56c",
+        "FT_train.csv": "249bbf779d8aa1ff9cacfa77d5680c3f4b22c9c8f6dd790d155da2ce4796a0a3",
+    },
+    TEST: {
+        "pose_test.csv": "fcfa9f0f48fecb9df2c71461d0fb1f3f2fa17e835fb8e2f0b64309d00b41cafd",
+        "FT_test.csv": "74558bbc28fe933b59c4a31793996ac400dda2fbc4e32d8e8935f07f13e273ec",
+    },
+}
+
+
+def bring() -> None:
+    """Write the rows to train and to test, and a file for each network, if they are not there."""
+    for path, parts in PARTS.items():
+        if not path.is_file():
+            halves = [fetched(ADDRESS + end, digest) for end, digest in parts.items()]
+            rows = zip(*(half.decode().splitlines() for half in halves), strict=True)
+            with replace_file(path) as temporary:
+                temporary.write_text("\n".join(map(",".join, [COLUMNS, *rows, []])))
+    with np.load(NETWORKS) as arrays:
+        for output in OUTPUTS:
+            own = {key[3:]: arrays[key] for key in arrays if key.startswith(output)}
+            with replace_file(FOLDER / f"gripper-{output}.npz") as temporary:
+                np.savez(temporary.open("wb"), **own)
+
+
+def fits(scene: Scene, x: Real, y: Real, new: Real) -> Iterator[tuple[str, int, Real]]:
+    """Each fit with the rows that it saw, and what it gives for new markers."""
+    ones = np.ones((len(x), 1))
+    weights = np.linalg.lstsq(np.hstack([x, ones]), y, rcond=None)[0]
+    yield "linear fit", len(x), np.hstack([new, ones[: len(new)]]) @ weights
+    codes = scene.twin().core.process(scene.codes_of(new))
+    yield "engine, bit by bit", len(x) // 2, outputs_of(scene, codes)
+    try:
+        trees, mlp = map(import_module, ("sklearn.ensemble", "sklearn.neural_network"))
+    except ImportError:
+        print("left out: trees and MLP, which need scikit-learn 1.9.1")
+        return
+    grown = [
+        trees.HistGradientBoostingRegressor(max_iter=300, random_state=1).fit(x, column)
+        for column in y.T
+    ]
+    yield "boosted trees", len(x), np.column_stack([one.predict(new) for one in grown])
+    mean, spread = y.mean(axis=0), y.std(axis=0)
+    centre, width = x.mean(axis=0), x.std(axis=0)
+    net: Any = mlp.MLPRegressor(
+        (1000, 100, 50),
+        batch_size=256,
+        max_iter=60,
+        random_state=1,
+        early_stopping=True,
+        n_iter_no_change=8,
+    )
+    net.fit((x - centre) / width, (y - mean) / spread)
+    yield "MLP 15:1000:100:50:6", len(x), net.predict((new - centre) / width) * spread + mean
+
+
+def rows() -> Iterator[dict[str, str | int | float]]:
+    """The mean error of each output on the authors' rows to test, in percent of its range."""
+    bring()
+    scene = load_scene(str(SCENE))
+    train, test = (read_csv_file(path) for path in PARTS)
+    y, new_y = (np.column_stack([f.column(o).values for o in OUTPUTS]) for f in (train, test))
+    for name, seen, found in fits(scene, readings_of(scene, train), y, readings_of(scene, test)):
+        errors = 100 * np.abs(found - new_y).mean(axis=0) / np.ptp(y, axis=0)
+        figures = {o: round(float(e), 2) for o, e in zip(OUTPUTS, errors, strict=True)}
+        yield {"fit": name, "training rows": seen, **figures}
