@@ -285,7 +285,7 @@ def test_what_stands_in_the_way_is_named(desk: Desk, command: str, name: str, me
         path.mkdir()
     else:
         path.touch()
-    words = {"image": ["loaded.toml"], "figures": ["operations"]}.get(command, ["mine.toml"])
+    words = {"image": ["loaded.toml"], "figures": ["networks"]}.get(command, ["mine.toml"])
     desk.refuses(command, *words, says=message)
     assert Path(name).exists()
 

@@ -6,27 +6,37 @@ import threading
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
-from test_training import open_search, searched
 
 from golden.input_error import InputError
 from tactus.scene import Scene
+from tactus.train.candidate_runs import continued
 from tactus.train.descent.cluster import EXTRA, computed_on
+from tactus.train.descent.search import Result, candidates, measure
+from tactus.train.descent.task import task_for
 
 ROOT = Path(__file__).parents[1]
 
 
+def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
+    """The results of 3 sizes with 2 starts each."""
+    members = (replace(scene.members[0], hidden=0),)
+    scene = replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
+    task = task_for(scene, scene.vectors(), [])
+    return list(continued(measure, Result, task, candidates(task), record, workers))
+
+
 def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:
     """The two worker processes are reached over sockets, as those of another machine would be."""
-    scene = open_search(small_scene)
-    here = searched(scene, tmp_path / "here.jsonl")
+    here = searched(small_scene, tmp_path / "here.jsonl")
     cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
     with cluster, Client(cluster) as client:
         with computed_on(client.scheduler.address):
-            there = searched(scene, tmp_path / "there.jsonl", workers=-1)
+            there = searched(small_scene, tmp_path / "there.jsonl", workers=-1)
         worker = next(iter(client.scheduler_info()["workers"]))
         message = f"CLUSTER={worker}: no scheduler answers: what answers there is a Worker of Dask"
         with pytest.raises(InputError, match=message), computed_on(worker):

@@ -177,7 +177,7 @@ def test_a_verdict_of_the_bench_is_of_all_that_enters_it(
     small: Subject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[store.Key] = []
-    monkeypatch.setattr(store, "once", lambda key, work: asked.append(key) or True)
+    monkeypatch.setattr(store, "cached", lambda key, work: asked.append(key) or True)
     for job in (small.job, replace(small.job, seed=2), replace(small.job, frames=7)):
         run_bench(replace(small, job=job), 1)
     run_bench(small, 2)

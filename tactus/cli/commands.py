@@ -359,7 +359,7 @@ COMMANDS = (
     Command(
         "lean",
         "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
-        "scenes to compare with, and RECORD=1 records the result for make figures TABLE=left_out.",
+        "scenes to compare with, and RECORD=1 records the result.",
         (SCENE, option("BESIDE", "other"), RECORD),
         "tactus.synth.lean",
     ),

@@ -16,19 +16,15 @@ another processor, BLAS or tanh may round the last bit in another way, and for S
 thousand rows another number of threads has the same effect.
 """
 
-import json
-from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.dense import Some, Trained, layers_of, rebuilt
 from golden.trained.mlp import Mlp, tanh
-from tactus.core.files import reading, writing
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
 from tactus.train.descent import levenberg_marquardt, scg
 from tactus.train.descent.objective import Objective, pack, unpack
@@ -150,38 +146,3 @@ def candidates(task: Task) -> list[tuple[int, int]]:
     hidden = task.scene.members[task.number].hidden
     low, high = (hidden, hidden) if hidden else settings.hidden
     return [(h, r) for h in range(low, high + 1) for r in range(settings.restarts)]
-
-
-def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
-    """The result of every candidate, in order, as soon as it is known.
-
-    record: Results are appended to this file; those that it already holds are not computed again.
-    workers: Number of processes; -1 for one per core. On one machine the result does not depend on
-        it. joblib runs them, so ``joblib.parallel_config`` can name a cluster.
-    """
-    known = {(r.hidden, r.restart): r for r in _read(record)}
-    missing = [c for c in candidates(task) if c not in known]
-    # The recorded candidates come first in the order, except after a crash between two lines.
-    yield from (known[c] for c in candidates(task) if c in known)
-    jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
-    with writing(record):
-        record.parent.mkdir(parents=True, exist_ok=True)
-        record.touch()
-    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-        with writing(record), record.open("a", encoding="utf-8") as handle:
-            handle.write(json.dumps(asdict(result)) + "\n")
-        yield result
-
-
-def _read(record: Path) -> Iterator[Result]:
-    """Results of an earlier search that was interrupted; an incomplete last line is dropped."""
-    if not record.is_file():
-        return
-    with reading(record, "text"):
-        lines = record.read_text(encoding="utf-8").split("\n")
-    for line in lines[:-1]:
-        with reading(record, "a record of candidates, which may be deleted"):
-            result = Result(**json.loads(line))
-        yield result
-    if lines[-1]:
-        record.write_text("\n".join(lines[:-1]) + "\n", encoding="utf-8")
