@@ -34,6 +34,7 @@ from golden.trained.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.case_library import UART_INSTRUMENTS
+from tb.common.framing import yielding
 from tb.common.images import longest_image
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
@@ -282,11 +283,12 @@ def check_results(bench, recording, runs, frames, ends):
         # A frame with another number of samples has no results, and would have the wrong shape.
         if not len(numbers):
             continue
-        leave = ends[numbers, np.newaxis] + RESET_CLOCKS + np.array(network.output_clocks)
+        ended = ends[numbers] + RESET_CLOCKS
+        kept, results = yielding(recording, ended, frames[numbers], network.past, network.process)
+        leave = ended[kept, np.newaxis] + np.array(network.output_clocks)
         final = np.zeros_like(leave)
         final[:, -1] = 1
-        results = network.process(frames[numbers])
-        begun = np.repeat(ends[numbers] + RESET_CLOCKS, leave.shape[1])
+        begun = np.repeat(ended[kept], leave.shape[1])
         alive = recording.undisturbed(begun, leave.ravel() - 1) & (leave.ravel() < recording.clocks)
         found = np.stack([leave.ravel(), results.ravel(), final.ravel()], axis=1)
         due.append(found[alive])
