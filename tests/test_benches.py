@@ -32,7 +32,7 @@ NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 # profiles, graphs of adders that are not proved, and activations of the thesis.
 ALL_ONLY = (
     *("deep-reload", "tables-reload", "tables-lanes-reload", "reload-uart", "plain-uart"),
-    *("serial-past", "loop-past", "chain-past"),
+    *("serial-past", "loop-past", "chain-past", "past-uart"),
     *("winner-uart", "winner-reload", "drawn-winner", "winner-instrument", "other-profile"),
     *("wide-converter", "signed-converter", "least-instrument", "engine-instrument"),
     *("axis-cascade", "axis-past", "axis-loop", "least-axis", "wide-winner", "hybrid-winner"),

@@ -616,7 +616,8 @@ LEARN_UART = replace(
 # The largest output in packets, before the point of a profile.
 WINNER_UART = replace(UART, hardware="clock_mhz = 4.0\nargmax = true")
 # For the whole top: the first case, whose image takes thousands of clocks; one without an image;
-# one with room for other images; the second case; and an engine that learns.
+# one with room for other images; the second case; an engine that learns; and lanes with past
+# samples.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
     # With these weights the profiles are high and deep.
@@ -629,6 +630,14 @@ UART_INSTRUMENTS = {
     ),
     "plain-uart": PLAIN_UART,
     "learn-uart": LEARN_UART,
+    "past-uart": replace(
+        UART,
+        shapes=[(4, 3, 4)],
+        design="lanes",
+        hardware="clock_mhz = 4.0\nlanes = 2",
+        window=Window(((0, 1), (0, 2))),
+        spread=4.0,
+    ),
 }
 
 # For a readout: the largest output beside the stream alone, of a network with past samples, of an

@@ -442,7 +442,8 @@ async def recorded(dut):
         for name in ("placements", "steps taken", "corrected frames", "theta put in"):
             assert played.met[name], f"{name}: none, expected some; {played.met}"
     # The next scan begins before the samples of this scan have left.
-    last_bit = played.ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
+    first = runs[0][1][twin.past]
+    last_bit = played.ends[first] + RESET_CLOCKS - twin.burst
     started = played.timeline.starts[played.timeline.starts < last_bit][-1]
     bench.facts = {
         "frames": len(runs[0][1]),
