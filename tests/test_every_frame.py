@@ -17,8 +17,7 @@ from conftest import tiered
 from golden.input_error import InputError
 from golden.trained.dense import layers_of
 from tactus.scene import load_scene
-from tactus.scene.image import scene_image
-from tactus.scene.write_image import hardware_of
+from tactus.scene.image import hardware_of, scene_image
 from tactus.verify.benches.collected import CASES, CASES_OF
 from tactus.verify.benches.runner import export
 from tactus.verify.every_frame.counterexample import Evaluated, differing_frame

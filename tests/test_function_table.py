@@ -26,7 +26,7 @@ from golden.trained.dense import Dense, DenseNetwork, Trained, layers_of, networ
 from golden.trained.function import TANH, Function
 from tactus.network_files.network_file import write_network
 from tactus.scene import load_scene
-from tactus.scene.saturation import saturating
+from tactus.scene.codes import saturating
 from tb.common.cases import random_network, write_scene
 from tb.common.images import (
     images_with_room,

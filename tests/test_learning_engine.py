@@ -24,7 +24,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.cli import listing
 from tactus.scene import Scene, load_scene
-from tactus.scene.learning import taught_of, with_learning_engine
+from tactus.scene.building import taught_of, with_learning_engine
 from tb.common.case_library import LESSONS
 from tb.common.lessons import Player, refusals
 

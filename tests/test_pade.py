@@ -11,7 +11,7 @@ from golden.activation import pade
 from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
 from golden.input_error import InputError
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
-from tactus.scene.reference import NUMBERS
+from tactus.scene.data import NUMBERS
 
 THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["pade"]
 

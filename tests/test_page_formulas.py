@@ -20,7 +20,7 @@ from golden.networks.engine import Engine
 from golden.sensing.scan import Scan
 from tactus.core.fingerprint import ROOT
 from tactus.scene import load_scene, scene_names
-from tactus.scene.write_image import hex_text
+from tactus.scene.image import hex_text
 from tactus.verify.benches.collected import CASES, CASES_OF
 
 pytestmark = pytest.mark.pages

@@ -10,7 +10,7 @@ from golden.activation.polynomial import normalised, polynomial_for
 from golden.input_error import InputError
 from golden.numbers.fixed import cut
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
-from tactus.scene.reference import NUMBERS
+from tactus.scene.data import NUMBERS
 
 TABLE_4_2 = tomllib.loads(NUMBERS.read_text())["activation"]["polynomial"]
 

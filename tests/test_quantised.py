@@ -29,7 +29,7 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
 from tactus.network_files.network_file import load_network, write_network
 from tactus.scene import Scene, load_scene
-from tactus.scene.quantised import file_codes, quantised_lines
+from tactus.scene.codes import file_codes, quantised_lines
 from tactus.scene.scale import Scale, on_signals
 from tb.common.cases import random_network, write_scene
 

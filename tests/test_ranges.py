@@ -26,7 +26,7 @@ from tactus.core.finding import OK, WARNING
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
-from tactus.scene.saturation import hidden_saturations, range_lines, saturating
+from tactus.scene.codes import hidden_saturations, range_lines, saturating
 from tb.common.cases import random_network, write_scene
 
 KINDS = ("relu", "leaky_relu", "linear")

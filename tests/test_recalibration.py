@@ -28,9 +28,8 @@ from tactus.recalibration.placements import LEAST_FREE, Placements, grouped, noi
 from tactus.recalibration.sensitivity import NEAREST, Sensitivity, outputs_and_slopes
 from tactus.scene import Scene, Vectors, load_scene, scene_path
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.image import scene_image
+from tactus.scene.image import hardware_of, scene_image
 from tactus.scene.scale import Scale, readings, signals
-from tactus.scene.write_image import hardware_of
 
 DRIFT = Disturbance(gain=0.03, offset=0.02)
 

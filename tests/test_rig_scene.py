@@ -27,8 +27,8 @@ from tactus.rig.network_of_others import Brought, brought
 from tactus.rig.survey import Survey, survey
 from tactus.rig.write_scene import names_of, write_scene
 from tactus.scene import Scene, load_scene
-from tactus.scene.saturation import saturating as scene_saturating
-from tactus.scene.schema import EDITOR_SCHEMA
+from tactus.scene.codes import saturating as scene_saturating
+from tactus.scene.reading import EDITOR_SCHEMA
 from tactus.train.descent.scaling import scaled
 from tb.common.cases import random_network
 

@@ -14,7 +14,7 @@ from tactus.export.__main__ import export_scene
 from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.scene.saturation import saturating
+from tactus.scene.codes import saturating
 from tb.common.cases import random_mlp, write_scene
 
 RIGHT = random_mlp((3, 5, 2), 1.0, 2)

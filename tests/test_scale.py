@@ -17,7 +17,7 @@ from tactus.errors.scene_errors import scene_errors, unit_errors
 from tactus.export import __main__ as export
 from tactus.network_files.network_file import load_network, provenance_path, save_network
 from tactus.scene import Scene, comparison_names, load_scene, scene_names
-from tactus.scene.ranges import ranges
+from tactus.scene.codes import ranges
 from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
 from tactus.train.descent import search

@@ -28,7 +28,7 @@ from tactus.scene import (
     scene_names,
     scene_path,
 )
-from tactus.scene.schema import EDITOR_SCHEMA, SCENE
+from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 
 SCHEMA = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
 JUDGE = Draft7Validator(SCHEMA)

@@ -11,7 +11,7 @@ from golden.activation.gradient import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
 from golden.input_error import InputError
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
-from tactus.scene.reference import NUMBERS
+from tactus.scene.data import NUMBERS
 
 THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["gradient"]
 FACTORS = [1, 2, 3, 5, 8, 16, 17, 18, 32, 100, 128, 511, 512]

@@ -19,7 +19,7 @@ from tactus.report.measure.designs import FAMILIES, FRONT, designs, refused_line
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
-from tactus.scene.comparison import compared
+from tactus.scene.choice import compared
 from tactus.sizing.candidates import Sized, front
 from tactus.sizing.exact import block_rams, multipliers
 from tactus.sizing.features import columns, tree_bits

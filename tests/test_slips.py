@@ -7,7 +7,7 @@ from golden.numbers.precision import normalisation
 from golden.sensing.scan_sequencer import ScanSequencer
 from golden.trained.mlp import Mlp
 from tactus.scene import load_scene
-from tactus.scene.reference import thesis_table
+from tactus.scene.data import thesis_table
 
 DIGIT = thesis_table("digit")
 

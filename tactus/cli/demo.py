@@ -36,11 +36,9 @@ from tactus.errors.scene_errors import (
 from tactus.report.page.build import build_report
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, thesis_figures
+from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, ranges
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import millimetres
-from tactus.scene.quantised import quantised_lines
-from tactus.scene.ranges import ranges
-from tactus.scene.saturation import hidden_saturations, range_lines
 from tactus.scene.vectors import warn_outside
 from tactus.train.descent.split import unused_text
 from tactus.verify.benches.results import left_texts, simulate

@@ -7,8 +7,7 @@ from pathlib import Path
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.scene import load_scene
-from tactus.scene.image import scene_image
-from tactus.scene.write_image import hardware_of, write_image
+from tactus.scene.image import hardware_of, scene_image, write_image
 
 
 def main() -> None:

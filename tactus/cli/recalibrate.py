@@ -38,8 +38,7 @@ from tactus.recalibration.placements import (
 )
 from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
-from tactus.scene.disturbance import MOST, Disturbance
-from tactus.scene.expected_drift import GAIN, OFFSET
+from tactus.scene.disturbance import GAIN, MOST, OFFSET, Disturbance
 
 # The least number of proposed placements. With fewer, the error of one would have too much weight.
 PROPOSED = 8

@@ -28,8 +28,8 @@ from tactus.network_files.network_file import check_targets, provenance_path, sa
 from tactus.rig import class_counts
 from tactus.rig.check import before_training
 from tactus.scene import Scene, load_scene
-from tactus.scene.schema import FEWEST
-from tactus.scene.trained_scale import story
+from tactus.scene.known_scales import story
+from tactus.scene.training import FEWEST
 from tactus.scene.vectors import warn_outside
 from tactus.train import layer_training, spline_training
 from tactus.train.candidate_runs import continued, parts_of

@@ -18,8 +18,7 @@ from tactus.export.hierarchy import LANGUAGES
 from tactus.export.repeatable import run_repeatable
 from tactus.export.stamp import is_current, write_stamp
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene
-from tactus.scene.ranges import ranges
-from tactus.scene.saturation import hidden_saturations, range_lines, warn_saturating
+from tactus.scene.codes import hidden_saturations, range_lines, ranges, warn_saturating
 from tactus.scene.vectors import warn_outside
 
 # In the place of a language: every one, one after the other.

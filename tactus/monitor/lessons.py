@@ -22,8 +22,8 @@ from tactus.recalibration.choice import proposed
 from tactus.recalibration.fit import fit
 from tactus.recalibration.placements import Placements
 from tactus.recalibration.sensitivity import Sensitivity
-from tactus.scene.expected_drift import zero_signals
-from tactus.scene.learning import taught_of
+from tactus.scene.building import taught_of
+from tactus.scene.disturbance import zero_signals
 from tactus.scene.metrics import error_scale
 from tactus.scene.scale import readings, signals
 

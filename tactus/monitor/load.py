@@ -11,8 +11,7 @@ from tactus.core.cli import run, stop_if_dry_run, whole
 from tactus.monitor.board import MOST_BAUD, Board, board_of
 from tactus.monitor.line import Line
 from tactus.monitor.ports import open_line
-from tactus.scene.image import scene_image
-from tactus.scene.write_image import hardware_of
+from tactus.scene.image import hardware_of, scene_image
 
 # A report counts after so many packets in a row have repeated it, because the first packets may
 # still report the state before the image.

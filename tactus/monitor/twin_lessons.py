@@ -12,7 +12,7 @@ from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.scene import Scene
-from tactus.scene.learning import taught_of
+from tactus.scene.building import taught_of
 
 # After so many seconds without a byte a lesson is dropped. The board waits for less than a
 # millisecond, but the system may pause between two bytes of a computer that sends them together.

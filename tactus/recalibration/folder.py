@@ -33,9 +33,8 @@ from tactus.core.folders import BUILD
 from tactus.core.table import read_csv_file, read_table, write_csv_file
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
 from tactus.scene import Scene
-from tactus.scene.converter_scale import codes_of
+from tactus.scene.known_scales import codes_of, story
 from tactus.scene.scale import Scale, on_readings, on_signals, readings, signals
-from tactus.scene.trained_scale import story
 
 # Number of digits of a reading. They are two more than a code of fourteen bits can need.
 DIGITS = 9

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from golden.numbers.real import Real
 from tactus.recalibration.placements import Placements
 from tactus.scene import Scene
-from tactus.scene.disturbance import Disturbance
-from tactus.scene.expected_drift import expected_drift, zero_signals
+from tactus.scene.disturbance import Disturbance, expected_drift, zero_signals
 from tactus.scene.scale import Scale, signals
 
 # An own error of a network below this, in percent, does not count.

@@ -11,7 +11,7 @@ from tactus.core.files import check_output, replace_file
 from tactus.report.draw.designs import is_drawn, picture_of
 from tactus.report.measure.designs import FAMILIES, designs, refused_lines
 from tactus.scene import load_scene
-from tactus.scene.comparison import compared
+from tactus.scene.choice import compared
 
 
 def family_of(name: str) -> str:

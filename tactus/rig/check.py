@@ -27,8 +27,7 @@ from tactus.network_files.classes import file_labels, stand_for_order
 from tactus.network_files.network_file import check_targets, held_in, write_network
 from tactus.rig import class_counts, readings, sensors_tell
 from tactus.scene import Scene, scene_names
-from tactus.scene.quantised import quantised_lines
-from tactus.scene.saturation import hidden_saturations, range_lines, saturating
+from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, saturating
 from tactus.scene.scale import on_readings, signals
 from tactus.scene.vectors import Recorded, read_recorded
 from tactus.train.descent.scaling import scaled

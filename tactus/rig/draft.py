@@ -14,8 +14,8 @@ from tactus.rig.network_of_others import Brought
 from tactus.rig.survey import Survey, labels_in
 from tactus.scene import Scene
 from tactus.scene.disturbance import MOST
+from tactus.scene.reading import EDITOR_SCHEMA
 from tactus.scene.scale import AUTO
-from tactus.scene.schema import EDITOR_SCHEMA
 
 TEMPLATE = """\
 #:schema {schema}

@@ -16,8 +16,8 @@ from tactus.core.finding import fault, refuse
 from tactus.core.table import CsvFile
 from tactus.rig.trained_on import TrainedOn, outputs_of
 from tactus.scene import Scene
+from tactus.scene.codes import hidden_saturations, range_lines
 from tactus.scene.labels import decided, margins
-from tactus.scene.saturation import hidden_saturations, range_lines
 
 LARGEST, MARGIN = "largest", "margin"
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"

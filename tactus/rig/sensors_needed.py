@@ -64,7 +64,7 @@ class Effort:
     starts: Number of networks, of which the validation rows choose one.
     together: Whether one network has all outputs; otherwise each output has its own network.
     disturbance: The expected disturbance of the readings, in every part of the rows.
-    optimiser, steps, patience, weight_decay: As in ``tactus.scene.sections.Training``.
+    optimiser, steps, patience, weight_decay: As in ``tactus.scene.training.Training``.
     """
 
     hidden: int = 8

@@ -11,18 +11,23 @@ from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.instruments.uart_instrument import UartInstrument
+from golden.learning.corrected import Corrected
+from golden.learning.gradient import constants
 from golden.networks.arrangement import arrange
 from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.learning_engine import LearningEngine
 from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
+from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
-from tactus.scene.demand import check_demand
-from tactus.scene.learning import with_learning_engine
+from tactus.scene.choice import check_demand
+from tactus.scene.disturbance import expected_drift
 
 if TYPE_CHECKING:
     from tactus.scene.scene import Scene
@@ -97,3 +102,19 @@ def _within_a_scan(scene: Scene, design: type[Design], settings: Settings) -> Ne
             within = replace(settings, options={**settings.options, **clocks})
             return arrange(scene.arrangement, scene.networks(), design, within)
     return None
+
+
+def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
+    """The networks of a scene behind corrected sensors, and the constants of each output."""
+    taught = Corrected.of(scene.mlps(), *expected_drift(scene))
+    vectors = scene.vectors()
+    steps = constants(taught, vectors.codes, SIGNAL.quantise(vectors.targets)[0])
+    return taught, steps.tolist()
+
+
+def with_learning_engine(scene: Scene, network: Network) -> Network:
+    """The engine of a scene, if the scene says so one that learns."""
+    if not scene.learning:
+        return network
+    assert isinstance(network, Engine), "no other design is let through"
+    return LearningEngine.of(network, *taught_of(scene))

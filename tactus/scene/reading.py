@@ -8,34 +8,58 @@ from golden.numbers.precision import PRECISIONS
 from tactus.core.files import check_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import check_names, read_toml, refuse_outside, values_of
-from tactus.scene.demand import demand, price
-from tactus.scene.front_end import front_end
+from tactus.core.schema import (
+    Key,
+    KeyTable,
+    check_names,
+    read_toml,
+    refuse_outside,
+    values_of,
+)
+from tactus.scene.data import DATA, beside, check_data, check_window, read_window, recordings
+from tactus.scene.front_end import FRONT_END, front_end
+from tactus.scene.hardware import (
+    HARDWARE,
+    check_activation,
+    check_hardware,
+    check_learning,
+    demand,
+    design_options,
+    price,
+)
 from tactus.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
-from tactus.scene.learning import check_learning
-from tactus.scene.past import check_window, read_window, recordings
+from tactus.scene.network import NETWORK, members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
-from tactus.scene.schema import SCENE
-from tactus.scene.sections import (
-    beside,
-    check_activation,
-    check_data,
-    check_digits,
-    check_functions,
-    check_hardware,
-    check_search,
-    design_options,
-    members,
-    training,
-)
-from tactus.scene.uart import uart
-from tactus.scene.visualisation import visualisation
+from tactus.scene.training import TRAINING, check_digits, check_functions, check_search, training
+from tactus.scene.uart import UART, uart
+from tactus.scene.visualisation import VISUALISATION, visualisation
 
 FOLDER = ROOT / "scenes"
 # The scenes that a command uses when it is given none: the instrument of the thesis, and the same
 # sensors and outputs as tactus builds them today.
 DEFAULT_SCENES = ("thesis", "digit")
+# The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
+# written. ``make pages`` writes it.
+EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
+SCENE = KeyTable(
+    {
+        "data": Key(DATA, {}, "Which recordings, sensors and outputs the scene has."),
+        "network": Key(
+            NETWORK, {}, "How many networks there are, of which size, and in which files."
+        ),
+        "hardware": Key(HARDWARE, {}, "In which form of hardware the networks are built."),
+        "training": Key(TRAINING, {}, "How the networks are trained."),
+        "front_end": Key(
+            FRONT_END,
+            None,
+            "How the sensors are read. Without this section samples arrive as a stream.",
+        ),
+        "visualisation": Key(VISUALISATION, None, "Adds a profile of the load to the outputs."),
+        "uart": Key(UART, None, "Adds a serial line to a computer."),
+    },
+    noun="section ",
+)
 
 
 def scene_path(name: str) -> Path:

@@ -7,7 +7,7 @@ scale holds signals.
 
 The hardware knows only signals, and a scale adds nothing to it. The scale of a sensor says which
 code its converter must give for which reading. Where the scene names the converter, the scale comes
-from its data sheet; see ``tactus.scene.converter_scale``. A network file maps readings to outputs
+from its data sheet; see ``tactus.scene.known_scales``. A network file maps readings to outputs
 in their units, whoever trained it; the scales are folded into its weights when it is read.
 """
 

@@ -29,14 +29,14 @@ from golden.trained.mlp import Mlp
 from golden.trained.window import Window
 from tactus.network_files.network_file import provenance_path
 from tactus.scene.building import build_twin
-from tactus.scene.converter_scale import converter_scales
-from tactus.scene.demand import choice_of, chosen
+from tactus.scene.choice import choice_of, chosen
+from tactus.scene.data import tap_names, window_text
 from tactus.scene.front_end import FrontEnd
+from tactus.scene.known_scales import converter_scales, trained_scales
 from tactus.scene.labels import check_labels, class_scale
-from tactus.scene.past import tap_names, window_text
+from tactus.scene.network import SceneNetwork
 from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
-from tactus.scene.sections import SceneNetwork, Training
-from tactus.scene.trained_scale import trained_scales
+from tactus.scene.training import Training
 from tactus.scene.uart import Uart
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
 from tactus.scene.visualisation import Visualisation
@@ -254,7 +254,7 @@ class Scene:
 
     @cached_property
     def converter_scales(self) -> dict[str, Scale]:
-        """The scales that the scene's converter sets; see ``tactus.scene.converter_scale``."""
+        """The scales that the scene's converter sets; see ``tactus.scene.known_scales``."""
         return converter_scales(self)
 
     @cached_property

@@ -22,7 +22,7 @@ from tactus.export.elaborate import elaborate
 from tactus.export.hierarchy import convert_hierarchy
 from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.scene.comparison import task_of
+from tactus.scene.choice import task_of
 from tactus.scene.reading import class_names, comparison_names
 from tactus.sizing.candidates import (
     DEEP,

@@ -32,7 +32,7 @@ from tactus.report.page.datasheets import block_tables
 from tactus.report.page.sign_off import sheet
 from tactus.scene import load_scene
 from tactus.scene.front_end import CONVERTERS
-from tactus.scene.hardware_keys import HARDWARE
+from tactus.scene.hardware import HARDWARE
 
 # This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"

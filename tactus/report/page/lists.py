@@ -27,7 +27,7 @@ from tactus.report.page import left_out as leaving
 from tactus.report.page import run_time
 from tactus.report.page.markers import put, write
 from tactus.scene import load_scene, thesis_figures, thesis_table
-from tactus.scene.schema import EDITOR_SCHEMA, SCENE
+from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 from tactus.synth.budget import read_budget
 
 COMMAND = "python -m tactus.report.page.lists"

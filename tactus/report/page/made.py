@@ -17,7 +17,7 @@ from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
-from tactus.scene.schema import SCENE
+from tactus.scene.reading import SCENE
 from tactus.synth.budget import read_budget
 
 

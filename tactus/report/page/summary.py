@@ -12,7 +12,7 @@ from tactus.report.measure.costs import Costs
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, thesis_figures
-from tactus.scene.saturation import hidden_saturations, range_lines
+from tactus.scene.codes import hidden_saturations, range_lines
 from tactus.synth.timing import DEVICE_NAME
 from tactus.train.descent.split import unused_text
 from tactus.verify.benches.places import block_names

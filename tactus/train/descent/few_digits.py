@@ -40,7 +40,7 @@ from golden.numbers.real import Real
 from golden.numbers.signed_digits import digit_counts, nearest_with
 from golden.trained.dense import Trained, layers_of, packed, unpacked
 from golden.trained.mlp import Activation
-from tactus.scene.schema import FEWEST
+from tactus.scene.training import FEWEST
 from tactus.train.descent.objective import Objective, Rows
 from tactus.train.descent.search import shift_biases, signed_errors
 from tactus.train.descent.task import Frames, Task

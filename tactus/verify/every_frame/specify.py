@@ -31,10 +31,9 @@ from golden.networks.table_graph import TableGraph
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 from golden.trained.function import Function
-from tactus.scene.expected_drift import expected_drift
-from tactus.scene.image import scene_image
+from tactus.scene.disturbance import expected_drift
+from tactus.scene.image import hardware_of, scene_image
 from tactus.scene.scene import Scene
-from tactus.scene.write_image import hardware_of
 
 
 class Words:

@@ -1,34 +1,26 @@
-"""Everything that a scene may hold: its sections and their keys."""
+"""The section ``[training]`` of a scene: its keys, and what they rule out elsewhere."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from golden.networks.arrangement import ARRANGEMENTS
-from golden.numbers.expression import ALLOWED
+from golden.input_error import InputError
+from golden.numbers.precision import PRECISIONS
 from golden.trained.dense import ACTIVATIONS
-from golden.trained.function import TABLE
 from tactus.core.schema import (
     Alternatives,
-    Each,
     Flag,
     Key,
     KeyTable,
     List,
-    Map,
     Number,
     Span,
     Text,
     Whole,
 )
-from tactus.scene.data_keys import DATA
-from tactus.scene.disturbance import MOST
-from tactus.scene.front_end import FRONT_END
-from tactus.scene.hardware_keys import HARDWARE
-from tactus.scene.uart import UART
-from tactus.scene.visualisation import VISUALISATION
+from tactus.scene.disturbance import MOST, Disturbance
+from tactus.scene.network import MOST_HIDDEN, listed
 
-# The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
-# written. ``make pages`` writes it.
-EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
 # By which part of its error digits = "fewest" may increase the error of an output.
 DIGITS_TOLERANCE = 0.02
@@ -36,71 +28,6 @@ DIGITS_TOLERANCE = 0.02
 INTERVALS = [2, 4]
 # More hidden layers than any network that the hardware was made for.
 MOST_LAYERS = 8
-# An engine's operand memory has so many words.
-MOST_HIDDEN = 1024
-
-_FUNCTION = (
-    "an expression of x, points { x = [...], y = [...] }, or the file of such, "
-    '{ points = "file.csv" }'
-)
-_PLACES = List(Number(finite=True), "two or more numbers", "a list of numbers", least=2)
-_POINTS = {
-    "x": Key(_PLACES, None, "Where the points lie, from left to right."),
-    "y": Key(_PLACES, None, "The value at each point."),
-    "points": Key(Text(some=True), None, "Instead: a CSV file with the columns x and y."),
-}
-NETWORK = KeyTable(
-    {
-        "arrangement": Key(
-            Text(ARRANGEMENTS),
-            meaning="`single` has one network for all outputs. `multiple` has one network for each "
-            "output. `cascade` has one for each output too, and each network also gets the outputs "
-            "of the networks before it.",
-        ),
-        "hidden": Key(
-            Each(Whole(Span(0, MOST_HIDDEN))),
-            0,
-            "The number of hidden nodes. 0 means as many as the network file has, in as many "
-            "layers; training then searches the range `training.hidden` and, where it is given, "
-            "`training.layers`. For `classes` without `training.layers` it trains a network "
-            "without a hidden layer. With `single`, a list has the number of nodes of "
-            "each hidden layer, such as `[32, 16]`: [networks of several "
-            "layers](networks.md#networks-of-several-layers).",
-        ),
-        "activations": Key(
-            List(
-                Text(tuple(ACTIVATIONS), begins=TABLE),
-                "a list with an activation for each hidden layer",
-                "a list of texts",
-            ),
-            [],
-            'Of `single`: the activation of each hidden layer, such as `["relu", "relu"]`. Without '
-            "it, the activations are those of the network file, and training takes "
-            "`training.activation`. "
-            f'`"{TABLE}"` and a name of `functions` is [a function of your own]'
-            "(networks.md#functions-of-your-own).",
-        ),
-        "functions": Key(
-            Map(Alternatives((Text(some=True), KeyTable(_POINTS, said=_FUNCTION)), _FUNCTION)),
-            {},
-            "Functions of x that `activations`, or those of the network file, can name. Each is an "
-            "expression, points `{ x = , y = }`, or `{ points = }` with the name of a CSV file "
-            f"whose columns x and y are the points. An expression holds {ALLOWED}.",
-        ),
-        "quantised": Key(
-            Text(("exact", "nearest")),
-            "exact",
-            "Of a [quantised network](networks.md#quantised-networks): whether its codes must be "
-            "those of its file, or may come from the nearest weights that the engine holds.",
-        ),
-        "weights": Key(
-            Each(Text()),
-            meaning="The files of the trained networks, `.npz`, `.mat` or `.onnx`, in the order of "
-            "the outputs. `make train` writes them.",
-        ),
-    },
-    name="a section",
-)
 
 
 def _ends(what: str, example: str, least: int, most: int) -> List:
@@ -260,21 +187,142 @@ TRAINING = KeyTable(
     },
     name="a section",
 )
-SCENE = KeyTable(
-    {
-        "data": Key(DATA, {}, "Which recordings, sensors and outputs the scene has."),
-        "network": Key(
-            NETWORK, {}, "How many networks there are, of which size, and in which files."
-        ),
-        "hardware": Key(HARDWARE, {}, "In which form of hardware the networks are built."),
-        "training": Key(TRAINING, {}, "How the networks are trained."),
-        "front_end": Key(
-            FRONT_END,
-            None,
-            "How the sensors are read. Without this section samples arrive as a stream.",
-        ),
-        "visualisation": Key(VISUALISATION, None, "Adds a profile of the load to the outputs."),
-        "uart": Key(UART, None, "Adds a serial line to a computer."),
-    },
-    noun="section ",
-)
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a scene's networks are trained; see ``tactus.train``.
+
+    ``earlier_outputs`` selects what a network of a cascade trains on: the outputs of earlier
+    networks in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
+    ``split_by`` and ``block_rows`` are those of ``tactus.train.descent.split``. With ``refit`` the
+    chosen network is trained further, on all rows. ``digits`` and ``digits_tolerance`` are those of
+    ``tactus.train.descent.few_digits``. ``disturbance`` is the expected disturbance of the readings
+    by the sensors. ``layers``, where it is not empty, and ``activation`` are those of
+    ``tactus.train.layer_training``. ``functions``, where it is not empty, and ``intervals`` are
+    those of ``tactus.train.spline_training``.
+    """
+
+    optimiser: str
+    hidden: tuple[int, int]
+    layers: tuple[int, ...]
+    activation: str
+    functions: str
+    intervals: tuple[int, ...]
+    seed: int
+    restarts: int
+    weight_decay: float
+    steps: int
+    patience: int
+    earlier_outputs: str
+    split: str
+    split_by: tuple[str, ...]
+    block_rows: int
+    refit: bool
+    digits: int | str
+    digits_tolerance: float
+    disturbance: Disturbance
+
+
+def training(values: dict[str, Any], path: Path) -> Training:
+    """Turn the section ``[training]`` into a ``Training``."""
+    kept = {key: values[key] for key in values if key not in ("noise", "drift")}
+    read = {
+        "hidden": tuple(values["hidden"]),
+        "layers": tuple(values.get("layers", ())),
+        "intervals": tuple(values.get("intervals", INTERVALS)),
+        "split_by": _split_by(values, path),
+        "disturbance": Disturbance(values["noise"], **values["drift"]),
+    }
+    return Training(**(kept | read))
+
+
+def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
+    """The columns of ``training.split_by``."""
+    names, split = values["split_by"], values["split"]
+    if names and split == "random":
+        raise InputError(
+            f"{path}: training.split_by: got {names!r} with split 'random', expected 'blocks' or "
+            "'groups'"
+        )
+    if split == "groups" and not names:
+        raise InputError(
+            f"{path}: training.split_by: got none with split 'groups', expected the columns whose "
+            "values are held out together"
+        )
+    return tuple(names)
+
+
+def check_search(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse a search for the hidden layers of a network whose layers are fixed otherwise."""
+    training, network = values["training"], values["network"]
+    layers, place = training.get("layers"), f"{path}: training.layers"
+    if layers is None:
+        if training["activation"] != "tanh":
+            raise InputError(
+                f"{path}: training.activation: got {training['activation']!r} without layers, "
+                "expected training.layers, or network.hidden and network.activations instead"
+            )
+        return
+    if network["arrangement"] != "single":
+        raise InputError(
+            f"{place}: got {layers} with arrangement {network['arrangement']!r}, expected 'single'"
+        )
+    if network["hidden"] != 0:
+        raise InputError(
+            f"{place}: got {layers} with network.hidden {network['hidden']}, expected "
+            "network.hidden 0, because training chooses the nodes of each layer"
+        )
+    if network["activations"]:
+        raise InputError(
+            f"{place}: got {layers} with network.activations {network['activations']}, expected "
+            "training.activation instead, which is that of every layer"
+        )
+
+
+def check_functions(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse networks of learned functions in a scene that cannot train or keep them."""
+    training, network = values["training"], values["network"]
+    place = f"{path}: training.functions: got {training['functions']!r}"
+    if not training["functions"]:
+        if "intervals" in training:
+            raise InputError(
+                f"{path}: training.intervals: got {training['intervals']} without "
+                "training.functions, expected functions = 'spline', or no such key"
+            )
+        return
+    for key in ("layers", "digits"):
+        if training.get(key):
+            raise InputError(f"{place} with training.{key}, expected one of them")
+    if training["optimiser"] == "scg":
+        raise InputError(f"{place} with training.optimiser 'scg', expected levenberg-marquardt")
+    if network["activations"]:
+        raise InputError(f"{place} with network.activations, expected none: functions are learned")
+    others = [name for name in listed(network["weights"]) if not name.endswith(".npz")]
+    if others:
+        raise InputError(f"{place} with network.weights {others[0]!r}, expected an NPZ file")
+
+
+def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse a number of signed digits that no network of the scene can have."""
+    digits, tolerance = (values["training"][key] for key in ("digits", "digits_tolerance"))
+    place, fewest = f"{path}: training.digits", digits == FEWEST
+    if tolerance != DIGITS_TOLERANCE and not fewest:
+        raise InputError(
+            f"{place}_tolerance: got {tolerance!r} with digits {digits!r}, expected digits 'fewest'"
+        )
+    if digits == 0:
+        return
+    precision = values["hardware"]["precision"]
+    if PRECISIONS[precision].normalise:
+        raise InputError(
+            f"{place}: got {digits!r} with precision {precision!r}, which gives normalised weights "
+            "digits of their own, expected 'exact'"
+        )
+    single = values["network"]["arrangement"] == "single"
+    outputs = len(values["data"]["outputs"]) if single else 1
+    if not fewest and digits <= outputs:
+        raise InputError(
+            f"{place}: got {digits}, expected at least {outputs + 1}: one for each output of a "
+            "network and one for a hidden node"
+        )

@@ -1,57 +1,55 @@
-"""How fast a scene's networks must be, and the design that is chosen for it."""
+"""The design that is chosen for a scene, and the designs that it is chosen from."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from golden.input_error import InputError, naming
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
 from golden.networks.network import Network
-from tactus.core.schema import written
-from tactus.scene.comparison import task_of
-from tactus.sizing.candidates import settings_for
-from tactus.sizing.choice import UNDECIDED, Choice, Demand, choose
-from tactus.sizing.price import DEFAULT, DEVICES, Price, shares_of
+from tactus.sizing.candidates import CANDIDATES, Refused, Sized, SizingTask, all_sized, settings_for
+from tactus.sizing.choice import Choice, choose
 
 if TYPE_CHECKING:
     from tactus.scene.scene import Scene
 
 
-def demand(hardware: dict[str, Any], path: Path) -> Demand:
-    """The limits of a section ``[hardware]``."""
-    rate, interval = hardware["frames_a_second"], hardware["interval"]
-    if rate:
-        if interval:
-            raise InputError(
-                f"{path}: hardware.frames_a_second: got {rate:g} with interval {interval}, "
-                "expected one of the two"
-            )
-        interval = int(1e6 * hardware["clock_mhz"] / rate)
-        if interval < 1:
-            raise InputError(
-                f"{path}: hardware.frames_a_second: got {rate:g}, expected at most "
-                f"{1e6 * hardware['clock_mhz']:g}, a frame in every clock"
-            )
-    return Demand(hardware["clocks"], interval, rate)
+def task_of(scene: Scene) -> SizingTask:
+    """The networks of a scene, its settings and its recorded frames."""
+    around = {
+        "a section [front_end]": scene.front_end is not None,
+        "a section [visualisation]": scene.visualisation is not None,
+        "hardware.interface 'axi_stream'": scene.interface == "axi_stream",
+        "data.window with past samples": not scene.window.plain,
+    }
+    codes = scene.vectors().codes
+    inputs = scene.members[0].inputs
+    with naming(scene.path):
+        return SizingTask(
+            scene.arrangement,
+            scene.networks(),
+            scene.settings(),
+            scene.design,
+            tuple(name for name, there in around.items() if there),
+            scene.argmax,
+            np.asarray(codes)[:, :inputs],
+            scene.front_end is None and scene.visualisation is None,
+            scene.demand.interval,
+        )
 
 
-def price(hardware: dict[str, Any], path: Path) -> Price:
-    """The prices of a section ``[hardware]``."""
-    for key in ("device", "prices"):
-        if hardware.get(key) and hardware["design"] != UNDECIDED:
-            raise InputError(
-                f"{path}: hardware.{key}: got {written(hardware[key])} with design "
-                f"{hardware['design']!r}, expected design {UNDECIDED!r}"
-            )
-    found, prices = shares_of(hardware["device"] or DEFAULT), hardware.get("prices")
-    if prices is None:
-        return found
-    if not any(prices.values()):
-        raise InputError(f"{path}: hardware.prices: got 0 for all, expected one above 0")
-    return Price(DEVICES[found.device.name], **prices, shares=False)
+def compared(scene: Scene) -> tuple[list[Sized], list[Refused]]:
+    """Every design of a scene with its costs, and those that cannot be built."""
+    task = task_of(scene)
+    found = all_sized(task, CANDIDATES)
+    return (
+        [one for one in found if isinstance(one, Sized)],
+        [one for one in found if isinstance(one, Refused)],
+    )
 
 
 def choice_of(scene: Scene) -> Choice:
