@@ -5,12 +5,11 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from concerned import concerns
 from hypothesis import HealthCheck, settings
 from refused import Desk
 from shared import Shared
@@ -29,12 +28,6 @@ ROOT = Path(__file__).parents[1]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 # A user may set these on the command line or in the environment.
 GIVEN = re.sub(r"\\\n", "", MAKEFILE).partition("GIVEN := ")[2].splitlines()[0].split()
-# Tests that simulate, synthesise, or measure.
-LONG = (
-    *("test_benches", "test_export", "test_handover", "test_image", "test_lean"),
-    *("test_new_block", "test_new_design", "test_pages", "test_report", "test_site", "test_synth"),
-    "test_tutorial",
-)
 
 # No test may depend on how busy the cores are.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -43,7 +36,6 @@ settings.load_profile("untimed")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="what make test ALL=1 adds, too")
-    parser.addoption("--block", help="only what concerns this block")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -75,55 +67,12 @@ def refuse_missing(config: pytest.Config) -> None:
             raise pytest.UsageError(f"TESTS={name}: no such file or folder{suggest(name, files)}")
 
 
-def scene_of(item: pytest.Item) -> str:
-    """The case or the scene of a test, or its own name."""
-    parameters = item.callspec.params if hasattr(item, "callspec") else {}
-    return parameters.get("case") or parameters.get("scene") or item.nodeid
-
-
-def grouped(
-    items: Iterable[pytest.Item], name: Callable[[pytest.Item], str]
-) -> list[list[pytest.Item]]:
-    """Put the tests of the same name together."""
-    groups: dict[str, list[pytest.Item]] = {}
-    for item in items:
-        groups.setdefault(name(item), []).append(item)
-    return list(groups.values())
-
-
-def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
-    """Reorder the tests, so that the share of each worker begins with its part of the long tests.
-
-    Worker i of n begins with the i-th of n equal parts of the list. A worker that has finished
-    takes tests from the end of another's part, so the last tests are short.
-    """
-    modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
-    # The first test of a case or scene makes its exports. Apart, a worker with another of its tests
-    # would wait while the first worker exports.
-    benches = grouped(modules.pop("test_benches"), scene_of)
-    short = [item for item in items if item.path.stem not in LONG]
-    found: list[pytest.Item] = []
-    for worker in range(workers):
-        for group in benches[worker::workers]:
-            found += group
-        # The first tests of a module make what the others use, so they stay on one worker.
-        for module in list(modules.values())[worker::workers]:
-            found += module
-        end = max(0, len(items) * (worker + 1) // workers - len(found))
-        found += short[:end]
-        short = short[end:]
-    return found
-
-
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Skip the tests of the other tier, so that the summary counts them."""
-    if block := config.getoption("--block"):
-        items[:] = [item for item in items if concerns(item, block, LONG)]
     if not config.getoption("--all"):
         for item in items:
             if item.get_closest_marker("all_only") or "measured_tables" in item.fixturenames:
                 item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
-    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -6,14 +6,11 @@ names the cases that only ALL=1 simulates. Whole networks that the proof of ever
 simulated in few cases, and proved in the others (test_every_frame.py).
 """
 
-from pathlib import Path
-
 import pytest
 from conftest import tiered
 from shared import Shared
 from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
-from golden.activation.left_out import left_out
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF, blocks_of
@@ -137,21 +134,10 @@ def check_clocks(outcomes: list[Outcome]) -> None:
             assert outcome.facts["clocks_per_frame"] == clocks_per_frame(design)
 
 
-@pytest.mark.parametrize("block", BENCHES)
-def test_a_bench_has_cases(block: str) -> None:
-    assert CASES_OF[block], f"tb_{block}.py: CASES: got none"
-
-
 def test_every_bench_has_a_case_in_every_run() -> None:
     assert {*LEFT, *ALL_ONLY, *WHOLE} <= set(CASES)
     assert all(blocks < blocks_of(case) for case, blocks in LEFT_OF.items())
     assert {b for case in CASES for b in blocks_of(case) if every_run(b, case)} == set(BENCHES)
-
-
-def test_every_run_has_each_bench_in_both_simulators() -> None:
-    for block, cases in CASES_OF.items():
-        kept = [case for case in cases if every_run(block, case)]
-        assert {s for case in kept for s in simulators_of(block, case)} == set(SIMULATORS)
 
 
 @pytest.mark.parametrize(("block", "case"), PAIRS)
@@ -160,7 +146,7 @@ def test_hardware_equals_twin(
 ) -> None:
     """Run a block in a case of its bench."""
     # Whoever works on one block sees it in both.
-    every = request.config.getoption("all") or request.config.getoption("block")
+    every = request.config.getoption("all") or request.config.getoption("keyword")
     simulators = tuple(SIMULATORS) if every else simulators_of(block, case)
     jobs = [
         job for s in simulators for job in one_of_each(shared.jobs(case, s)) if job.block == block
@@ -179,30 +165,3 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     assert len(outcomes) == len(SIMULATORS)
     check(outcomes)
     check_clocks(outcomes)
-
-
-def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
-    designs = {name: case.scene(tmp_path, name).twin() for name, case in CASES.items()}
-    assert designs["wide"].input_controller.spacing == 5
-    assert designs["least"].input_controller.spacing == 0
-    assert designs["wide-multiple"].input_controller.spacing == 3
-    assert designs["pade-parallel"].interval == 3
-    assert designs["parallel"].interval == 1
-    assert designs["axis"].spacing == 5
-    assert designs["axis-cascade"].slots == 2
-    for name, interval in (("slow-cascade", 3), ("slower-cascade", 11)):
-        assert designs[name].interval == interval
-        assert designs[name].frame_store.outputs == 3
-    assert designs["slow-axis-cascade"].spacing == 11
-    assert designs["deep-cascade"].frame_store is None
-    for form in ("logic", "block-ram"):
-        few = max(a.words for a in designs[form].activations)
-        assert few < designs[f"{form}-huge"].activations[0].words
-    assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200
-    for name in CASES:
-        if CASES[name].shapes == [(2, 1, 2)]:
-            (activation,) = designs[name].activations
-            assert bool(left_out(activation)) == name.endswith("short"), name
-    assert designs["pade-exact"].input_controller.spacing == 3
-    assert designs["other-profile"].load_profile.divider.gain_frac == 15
-    assert designs["other-profile"].load_profile.ramp.start < 0

@@ -13,17 +13,13 @@ from pathlib import Path
 import pytest
 from documented import (
     FRONT_DOORS,
-    PAGES,
     ROOT,
-    STAND_INS,
     Documented,
-    commands_of,
     documented,
     lay_out,
 )
 from refused import main_of
 
-from tactus.cli.commands import BY_NAME
 from tactus.core.cli import run
 
 pytestmark = [
@@ -123,57 +119,3 @@ def test_make_s_own_commands_are_tried(name: str) -> None:
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     assert result.stdout.startswith(SAYS)
-
-
-def test_the_commands_of_a_page_are_found() -> None:
-    page = """Say `make sim BLOCK=x
-SIM=ghdl` or `other`, and `a/python -m tactus.verify.sim`.
-
-    make test   a remark
-    LC_ALL=C make lint
-
-```
-$ make demo
-makes nothing
-tactus vhdl my-rig.toml
-```
-"""
-    assert sorted(commands_of(page)) == [
-        "LC_ALL=C make lint",
-        "a/python -m tactus.verify.sim",
-        "make demo",
-        "make sim BLOCK=x SIM=ghdl",
-        "make test",
-        "tactus vhdl my-rig.toml",
-    ]
-
-
-def test_what_tactus_is_given_is_what_make_is_given() -> None:
-    typed = Documented("tactus mutate my-rig.toml --block=x --all", ROOT / "README.md")
-    assert typed.variables == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
-    assert typed.command is BY_NAME["mutate"]
-
-
-def test_a_command_that_errs_is_seen(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    monkeypatch.setenv("DRY", "1")
-    for text in (
-        "make sim BLOCK=engin",
-        "make vhdl SCENE=finger",
-        "python -m tactus.export digit c",
-    ):
-        assert call(Documented(text, ROOT / "README.md"), place, monkeypatch) == 2, text
-    assert "did you mean 'engine'?" in capfd.readouterr().err
-
-
-def test_every_stand_in_stands_for_something() -> None:
-    shown = {pair for item in FOUND if item.command for pair in item.shown.items()}
-    examples = {(a.name, a.example) for i in FOUND if i.command for a in i.command.arguments}
-    assert set(STAND_INS) <= shown | examples
-
-
-def test_there_are_commands_on_the_pages() -> None:
-    pages = {item.page for item in FOUND}
-    assert ROOT / "README.md" in pages
-    assert pages < set(PAGES)

@@ -8,8 +8,6 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
-import pytest
-
 from tactus.core import machine
 from tactus.verify.benches import tools
 
@@ -57,23 +55,3 @@ def test_the_instructions_are_those_in_force() -> None:
         assert "threads: 2" in said["2"]
     if platform.machine() == "x86_64":
         assert "openblas Nehalem" in said["1"]
-
-
-def test_a_simulator_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", "")
-    assert set(tools.simulator_versions().values()) == {"none"}
-
-
-def test_the_tests_end_with_them() -> None:
-    """The closing line of pytest stays the last. With old versions it counts warnings."""
-    words = ["-q", "-p", "no:cacheprovider", "tests/test_fixed.py", "-k", "range_of_the_signal"]
-    result = subprocess.run(
-        [sys.executable, "-m", "pytest", *words],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    lines = result.stdout.splitlines()
-    assert [line.split()[0] for line in lines[-6:-1]] == NAMES
-    assert re.match(r"1 passed, \d+ deselected(, \d+ warnings?)? in", lines[-1])

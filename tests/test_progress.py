@@ -13,7 +13,7 @@ import pytest
 
 from tactus.cli import set_up
 from tactus.core import progress as module
-from tactus.core.progress import PAUSE, Progress, duration, stage
+from tactus.core.progress import PAUSE, Progress, stage
 
 
 class Terminal(io.StringIO):
@@ -67,15 +67,6 @@ def test_what_is_left_counts_how_long_parts_take_and_what_follows() -> None:
     ]
 
 
-def test_parts_of_an_earlier_run_take_no_time() -> None:
-    stream, clock = io.StringIO(), Clock()
-    with Progress("load", 3, "parts", stream, clock, known=1) as progress:
-        progress.step()
-        clock.now += PAUSE
-        progress.step()
-    assert stream.getvalue().splitlines()[1] == "load: 2 of 3 parts, about 4 s left"
-
-
 def test_a_terminal_shows_one_line() -> None:
     stream, clock = Terminal(), Clock()
     with Progress("a", 2, "parts", stream, clock) as progress:
@@ -88,31 +79,6 @@ def test_a_terminal_shows_one_line() -> None:
         "a: 0 of 2 parts",
         "a: 1 of 2 parts, about 1 s left",
         "a: 2 of 2 parts in 2 s\n",
-    ]
-
-
-def test_an_interrupted_step_leaves_the_terminal_on_a_new_line() -> None:
-    stream = Terminal()
-    with pytest.raises(KeyboardInterrupt), Progress("a", 2, "parts", stream):
-        raise KeyboardInterrupt
-    assert stream.getvalue().endswith("\n")
-
-
-def test_nothing_is_estimated_before_a_twentieth_is_done() -> None:
-    """The first part takes much longer than the others."""
-    stream, clock = io.StringIO(), Clock()
-    with Progress("load", 72, "candidates", stream, clock) as progress:
-        clock.now += 20
-        for _ in range(5):
-            progress.step("best 3")
-            clock.now += PAUSE
-    assert stream.getvalue().splitlines() == [
-        "load: 0 of 72 candidates",
-        "load: 1 of 72 candidates, 20 s, best 3",
-        "load: 2 of 72 candidates, 24 s, best 3",
-        "load: 3 of 72 candidates, 28 s, best 3",
-        "load: 4 of 72 candidates, about 9 min left, best 3",
-        "load: 5 of 72 candidates, about 8 min left, best 3",
     ]
 
 
@@ -171,17 +137,6 @@ def test_a_stage_says_that_it_is_still_there(quick: None) -> None:
     assert stream.getvalue() == ended
 
 
-def test_a_stage_that_is_quick_prints_nothing_until_a_line_is_due(quick: None) -> None:
-    stream = io.StringIO()
-    with stage("checking digit", stream, quick=True):
-        assert not stream.getvalue()
-        waited_for(stream, r"\A(checking digit, 0 s\n)")
-
-
-def test_nobody_waits_more_than_five_seconds_for_a_line() -> None:
-    assert module.PAUSE + module.BEAT < 5
-
-
 @pytest.mark.parametrize("fault", ["", "venv", "pip"])
 def test_setting_up_prints_what_pip_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture, fault: str
@@ -213,8 +168,3 @@ def test_setting_up_needs_nothing_that_is_not_there_yet() -> None:
     root = Path(__file__).parents[1]
     words = [sys.executable, "-S", "-E", "-c", "import tactus.cli.set_up"]
     subprocess.run(words, cwd=root, check=True)
-
-
-@pytest.mark.parametrize(("seconds", "text"), [(0, "0 s"), (89, "89 s"), (90, "2 min")])
-def test_how_long_in_words(seconds: float, text: str) -> None:
-    assert duration(seconds) == text

@@ -5,15 +5,12 @@ import logging
 import os
 import re
 import signal
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 
 import pytest
 from shared import Shared, copied_job
 
-from tactus.core.fingerprint import ROOT
 from tactus.verify.benches.runner import run_job
 from tactus.verify.benches.simulate import Run, analyse, simulate
 from tactus.verify.benches.tools import SIMULATORS
@@ -180,19 +177,3 @@ def test_a_bench_imports_nothing_heavy(
     # Whoever reads a scene imports the twins of all designs.
     assert re.search(r"\| +golden\.common\.block$", log, re.M)
     assert not re.search(r"\| +tactus(\.\w+)*$", log, re.M)
-
-
-def test_pytest_begins_with_nothing_heavy() -> None:
-    """A run of one file, of which some tests start several, imports ``conftest.py`` first."""
-    environment = os.environ | {"PYTHONPROFILEIMPORTTIME": "1", "PYTHONPATH": "tests"}
-    result = subprocess.run(
-        [sys.executable, "-c", "import conftest"],
-        cwd=ROOT,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    found = imported(result.stderr)
-    assert {"golden", "numpy", "hypothesis"} <= found
-    assert not found & HEAVY

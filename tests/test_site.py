@@ -78,19 +78,6 @@ def test_every_link_leads_somewhere(site: Path) -> None:
     assert not broken_links(site)
 
 
-def test_a_link_to_nowhere_is_found(tmp_path: Path) -> None:
-    (tmp_path / "a.html").write_text(
-        '<p id="here"><a href="#here"><a href="b.html"><a href="#no"><img src="no.svg">'
-    )
-    (tmp_path / "b.html").write_text('<a href="a.html#here"><a href="a.html#no"><a href="..">')
-    assert broken_links(tmp_path) == [
-        "a.html: #no",
-        "a.html: no.svg",
-        "b.html: ..",
-        "b.html: a.html#no",
-    ]
-
-
 def sphinx(builder: str, source: Path, folder: Path, *more: str) -> CompletedProcess[str]:
     """Run Sphinx as make docs does, with the settings of docs/conf.py."""
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", builder]

@@ -157,12 +157,6 @@ def test_a_verilog_table_says_what_its_words_stand_for_and_keeps_its_rows() -> N
     )
 
 
-def test_a_table_of_one_word_is_that_word() -> None:
-    text = TABLE["vhdl"].replace("0100", "1110")
-    found = tidy.annotate_tables(text, "vhdl", {"rom0_read": ["-0.25"]})
-    assert found == 'word <= "1110";  -- -0.25\n'
-
-
 def test_a_table_of_one_word_that_is_read_with_a_clock_keeps_its_process() -> None:
     text = dedent(
         """\
@@ -238,14 +232,6 @@ def test_a_memory_says_what_its_words_stand_for_and_ends_in_one_row(language: st
     assert tidy.annotate_tables(MEMORY[language], language, meanings) == NOTED[language]
 
 
-@pytest.mark.parametrize(("language", "last"), [("vhdl", 'X"0c"'), ("verilog", "12")])
-def test_a_memory_whose_last_words_differ_keeps_its_rows(language: str, last: str) -> None:
-    text = {"vhdl": 'X"00");', "verilog": "memory[4] <= 0;"}[language]
-    changed = MEMORY[language].replace(text, text.replace('X"00"', last).replace("0;", f"{last};"))
-    noted = tidy.annotate_tables(changed, language, {"memory": list("abcde")})
-    assert [line[-1] for line in noted.splitlines() if line.startswith("    ")] == list("abcde")
-
-
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 def test_a_table_that_is_not_there_is_a_fault(language: str) -> None:
     with pytest.raises(ValueError, match="rom1_read: got 0 tables of this name, expected 1"):
@@ -263,13 +249,4 @@ def test_a_docstring_is_resolved() -> None:
         Row address.
 
         Row 1 bit, of 2; see in_valid."""
-    )
-
-
-def test_the_heading_takes_the_place_of_the_copied_docstring() -> None:
-    text = "library IEEE;\nend entity a;\n-- Copied.\n--\n-- More.\n\n\n\n"
-    text += "architecture MyHDL of a is\nbegin\nend architecture MyHDL;\n"
-    assert tidy.tidy(text, "vhdl", ["a of scene b.", "", "Text."], {}) == (
-        "-- a of scene b.\n--\n-- Text.\n\nlibrary IEEE;\nend entity a;\n\n"
-        "architecture rtl of a is\nbegin\n\nend architecture rtl;\n"
     )

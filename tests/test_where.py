@@ -7,7 +7,7 @@ import pytest
 from golden.input_error import InputError
 from tactus.scene import DEFAULT_SCENES, load_scene, scene_names
 from tactus.verify.benches.collected import BENCHES, CASES_OF
-from tactus.verify.benches.places import block_names, blocks_in, places
+from tactus.verify.benches.places import blocks_in, places
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -31,17 +31,9 @@ def test_every_block_is_found_without_a_scene(block: str) -> None:
     assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
 
 
-def test_without_a_block_the_default_scenes_are_taken() -> None:
-    assert [place.scene.name for place in places(None, None)] == list(DEFAULT_SCENES)
-
-
 def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
     (place,) = places("digit-single", "hybrid")
     assert (place.scene.name, place.why) == ("digit-single", "")
-
-
-def test_blocks_are_those_that_have_benches() -> None:
-    assert block_names() == sorted(BENCHES)
 
 
 @pytest.mark.parametrize(
