@@ -387,10 +387,11 @@ COMMANDS = (
     Command(
         "prove",
         "With SCENE= proves, in both languages, that the export computes its network for every "
-        "frame that can come in. Otherwise proves properties of one block or of every block, shows "
-        "that broken copies of a block violate them, and proves that VHDL and Verilog compute the "
-        "same function. RECORD=1 records the results, THETA= puts these codes into an engine that "
-        "learns, and HARDWARE= names the scene whose hardware runs the image of SCENE=.",
+        "frame that can come in; several scenes stand in quotes. Otherwise proves properties of "
+        "one block or of every block, shows that broken copies of a block violate them, and proves "
+        "that VHDL and Verilog compute the same function. RECORD=1 records the results, THETA= "
+        "puts these codes into an engine that learns, and HARDWARE= names the scene whose hardware "
+        "runs the image of SCENE=.",
         (BLOCK, option("SCENE"), option("THETA"), HARDWARE, RECORD),
         "tactus.verify.prove",
     ),

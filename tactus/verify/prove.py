@@ -10,17 +10,18 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
-from tactus.core.cli import run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run, whole, words
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import PAUSE, Heartbeat, duration, stage
@@ -59,9 +60,16 @@ def hardware(folder: Path, entity: str, language: str) -> Netlist:
 
 
 def prove_netlist(
-    given: dict[str, Any], netlist: Netlist, folder: Path, tell: Callable[[str], None] = print
+    given: dict[str, Any],
+    netlist: Netlist,
+    folder: Path,
+    tell: Callable[[str], None] = print,
+    name: str = "",
 ) -> Verdict:
-    """Prove a netlist of an export in a folder. Icarus plays a frame at which Verilog differs."""
+    """Prove a netlist of an export in a folder. Icarus plays a frame at which Verilog differs.
+
+    name: Whose clocks are counted while it runs, beside those of other processes.
+    """
     clocks, began, printed = 0, time.monotonic(), time.monotonic()
 
     def ran(count: int) -> None:
@@ -73,7 +81,8 @@ def prove_netlist(
         now = time.monotonic()
         if now - printed >= PAUSE:
             printed = now
-            print(f"  {clocks} clocks are run, {duration(now - began)}", flush=True)
+            said = f"  {name}{clocks} clocks are run, {duration(now - began)}"
+            print(said, file=sys.__stdout__, flush=True)
 
     with Heartbeat(beat):
         found = judge(given, netlist, tell, ran)
@@ -101,27 +110,35 @@ def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
     return values.reshape(-1, outputs) if whole else None
 
 
-def prove_scene(scene: Scene, given: dict[str, Any], rig: Scene) -> int:
-    """Prove a scene on the hardware of ``rig`` in each language; the code of the worst.
+def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:
+    """Prove each scene on the hardware of another, or its own, in each language, as many at once as
+    there are cores; the code of the worst.
 
     What is proved to compute the network is compared with the trained one.
     """
-    codes = set()
-    for language in ("verilog", "vhdl"):
-        folder = BUILD / rig.name / language
-        with stage(f"{rig.name}: exporting and reading {language}", quick=True):
-            export(rig, language)
-            netlist = hardware(folder, given["entity"], language)
-        begun = time.process_time()
-        print(f"{scene.name}, {language}:", flush=True)
-        found = prove_netlist(given, netlist, folder)
-        print(f"{found}; {time.process_time() - begun:.1f} s of processor time", flush=True)
-        if language == "verilog":
-            keep(given, folder, found)
-        codes.add(found.code)
-    if codes == {PROVED}:
-        print("\n".join(from_trained(scene, given)))
-    return min(codes - {PROVED}, default=PROVED)
+    jobs = [(*one, language) for one in asked for language in ("verilog", "vhdl")]
+    results = Parallel(n_jobs=-1, return_as="generator")(delayed(_proved)(*job) for job in jobs)
+    codes = []
+    for (scene, given, _, language), (said, code) in zip(jobs, results, strict=True):
+        print(said, flush=True)
+        codes.append(code)
+        if language == "vhdl" and codes[-2:] == [PROVED, PROVED]:
+            print("\n".join(from_trained(scene, given)), flush=True)
+    return min({*codes} - {PROVED}, default=PROVED)
+
+
+def _proved(scene: Scene, given: dict[str, Any], rig: Scene, language: str) -> tuple[str, int]:
+    """What is said of one language, and the code."""
+    name, folder = f"{scene.name}, {language}: ", BUILD / rig.name / language
+    with stage(f"{name}exporting and reading", quick=True):
+        export(rig, language)
+        netlist = hardware(folder, given["entity"], language)
+    begun, said = time.process_time(), [name.rstrip()]
+    found = prove_netlist(given, netlist, folder, said.append, name)
+    if language == "verilog":
+        keep(given, folder, found)
+    said.append(f"{found}; {time.process_time() - begun:.1f} s of processor time")
+    return "\n".join(said), found.code
 
 
 def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
@@ -177,14 +194,20 @@ def main() -> int:
         raise InputError("SCENE: got BLOCK or RECORD beside it, expected one of SCENE and BLOCK")
     for simulator in ("ghdl", "icarus"):
         check_simulator(simulator)
-    scene = load_scene(arguments.scene)
     one = whole("THETA", SIGNAL.low, SIGNAL.high)
     theta = [one(text) for text in arguments.theta.split(",") if text]
     rig = load_scene(arguments.hardware) if arguments.hardware else None
-    given, built = description(scene, theta, rig), rig or scene
-    stop_if_dry_run(f"export {built.name} and prove it for every frame")
-    with held([BUILD / built.name]):
-        return prove_scene(scene, given, built)
+    # A path may have blanks in it.
+    whole_path = Path(arguments.scene).exists()
+    names = [arguments.scene] if whole_path else words("SCENE", arguments.scene)
+    scenes = [load_scene(name) for name in names]
+    asked = [(scene, description(scene, theta, rig), rig or scene) for scene in scenes]
+    built = {hardware.name for *_, hardware in asked}
+    if len(built) < len(asked):
+        raise InputError(f"SCENE={arguments.scene}: expected scenes of different hardware")
+    stop_if_dry_run(f"export {', '.join(sorted(built))} and prove it for every frame")
+    with held(BUILD / name for name in built):
+        return prove_scenes(asked)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 side by side.
 
 A value is an int (all bits known), `X` (nothing known), an `Expression` (a word that hangs on
-samples), or a tuple of pieces (source, low, count) from the lowest bit up.
+samples), or a tuple of pieces (source, low, count) from the lowest bit up. The words of a memory
+are a list of values.
 """
 
 from collections.abc import Iterable
@@ -26,6 +27,12 @@ class Expression:
         self.kind, self.width, self.extra, self.name = kind, width, extra, name
         self.arguments = arguments
         self.result: Any = None
+
+
+class Words(list[Any]):
+    """The words of a memory, which are never changed, so that an expression may name them."""
+
+    __hash__ = object.__hash__  # type: ignore[assignment]
 
 
 Bits = Any
@@ -74,9 +81,7 @@ def cut(v: Bits, low: int, count: int) -> tuple[Piece, ...]:
 
 
 def part(v: Bits, low: int, count: int) -> Bits:
-    if isinstance(v, int):
-        return v >> low & (1 << count) - 1
-    return join(cut(v, low, count))
+    return v >> low & (1 << count) - 1 if isinstance(v, int) else join(cut(v, low, count))
 
 
 def unknown(v: Bits) -> bool:
@@ -88,43 +93,43 @@ def extended(v: Bits, width: int, to: int, signed: bool) -> Bits:
     """The value in `to` bits, filled by its sign or by 0."""
     if to <= width:
         return part(v, 0, to)
-    if isinstance(v, int):
-        return v | ((1 << to) - (1 << width) if signed and v >> width - 1 else 0)
     top = cut(v, width - 1, 1) * (to - width) if signed else ((0, 0, to - width),)
     return join((*pieces(v, width), *top))
 
 
 def abstract(v: Bits) -> Bits:
     """The value with X for all that hangs on samples."""
-    if isinstance(v, int) or v is X:
+    if isinstance(v, Words):
+        return Words(map(abstract, v))
+    if isinstance(v, int):
         return v
-    return join(
-        (s if isinstance(s, int) else X, low, n) for s, low, n in pieces(v, getattr(v, "width", 0))
-    )
+    parts = pieces(v, getattr(v, "width", 1))
+    return join((s if isinstance(s, int) else X, low, count) for s, low, count in parts)
+
+
+def _bit_by_bit(v: Bits, width: int) -> list[Piece]:
+    return [
+        (s >> low + k & 1, 0, 1) if isinstance(s, int) else (s, 0 if s is X else low + k, 1)
+        for s, low, count in pieces(v, width)
+        for k in range(count)
+    ]
 
 
 def agreed(a: Bits, b: Bits, width: int) -> Bits:
     """What two values have in common, X elsewhere."""
     if a is b or a == b:
         return a
-    return join(
-        p if p == q else (X, 0, 1)
-        for k in range(width)
-        for p, q in zip(_bit(a, k), _bit(b, k), strict=True)
-    )
+    if isinstance(a, Words):
+        return Words(agreed(x, y, width) for x, y in zip(a, b, strict=True))
+    pairs = zip(_bit_by_bit(a, width), _bit_by_bit(b, width), strict=True)
+    return join(p if p == q else (X, 0, 1) for p, q in pairs)
 
 
 def apart(a: Bits, b: Bits, width: int) -> bool:
     """Whether a bit that is known in both differs."""
-    if a is X or b is X or a == b:
+    if a is X or b is X or a is b or a == b:
         return False
-    bits = (zip(_bit(a, k), _bit(b, k), strict=True) for k in range(width))
-    return any(p != q and p[0] is not X and q[0] is not X for ((p, q),) in bits)
-
-
-def _bit(v: Bits, k: int) -> tuple[Piece, ...]:
-    found = cut(v, k, 1)
-    source, low, _ = found[0]
-    if isinstance(source, int):
-        return ((source >> low & 1, 0, 1),)
-    return ((X, 0, 1),) if source is X else found
+    if isinstance(a, Words):
+        return any(apart(x, y, width) for x, y in zip(a, b, strict=True))
+    pairs = zip(_bit_by_bit(a, width), _bit_by_bit(b, width), strict=True)
+    return any(p != q and p[0] is not X and q[0] is not X for p, q in pairs)

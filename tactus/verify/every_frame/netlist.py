@@ -8,12 +8,11 @@ import json
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 READ = "hierarchy -check -top {top}; proc; flatten; memory_collect; opt_clean"
-REGISTERS = "$dff", "$dffe", "$sdff", "$sdffe", "$sdffce"
 # What these say concerns simulation and properties, not what the hardware does.
 SILENT = "$scopeinfo", "$print", "$check", "$assert", "$assume", "$cover"
 
@@ -33,44 +32,35 @@ class Run:
     bits: int | None = None
 
 
-@dataclass
-class Cell:
-    name: str
+Runs = tuple[Run, ...]
+
+
+class Cell(NamedTuple):
+    """An operator, a register ("$dff"), or a "read" at A of M, the words of a memory."""
+
     kind: str
-    parameters: dict[str, int]
-    inputs: dict[str, tuple[Run, ...]]
+    inputs: dict[str, Runs]
     output: int
-    width: int
-
-    def flag(self, name: str) -> bool:
-        return self.parameters.get(name, 0) == 1
+    signed: dict[str, bool]
 
 
-@dataclass
-class Memory:
-    """Words of `width` bits at addresses from `offset`; writes are (address, data, enable of each
-    bit)."""
+class Memory(NamedTuple):
+    """All words of a memory are one word of the netlist. At the `start` those are None that are not
+    known. A write has address, data, and an enable of each bit."""
 
-    name: str
-    width: int
-    size: int
-    offset: int
+    words: int
     start: list[int | None]
-    reads: list[tuple[tuple[Run, ...], int]] = field(default_factory=list)
-    writes: list[tuple[tuple[Run, ...], tuple[Run, ...], tuple[Run, ...]]] = field(
-        default_factory=list
-    )
+    write: tuple[Runs, ...] | None
 
 
-@dataclass
-class Netlist:
+class Netlist(NamedTuple):
     widths: list[int]
+    names: list[str]
     inputs: dict[str, int]
-    outputs: dict[str, tuple[Run, ...]]
+    outputs: dict[str, Runs]
     cells: list[Cell]
     registers: list[Cell]
     memories: list[Memory]
-    names: list[str]
 
 
 def read_verilog(
@@ -104,133 +94,85 @@ def netlist(module: dict[str, Any]) -> Netlist:
         names.append(name)
         return len(widths) - 1
 
-    def number(text: Any) -> int:
-        return (
-            text
-            if isinstance(text, int)
-            else int(text.replace("x", "0").replace("z", "0") or "0", 2)
-        )
-
-    inputs = {
-        n: word(n, p["bits"]) for n, p in module["ports"].items() if p["direction"] == "input"
-    }
-    if any(p["direction"] == "inout" for p in module["ports"].values()):
-        raise NotReadableError("a port of direction inout")
-    shown = {
-        bits[0]: n
-        for n, w in reversed(module["netnames"].items())
-        if isinstance((bits := w["bits"])[0], int) and not w.get("hide_name")
-    }
-    made = {}
-    for name, cell in module["cells"].items():
-        kind, wires = cell["type"], cell["connections"]
-        if kind in SILENT:
-            continue
-        if kind == "$mem_v2":
-            width = number(cell["parameters"]["WIDTH"])
-            data = wires["RD_DATA"]
-            made[name] = [
-                word(f"{name} read {k}", data[k * width : (k + 1) * width])
-                for k in range(len(data) // width)
-            ]
-            continue
-        port = "Q" if kind in REGISTERS else "Y"
-        if port not in wires or not kind.startswith("$"):
-            raise NotReadableError(f"cell {name}: {kind} is not known")
-        made[name] = [word(shown.get(wires[port][0], name), wires[port])]
-
-    def runs(bits: list[Any]) -> tuple[Run, ...]:
+    def runs(bits: list[Any]) -> Runs:
         found: list[Run] = []
         for bit in bits:
-            last = found[-1] if found else None
-            if isinstance(bit, str) or bit not in home:
-                # A wire that nothing drives is unknown.
-                known = {"0": 0, "1": 1}.get(bit)
-                if last and last.word is None and last.bits is None and known is None:
-                    found[-1] = Run(None, 0, last.count + 1)
-                elif last and last.bits is not None and known is not None:
-                    found[-1] = Run(None, 0, last.count + 1, last.bits | known << last.count)
+            # A wire that nothing drives is unknown.
+            known, last = {"0": 0, "1": 1}.get(bit), found[-1] if found else Run(-1, 0, 0)
+            source, place = home.get(bit, (None, 0))
+            if source is None:
+                if last.word is None and (last.bits is None) == (known is None):
+                    bits_of = known if known is None else last.bits | known << last.count  # type: ignore[operator]
+                    found[-1] = Run(None, 0, last.count + 1, bits_of)
                 else:
                     found.append(Run(None, 0, 1, known))
-                continue
-            source, place = home[bit]
-            if last and last.word == source and last.low + last.count == place:
+            elif (last.word, last.low + last.count) == (source, place):
                 found[-1] = Run(source, last.low, last.count + 1)
             else:
                 found.append(Run(source, place, 1))
         return tuple(found)
 
-    cells, registers, memories = [], [], []
-    for name, cell in module["cells"].items():
-        kind, wires, given = cell["type"], cell["connections"], cell["parameters"]
-        if kind in SILENT:
-            continue
+    ports: dict[str, dict[str, list[Any]]] = {"input": {}, "output": {}, "inout": {}}
+    for name, port in module["ports"].items():
+        ports[port["direction"]][name] = port["bits"]
+    if ports["inout"]:
+        raise NotReadableError("a port of direction inout")
+    inputs = {name: word(name, bits) for name, bits in ports["input"].items()}
+    nets = reversed(module["netnames"].items())
+    shown = {n["bits"][0]: name for name, n in nets if not n.get("hide_name")}
+    given = {name: c for name, c in module["cells"].items() if c["type"] not in SILENT}
+    made: dict[str, list[int]] = {}
+    for name, cell in given.items():
+        kind, wires = cell["type"], cell["connections"]
+        port = {"$mem_v2": "RD_DATA", "$dff": "Q"}.get(kind, "Y")
+        if port not in wires or not kind.startswith("$"):
+            raise NotReadableError(f"cell {name}: {kind} is not known")
+        width = _number(cell["parameters"]["WIDTH"]) if kind == "$mem_v2" else len(wires[port])
+        pieces = [wires[port][k : k + width] for k in range(0, len(wires[port]), width)]
+        made[name] = [word(shown.get(piece[0], name), piece) for piece in pieces]
+    outputs = {name: runs(bits) for name, bits in ports["output"].items()}
+    found = Netlist(widths, names, inputs, outputs, [], [], [])
+    for name, cell in given.items():
+        kind, wires, parameters = cell["type"], cell["connections"], cell["parameters"]
         if kind == "$mem_v2":
-            memories.append(
-                _memory(
-                    name,
-                    {k: number(v) for k, v in given.items() if k not in ("INIT", "MEMID")},
-                    given["INIT"],
-                    wires,
-                    runs,
-                    made[name],
-                )
-            )
+            start, write = _memory(name, parameters, wires)
+            width = _number(parameters["WIDTH"])
+            words = word(name, ["x"] * width)
+            found.memories.append(Memory(words, start, write and tuple(map(runs, write))))
+            bits = _number(parameters["ABITS"])
+            for k, output in enumerate(made[name]):
+                address = runs(wires["RD_ADDR"][k * bits : (k + 1) * bits])
+                ports_of = {"A": address, "M": (Run(words, 0, width),)}
+                found.cells.append(Cell("read", ports_of, output, {}))
             continue
-        parameters = {k: number(v) for k, v in given.items()}
-        port = "Q" if kind in REGISTERS else "Y"
-        found = Cell(
-            name,
-            kind,
-            parameters,
-            {p: runs(b) for p, b in wires.items() if p != port},
-            made[name][0],
-            len(wires[port]),
-        )
-        if port == "Q":
-            if found.inputs["CLK"] != (Run(inputs.get("clk", -1), 0, 1),) or not found.flag(
-                "CLK_POLARITY"
-            ):
-                raise NotReadableError(
-                    f"register {names[made[name][0]]}: expected the rising edge of clk"
-                )
-            registers.append(found)
+        taken = {p: runs(b) for p, b in wires.items() if p not in "QY"}
+        signs = {p: _number(parameters.get(f"{p}_SIGNED", 0)) == 1 for p in "AB"}
+        one = Cell(kind, taken, made[name][0], signs)
+        if kind != "$dff":
+            found.cells.append(one)
+        elif taken["CLK"] == (Run(inputs.get("clk", -1), 0, 1),) and _number(
+            parameters["CLK_POLARITY"]
+        ):
+            found.registers.append(one)
         else:
-            cells.append(found)
-    outputs = {n: runs(p["bits"]) for n, p in module["ports"].items() if p["direction"] == "output"}
-    return Netlist(widths, inputs, outputs, cells, registers, memories, names)
-
-
-def _memory(
-    name: str,
-    p: dict[str, int],
-    init: str,
-    wires: dict[str, list[Any]],
-    runs: Any,
-    reads: list[int],
-) -> Memory:
-    width, size, bits = p["WIDTH"], p["SIZE"], p["ABITS"]
-    if p["RD_CLK_ENABLE"]:
-        raise NotReadableError(f"memory {name}: expected reads without a clock")
-    if wires["WR_CLK"] and (
-        len(set(wires["WR_CLK"])) > 1
-        or p["WR_CLK_ENABLE"] != (1 << p["WR_PORTS"]) - 1
-        or p["WR_CLK_POLARITY"] != p["WR_CLK_ENABLE"]
-    ):
-        raise NotReadableError(f"memory {name}: expected writes at the rising edge of one clock")
-    init = init.rjust(width * size, "x")
-    words = [init[len(init) - width * (k + 1) : len(init) - width * k] for k in range(size)]
-
-    def cut(port: str, k: int, n: int) -> tuple[Run, ...]:
-        found: tuple[Run, ...] = runs(wires[port][k * n : (k + 1) * n])
-        return found
-
-    found = Memory(
-        name, width, size, p["OFFSET"], [None if set(w) - {"0", "1"} else int(w, 2) for w in words]
-    )
-    found.reads = [(cut("RD_ADDR", k, bits), output) for k, output in enumerate(reads)]
-    found.writes = [
-        (cut("WR_ADDR", k, bits), cut("WR_DATA", k, width), cut("WR_EN", k, width))
-        for k in range(p["WR_PORTS"])
-    ]
+            raise NotReadableError(f"register {names[one.output]}: expected the rising edge of clk")
     return found
+
+
+def _number(text: Any) -> int:
+    return text if isinstance(text, int) else int(text, 2)
+
+
+def _memory(name: str, given: dict[str, Any], wires: dict[str, list[Any]]) -> Any:
+    """The words of a memory at the start, and the bits of its write, if there is one."""
+    width, size, writes = (_number(given[key]) for key in ("WIDTH", "SIZE", "WR_PORTS"))
+    if _number(given["RD_CLK_ENABLE"]):
+        raise NotReadableError(f"memory {name}: expected reads without a clock")
+    if _number(given["OFFSET"]) or writes > 1:
+        raise NotReadableError(f"memory {name}: expected addresses from 0 on, and one write")
+    if writes and not _number(given["WR_CLK_ENABLE"]) & _number(given["WR_CLK_POLARITY"]):
+        raise NotReadableError(f"memory {name}: expected writes at the rising edge of clk")
+    init = given["INIT"].rjust(width * size, "x")
+    words = [init[len(init) - width * (k + 1) : len(init) - width * k] for k in range(size)]
+    start = [None if set(w) - {"0", "1"} else int(w, 2) for w in words]
+    return start, [wires[port] for port in ("WR_ADDR", "WR_DATA", "WR_EN")] if writes else None

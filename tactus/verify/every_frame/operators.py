@@ -17,7 +17,6 @@ def parity(a: Any) -> Any:
 ONE: dict[str, Callable[[Any, int], Any]] = {
     "$not": lambda a, n: ~a,
     "$neg": lambda a, n: -a,
-    "$pos": lambda a, n: a,
     "$logic_not": lambda a, n: a == 0,
     "$reduce_or": lambda a, n: a != 0,
     "$reduce_bool": lambda a, n: a != 0,
@@ -35,8 +34,6 @@ TWO: dict[str, Callable[[Any, Any], Any]] = {
     "$xnor": lambda a, b: ~(a ^ b),
     "$eq": lambda a, b: a == b,
     "$ne": lambda a, b: a != b,
-    "$eqx": lambda a, b: a == b,
-    "$nex": lambda a, b: a != b,
     "$lt": lambda a, b: a < b,
     "$le": lambda a, b: a <= b,
     "$gt": lambda a, b: a > b,
@@ -44,23 +41,11 @@ TWO: dict[str, Callable[[Any, Any], Any]] = {
     "$logic_and": lambda a, b: (a != 0) & (b != 0),
     "$logic_or": lambda a, b: (a != 0) | (b != 0),
 }
-SHIFTS: dict[str, Callable[[Any, Any], Any]] = {
-    "$shl": lambda a, b: a << b,
-    "$sshl": lambda a, b: a << b,
-    "$shr": lambda a, b: a >> b,
-    "$sshr": lambda a, b: a >> b,
-}
 # Operands of these count modulo 2^n, n the width of the result; the others need the number itself.
-MODULAR = (
-    *("$add", "$sub", "$mul", "$neg", "$pos", "$not", "$and", "$or", "$xor", "$xnor"),
-    *("$shl", "$sshl"),
-)
-COMPARISONS = "$eq", "$ne", "$eqx", "$nex", "$lt", "$le", "$gt", "$ge"
+MODULAR = "$add", "$sub", "$mul", "$neg", "$not", "$and", "$or", "$xor", "$xnor"
+COMPARISONS = "$eq", "$ne", "$lt", "$le", "$gt", "$ge"
 # An operand that is read without its sign, whatever the other is.
-UNSIGNED = (
-    *("$logic_not", "$reduce_or", "$reduce_bool", "$reduce_and", "$reduce_xor"),
-    *("$reduce_xnor", "$logic_and", "$logic_or"),
-)
+UNSIGNED = (*(kind for kind in ONE if kind not in MODULAR), "$logic_and", "$logic_or")
 
 
 def signed(v: int, width: int) -> int:

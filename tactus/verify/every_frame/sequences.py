@@ -12,7 +12,7 @@ from functools import reduce
 from itertools import count
 from typing import Any
 
-from tactus.verify.every_frame.bits import Bits, X, agreed, apart
+from tactus.verify.every_frame.bits import Bits, X, abstract, agreed, apart
 from tactus.verify.every_frame.netlist import Netlist
 from tactus.verify.every_frame.network import Network
 from tactus.verify.every_frame.sums import Space, UnsupportedError, Value
@@ -79,6 +79,7 @@ class Sequences:
         sys.setrecursionlimit(1 << 20)
         self.given, self.network = description, Network(description)
         self.run = Unrolled(hardware)
+        self.sizes = [hardware.widths[word] for word in self.run.held]
         self.told = clock
         self.bits: int = description["bits"]
         self.count: int = description["samples"]
@@ -176,29 +177,11 @@ class Sequences:
 
     def _joined(self, a: State, b: State) -> State:
         """What two states have in common; the rest is unknown."""
-        hardware = self.run.hardware
-        registers = [
-            agreed(x, y, r.width) for x, y, r in zip(a[0], b[0], hardware.registers, strict=True)
-        ]
-        memories = [
-            p
-            if p is q or not m.writes
-            else [agreed(x, y, m.width) for x, y in zip(p, q, strict=True)]
-            for p, q, m in zip(a[1], b[1], hardware.memories, strict=True)
-        ]
-        return registers, memories
-
-    @staticmethod
-    def _same(a: State, b: State) -> bool:
-        return a[0] == b[0] and all(p is q or p == q for p, q in zip(a[1], b[1], strict=True))
+        return [agreed(*one) for one in zip(a, b, self.sizes, strict=True)]
 
     def _apart(self, a: State, b: State) -> bool:
         """Whether the states differ in a bit that both know."""
-        netlist = self.run.hardware
-        words = [(r.width, [x], [y]) for r, x, y in zip(netlist.registers, a[0], b[0], strict=True)]
-        words += [(m.width, p, q) for m, p, q in zip(netlist.memories, a[1], b[1], strict=True)]
-        pairs = ((n, zip(p, q, strict=True)) for n, p, q in words if p is not q)
-        return any(apart(x, y, n) for n, both in pairs for x, y in both)
+        return any(apart(*one) for one in zip(a, b, self.sizes, strict=True))
 
     # The claims.
 
@@ -209,7 +192,7 @@ class Sequences:
         run.clock()
         reset, begins = run.state(), [{**IDLE, **one} for one in before(self.given)]
         self._play(begins)
-        first = run.abstracted(run.state())
+        first = run.abstracted()
         tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
         overlap = self.given["interval"] < ends + tail
         wait = max(max(self.clocks), self.given["interval"] - self.given["elements"])
@@ -224,7 +207,7 @@ class Sequences:
             alike = [r for r in reached if late or not self._apart(r[0], state)]
             alike = alike if late else alike[:1]
             state = reduce(self._joined, [one for one, _ in alike], state)
-            if any(self._same(one, state) for one, _ in alike):
+            if any(one == state for one, _ in alike):
                 continue
             for one in alike:
                 reached.remove(one)
@@ -235,22 +218,22 @@ class Sequences:
                 )
             run.restore(state)
             self._check(self._play([IDLE]), [], None)
-            waiting.append(run.abstracted(run.state()))
+            waiting.append(run.abstracted())
             run.restore(state)
             found = self._play([*self._frame(self.symbols), *[IDLE] * wait])
             # A loop of a program is run to its end.
             for _ in range(2 * self.given["interval"] if overlap else 0):
-                last = run.abstracted(run.state())
+                last = run.abstracted()
                 found += self._play([IDLE])
-                if self._same(last, run.abstracted(run.state())):
+                if last == run.abstracted():
                     break
-            waiting.append(run.abstracted(run.state()))
+            waiting.append(run.abstracted())
             reached.append((state, found))
             if "load_valid" in self.still:
                 # What the memory holds of another image is not known.
                 run.restore(self._joined(reset, state))
                 self._play(begins)
-                waiting.append(run.abstracted(run.state()))
+                waiting.append(run.abstracted())
         states = [state for state, _ in reached]
         quiet = max(len(found) for _, found in reached) - ends
         for _, found in reached:
@@ -325,7 +308,7 @@ class Sequences:
                 self._check(self._play([inputs]), [], None)
                 for gap in count():
                     state = run.state()
-                    if any(self._same(state, s) for s in following):
+                    if state in following:
                         break
                     # A joined state has the one before it within.
                     following[len(following) - (gap > exact) :] = [state]
@@ -357,8 +340,11 @@ class Sequences:
             return reduce(self._joined, states), found
 
         always: State | None = None
-        while always is None or not self._same(always, start):
-            always, start = start, self._joined(start, run.abstracted(after(start, either)[0]))
+        while always is None or always != start:
+            always, start = (
+                start,
+                self._joined(start, [abstract(v) for v in after(start, either)[0]]),
+            )
         for inputs in (*self._frame(self.symbols), IDLE):
             state, found = after(start, [inputs])
             seen = [found]
@@ -382,8 +368,8 @@ class Sequences:
         states: list[State] = []
         run.restore(start)
         while True:
-            state = run.abstracted(run.state())
-            if any(self._same(state, s) for s in states):
+            state = run.abstracted()
+            if state in states:
                 break
             states.append(state)
             if len(states) > ROUNDS + around:

@@ -1,11 +1,12 @@
 """Expressions as sums of functions of words."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from tactus.verify.every_frame.bits import Bits, Expression, X, join, pieces
-from tactus.verify.every_frame.operators import COMPARISONS, ONE, SHIFTS, TWO, array, signed
+from tactus.verify.every_frame.operators import COMPARISONS, ONE, TWO, array, signed
 from tactus.verify.every_frame.sums import (
     MOST,
     Space,
@@ -16,6 +17,14 @@ from tactus.verify.every_frame.sums import (
     plus,
     times,
 )
+
+# What is linear, of numbers that are right modulo a power of two.
+LINEAR: dict[str, Callable[..., Value]] = {
+    "$add": plus,
+    "$sub": minus,
+    "$neg": lambda a: times(a, -1),
+    "$not": lambda a: minus(-1, a),
+}
 
 
 class Values:
@@ -80,18 +89,12 @@ class Values:
             return space.choose(c, *(self.residue(v, e.width) for v in (yes, no)))
         if kind == "read":
             return self._read(e)
-        if kind in ("$add", "$sub", "$mul", "$neg", "$not"):
-            a, *rest = [self.residue(v, n) for v, n, _ in e.arguments]
-            if kind == "$add":
-                return plus(a, rest[0])
-            if kind == "$sub":
-                return minus(a, rest[0])
-            if kind == "$neg":
-                return times(a, -1)
-            if kind == "$not":
-                return minus(-1, a)
-            if isinstance(a, int) or isinstance(rest[0], int):
-                return times(rest[0], a) if isinstance(a, int) else times(a, rest[0])  # type: ignore[arg-type]
+        if kind in LINEAR:
+            return LINEAR[kind](*(self.residue(v, n) for v, n, _ in e.arguments))
+        if kind == "$mul":
+            a, b = (self.residue(v, n) for v, n, _ in e.arguments)
+            if isinstance(a, int) or isinstance(b, int):
+                return times(b, a) if isinstance(a, int) else times(a, b)  # type: ignore[arg-type]
             a, b = [self.number(v, n, s) for v, n, s in e.arguments]
             if max(map(abs, ends(a))) * max(map(abs, ends(b))) >= MOST:
                 raise UnsupportedError("a product of more than 62 bits")
@@ -105,14 +108,6 @@ class Values:
         if kind in ONE:
             n = e.arguments[0][1]
             return space.of(lambda a: array(ONE[kind](a, n)), numbers[0])
-        if kind in SHIFTS:
-            if kind in ("$shr", "$sshr"):
-                return space.of(lambda a, b: a >> np.minimum(b, 62), *numbers)
-            width = e.width
-            return space.of(
-                lambda a, b: np.where(b < width, (a & (1 << width) - 1) << np.minimum(b, width), 0),
-                *numbers,
-            )
         if kind in ("$logic_and", "$logic_or"):
             numbers = [minus(1, space.zero(v)) for v in numbers]
         return space.of(lambda x, y: array(TWO[kind](x, y)), *numbers)
@@ -135,20 +130,16 @@ class Values:
         return minus(1, found) if kind in ("$ne", "$nex", "$le", "$ge") else found
 
     def _read(self, e: Expression) -> Value:
-        v, n, _ = e.arguments[0]
-        address, table = self.number(v, n, False), e.extra
-        words = np.array(
-            [0 if w is None else signed(w, e.width) for w in table.words], dtype=np.int64
-        )
-        known = np.array([w is not None for w in table.words])
+        words = np.array([signed(w, e.width) if isinstance(w, int) else 0 for w in e.extra])
+        known = np.array([isinstance(w, int) for w in e.extra])
 
         def looked_up(a: Any) -> Any:
-            places = np.asarray(a) - table.offset
-            if (places < 0).any() or (places >= len(words)).any() or not known[places].all():
+            if (a < 0).any() or (a >= len(words)).any() or not known[a].all():
                 raise UnsupportedError("a read of a word that nothing has set")
-            return words[places]
+            return words[a]
 
-        return self.space.of(looked_up, address)
+        ((v, n, _),) = e.arguments
+        return self.space.of(looked_up, self.number(v, n, False))
 
 
 def _core(v: Bits, width: int) -> tuple[Bits, int]:
