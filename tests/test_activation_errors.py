@@ -13,11 +13,9 @@ from golden.activation.schemes import forms
 from tactus.report.measure import activation_errors as errors
 from tactus.report.measure.activation_errors import (
     FACTORS,
-    PLOTS,
     THESIS_FACTOR,
     Row,
     measure,
-    plot,
     plot_file,
     table,
 )
@@ -80,23 +78,6 @@ def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) ->
     with (tmp_path / "build" / "activations" / "errors.csv").open() as handle:
         assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
     assert {p.name for p in (tmp_path / "plots").iterdir()} == set(map(plot_file, forms()))
-
-
-def test_a_plot_is_the_same_on_every_run(tmp_path: Path) -> None:
-    for name in ("first", "second"):
-        plot("lut", forms()["lut"], tmp_path / f"{name}.svg")
-    first = (tmp_path / "first.svg").read_bytes()
-    assert first == (tmp_path / "second.svg").read_bytes()
-    assert b"<dc:date>" not in first
-
-
-def test_every_datasheet_shows_its_plot() -> None:
-    for name, scheme in forms().items():
-        precision = scheme.precisions[0]
-        sheet = scheme.build(precision, 1, precision.hidden_fmt.high).block
-        assert (PLOTS / plot_file(name)).is_file()
-        text = (ROOT / "docs" / "blocks" / f"{sheet}.md").read_text()
-        assert f"](../activations/{plot_file(name)})" in text
 
 
 def test_the_page_shows_what_the_command_prints(rows: list[Row]) -> None:

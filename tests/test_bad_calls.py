@@ -20,18 +20,9 @@ NAMES = {
     "finger": "scene 'finger': no such scene, expected a path to a .toml file or one of digit",
     "digit-singel": "scene 'digit-singel': no such scene, .* did you mean 'digit-single'?",
     "": "scene '': no such scene, expected a path",
-    ".": "scene '.': no such scene, expected a path",
-    "..": "scene '..': no such scene, expected a path",
     "/": "scene '/': no such scene, expected a path",
-    "comparison": "scene 'comparison': no such scene, expected a path",
-    "digit/digit": "scene 'digit/digit': no such scene, expected a path",
-    "mine": "scene 'mine': no such scene, expected a path",
-    "mine.csv": "scene 'mine.csv': no such scene, expected a path",
-    "*.toml": "scene '*.toml': no such scene, expected a path",
-    "`touch ran`": "scene '`touch ran`': no such scene, expected a path",
     "a\nb": r"scene 'a\nb': no such scene, expected a path",
     "no.toml": "scene 'no.toml': no such scene, expected a path",
-    "~nobody-of-this-name/a.toml": "scene '~nobody-of-this-name/a.toml': no such scene",
     "mine.toml/a.toml": "mine.toml/a.toml: cannot be read: Not a directory",
     f"{'a' * 5000}.toml": "a.toml: cannot be read: File name too long",
     "a\0.toml": "cannot be read: embedded null byte",
@@ -46,60 +37,35 @@ NAMES = {
 # Names of files for a network, and the message for each.
 TARGETS = {
     "": ".: got the ending '', expected one of .npz, .mat, .onnx",
-    "net": "net: got the ending '', expected one of .npz, .mat, .onnx",
     "net.onx": "net.onx: got the ending '.onx', .* did you mean '.onnx'?",
-    ".npz": ".npz: got the ending '', expected one of .npz, .mat, .onnx",
     "pipe.npz": "pipe.npz: cannot be written: got no regular file, expected a file",
     "folder.npz": "folder.npz: cannot be written: got a folder, expected a file",
     "mine.toml/a.npz": "mine.toml/a.npz: cannot be written: mine.toml: File exists",
-    "/dev/full/a.mat": "/dev/full/a.mat: cannot be written: /dev/full: File exists",
-    "/proc/a.onnx": "/proc/a.onnx: cannot be written: ",
     f"{'a' * 5000}.npz": "a.npz: cannot be written: ",
     "a\0.npz": "cannot be written: embedded null byte",
-    "loop.toml/a.npz": "loop.toml/a.npz: cannot be written: ",
 }
 # Calls, and the message for each.
 CALLS = {
     "sim mine.toml --block engin": "BLOCK=engin: no such block; did you mean 'engine'?",
-    "sim mine.toml --block=": "BLOCK=: no such block, expected one of abs_unit, ",
     "sim mine.toml --block engine": (
         "BLOCK=engine: scene mine has no such block, .*; scene digit contains"
     ),
     "sim mine.toml --block axis_network": (
         "scene mine has no such block, .*; case axis-chain of its bench"
     ),
-    "sim mine.toml --sim modelsim": "SIM=modelsim: no such simulator, expected one of ghdl, icarus",
     "sim mine.toml --sim icaru": "SIM=icaru: no such simulator, .* did you mean 'icarus'?",
-    "sim mine.toml --seed one": "SEED=one: expected a whole number, 0 to 4294967295",
     "sim mine.toml --seed=-1": "SEED=-1: expected a whole number, 0 to 4294967295",
-    "sim mine.toml --seed 4294967296": "SEED=4294967296: expected a whole number, 0 to 4294967295",
     "sim mine.toml --frames 0": "FRAMES=0: expected a whole number, 1 to 1000000",
-    "sim mine.toml --frames=-5": "FRAMES=-5: expected a whole number, 1 to 1000000",
-    "sim mine.toml --frames 1e3": "FRAMES=1e3: expected a whole number, 1 to 1000000",
-    "sim mine.toml --frames 999999999999999": (
-        "FRAMES=999999999999999: expected a whole number, 1 to"
-    ),
     "bench mine.toml --frames 0": "FRAMES=0: expected a whole number, 1 to 10000000",
-    "bench mine.toml --frames x": "FRAMES=x: expected a whole number, 1 to 10000000",
-    "bench mine.toml --frames 999999999999999": (
-        "FRAMES=999999999999999: expected a whole number, 1 to"
-    ),
     "bench mine.toml --frame-rate 5": "unrecognized arguments: --frame-rate 5",
     "image mine.toml": "mine.toml: hardware.reload: got false, expected true, or HARDWARE=",
     "image mine.toml --hardware finger": "scene 'finger': no such scene, expected a path",
-    "image mine.toml --hardware digit": "hardware.reload: got false, expected true, or HARDWARE=",
     "listing mine.toml": (
         "mine.toml: hardware.design: got hybrid, which has no program, expected engine"
     ),
     "lean mine.toml --beside finger": "scene 'finger': no such scene, expected a path",
     'lean mine.toml --beside "digit \'x"': "BESIDE=digit 'x: No closing quotation",
-    "lean mine.toml --beside no.toml": "scene 'no.toml': no such scene, expected a path",
     "train mine.toml --cluster nowhere": "CLUSTER=nowhere: no scheduler answers: ",
-    "train mine.toml --cluster ftp://a:1": "CLUSTER=ftp://a:1: no scheduler answers: ",
-    "vhdl nowhere.toml": "scene 'nowhere.toml': no such scene",
-    "verilog finger": "scene 'finger': no such scene, expected a path to a .toml file or one of",
-    "train finger": "scene 'finger': no such scene, expected a path to a .toml file or one of",
-    "mutate --block engin": "BLOCK=engin: no such block; did you mean 'engine'?",
     "certify mine.toml --parts 0": "PARTS=0: expected a whole number, 1 to 100000",
     "sim --netlist virtex": "NETLIST=virtex: no such netlist, expected one of 1, virtex-2",
     "sim --netlist 1 --sim ghdl": "netlists run in icarus alone",
@@ -107,8 +73,6 @@ CALLS = {
     "sim --record": "RECORD=1: got no NETLIST, expected 1 or unknown",
     "mutate --record --seed 2": "RECORD=1: got SEED=2, expected none",
     "figures netwroks": "TABLE=netwroks: no such table, .* did you mean",
-    "figures --seed=-1": "SEED=-1: expected a whole number",
-    "figures ''": "TABLE=: no such table, expected one of",
     **{
         f"image {scene} --hardware=digit-reload": f"{scene}.toml: data.window: got past samples, "
         "expected none: an image has no memory"
@@ -117,38 +81,21 @@ CALLS = {
     "scene '' y0": "CSV=: missing, expected a file of readings",
     "scene . y0": ".: got a folder, expected a file",
     "scene no.csv y0": "no.csv: no such file",
-    "scene mine.toml/a.csv y0": "mine.toml/a.csv: cannot be read: Not a directory",
     "scene mine.csv y0": "mine.toml: is there already; choose another name with TO=",
     "scene mine.csv 'a\nb' --to a.toml": r"OUTPUTS='a\nb': got no names between commas",
     "scene mine.csv y0 --to a.csv": "TO=a.csv: got the ending '.csv', expected .toml",
     "scene mine.csv y0 --to folder.toml": "folder.toml: cannot be written: got a folder",
-    "scene mine.csv y0 --to mine.csv/a.toml": "mine.csv/a.toml: cannot be written: ",
     "predict mine.toml '' a.csv": "CSV=: missing, expected a .csv file",
-    "predict mine.toml mine.csv ''": "TO=: missing, expected a .csv file",
     "predict mine.toml no.csv a.csv": "no.csv: no such file",
-    "predict mine.toml folder.toml a.csv": "folder.toml: got a folder, expected a file",
-    "predict mine.toml 'a\0' a.csv": "cannot be read: embedded null byte",
-    "predict mine.toml mine.csv 'a\0'": "cannot be written: embedded null byte",
     "predict mine.toml mine.csv ./mine.csv": "TO=mine.csv: is read by this command, expected",
-    "predict mine.toml mine.csv folder.toml": "folder.toml: cannot be written: got a folder",
     "predict mine.toml mine.npz a.csv": "mine.npz:1: got byte 0x",
     "predict mine.toml mine.csv mine.provenance.toml": "is read by this command, expected another",
-    "predict mine.toml mine.csv mine.npz --force": "TO=mine.npz: is read by this command, expected",
     "predict mine.toml mine.csv other.npz": "TO=other.npz: is there already",
     "predict mine.toml mine.csv none/a.csv": "TO=none/a.csv: got no folder none, expected one that",
     "network mine.toml mine.npz --force": "TO=mine.npz: is read by this command, expected another",
     "network mine.toml other.npz": "TO=other.npz: is there already",
-    "network mine.toml none/a.npz": "TO=none/a.npz: got no folder none",
     "designs mine.toml --picture other.svg": "PICTURE=other.svg: is there already",
-    "designs mine.toml --picture none/a.svg": "PICTURE=none/a.svg: got no folder none",
-    "scene mine.csv y0 --to none/a.toml": "TO=none/a.toml: got no folder none",
     "recalibrate mine.toml mine.csv other": "TO=other/mine.npz: is there already",
-    "recalibrate mine.toml mine.csv none/a": "TO=none/a: got no folder none",
-    "record digit-board sim none/a.csv": "TO=none/a.csv: got no folder none",
-    "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
-    "scene mine.csv y0 --to pipe.toml": "pipe.toml: cannot be written: got no regular file",
-    "predict finger mine.csv a.csv": "scene 'finger': no such scene, expected a path",
-    "check finger": "finger: 1 fault, listed above",
     "check loop.toml": "loop.toml: 1 fault, listed above",
 }
 # What blocks the output of a command: the command, a file or a folder, and the message.
@@ -213,7 +160,7 @@ def test_every_command_refuses_a_scene(desk: Desk, command: str) -> None:
     desk.refuses(command, "mine.toml", says="mine.toml: hardware.design: got 'hybird', expected")
 
 
-@pytest.mark.parametrize("name", ["--help-me", "--help", "-h", "--full", "--"])
+@pytest.mark.parametrize("name", ["--help", "--"])
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c not in ("scene", "figures")])
 def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) -> None:
     """The command is called as make calls it, with the other values that it needs."""

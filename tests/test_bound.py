@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from golden.input_error import InputError
 from golden.numbers.units import FULL_SCALE
 from tactus.core.table import read_table
 from tactus.physics.beam import Beam, arm_slopes, mean_arm
 from tactus.physics.bound import (
     MEAN_PER_DEVIATION,
     least_deviations,
-    least_mean_errors,
     slopes_by_codes,
 )
 from tactus.physics.digit_data import RECORDED, SENSORS
@@ -73,24 +71,6 @@ def test_what_no_reading_holds_has_no_bound_and_leaves_the_others_theirs() -> No
     assert least_deviations(alike, 1.0) == pytest.approx([1 / np.sqrt(0.83), np.inf, np.inf])
 
 
-@pytest.mark.parametrize("noise", [0, -1, np.nan, [1.0, 2.0]])
-def test_noise_that_cannot_be_is_refused(noise: object) -> None:
-    with pytest.raises(InputError, match="noise: got"):
-        least_deviations(np.ones((4, 3)), noise)
-
-
-def test_width_is_in_the_readings_where_a_sensor_lies_under_the_load() -> None:
-    """That is the case for few of the placements."""
-    loads = loads_from_codes(TARGETS, BEAM)
-    places = np.array([sensor.position for sensor in SENSORS_FITTED])
-    off = np.abs(loads.position[:, np.newaxis] - places)
-    under = (off < loads.half_width[:, np.newaxis]).any(axis=1)
-    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
-    assert (np.isfinite(bound[:, 2]) == under).all()
-    assert np.isfinite(bound[:, :2]).all()
-    assert 0 < under.sum() < len(under) / 3
-
-
 def test_least_squares_reach_the_bound() -> None:
     """Least squares is an efficient estimator, so its deviation over many draws is the bound.
 
@@ -122,25 +102,3 @@ def known() -> dict[bool, np.ndarray]:
         which: least_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE, which, 10, rng)
         for which in (False, True)
     }
-
-
-def test_who_knows_the_loads_needs_no_reading_of_their_width(known: dict) -> None:
-    """With 2 mV of noise every load is recognised, and only its position is uncertain."""
-    assert (known[True][:, [0, 2, 3]] < 1e-9).all()
-    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
-    assert 0.3 < known[True][:, 1].mean() / bound[:, 1].mean() < 1
-
-
-def test_who_knows_the_widths_alone_guesses_where_no_reading_holds_one(known: dict) -> None:
-    """It guesses the middle of the widths, and a rectangle, whose relative error is smaller."""
-    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
-    absent = np.isinf(bound[:, 2])
-    guess = 100 * np.abs(TARGETS[absent, 2] - (0.45 + 0.675) / 2) / FULL_SCALE
-    assert np.median(np.abs(known[False][absent, 2] - guess)) < 1e-9
-    assert known[False][absent, 2].mean() == pytest.approx(guess.mean(), rel=0.1)
-    triangles = TARGETS[:, 3] > 0.5
-    assert known[False][absent & triangles, 3] == pytest.approx(50)
-    assert np.median(known[False][absent & ~triangles, 3]) == 0
-    # Load and position reach the bound, because nothing is known about them beforehand.
-    errors = known[False][absent, :2].mean(axis=0)
-    assert errors == pytest.approx(bound[absent, :2].mean(axis=0), rel=0.1)

@@ -170,12 +170,29 @@ def test_too_few_frames_for_a_window_are_refused(shared: Shared) -> None:
         frames_of(scene, design, 0, SEED, recorded=1)
 
 
-def test_a_changed_file_has_another_digest(copied: Path) -> None:
+DELIVERED = {
+    "an export": "design/vhdl/*.vhd",
+    "a vector": "bench/verilog/*/*.txt",
+    "the prover": "every_frame/prover.py",
+    "the network": "every_frame/network.json",
+    "a proof": "equal/*.ys",
+    "the page": "certificate.html",
+}
+
+
+@pytest.mark.parametrize("pattern", DELIVERED.values(), ids=list(DELIVERED))
+def test_a_file_that_was_changed_or_taken_out_is_red_by_name(copied: Path, pattern: str) -> None:
     (copied / "inputs" / "more.txt").write_text("x", encoding="utf-8")
     assert check(copied, "digests") == 0
-    next(iter((copied / "inputs").glob("*.toml"))).write_text("x", encoding="utf-8")
-    assert check(copied, "digests") == 1
-    assert colours(copied) == {"digests": "red"}
+    file = sorted(copied.glob(pattern))[0]
+    content = file.read_bytes()
+    file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    for _ in ("changed", "taken out"):
+        assert check(copied, "digests") == 1
+        (result,) = read_results(copied)
+        assert (result.colour, result.step) == ("red", "digests")
+        assert result.figure.startswith(f"changed: {file.relative_to(copied)} of 1,")
+        file.unlink(missing_ok=True)
 
 
 def test_a_missing_tool_and_an_unknown_answer_are_amber(copied: Path) -> None:

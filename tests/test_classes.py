@@ -3,7 +3,6 @@
 import csv
 import re
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,6 @@ import pytest
 from derivatives import differences
 
 from golden.input_error import InputError
-from golden.networks.engine import Engine
-from golden.networks.oracle import hidden_weights
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import (
@@ -24,24 +21,18 @@ from golden.trained.dense import (
     packed,
     unpacked,
 )
-from tactus.cli import predict, recalibrate, scene, train
+from tactus.cli import predict, scene, train
 from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
 from tactus.errors.scene_errors import held_out_rows, scene_errors
-from tactus.network_files.network_file import load_network, read_provenance, write_network
-from tactus.report.draw.confusion import confusion_plot
+from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
-from tactus.report.measure.classes import accuracy, per_class, wrong_rows
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.measure.outcome import outcome
-from tactus.rig import check, class_counts, sensors_tell
+from tactus.rig import check, class_counts
 from tactus.rig.readings import at_ends
 from tactus.scene import FOLDER, class_names, load_scene
-from tactus.scene.labels import class_scale, decided, margins, ordered, wrong_percent
+from tactus.scene.labels import class_scale, decided, ordered, wrong_percent
 from tactus.synth.budget import read_budget
-from tactus.train.descent.scaling import scaled
-from tactus.train.descent.task import task_for
 from tactus.train.layer_objective import ClassObjective, LabelledRows
-from tactus.train.layer_training import measure
 from tb.common.cases import random_network
 
 # For each shipped scene how many LUTs of a Virtex-II and how many clocks it may take.
@@ -143,12 +134,6 @@ def test_wrong_percent_of_rows_and_draws() -> None:
     assert np.array_equal(wrong_percent(draws, targets), [expected, np.zeros((4, 3))])
 
 
-def test_of_equal_outputs_the_first_counts() -> None:
-    codes = np.array([[3, 7, 7], [5, 5, 5], [-9, -8, -7]])
-    assert decided(codes).tolist() == [1, 0, 2]
-    assert margins(codes).tolist() == [0, 0, 1]
-
-
 @pytest.mark.parametrize("factor", [1e-6, 0.01, 1.0, 30.0, 1e4])
 def test_logits_of_any_size_keep_their_decisions(hand: Path, tmp_path: Path, factor: float) -> None:
     """A network file holds logits, and one from elsewhere may have logits of any size."""
@@ -204,32 +189,6 @@ def test_a_network_for_other_labels_is_refused(hand: Path, tmp_path: Path) -> No
         InputError, match=r"for the labels fist, flat, wave, expected fist, flat, p"
     ):
         load_scene(str(path)).networks()
-
-
-def test_a_network_with_another_number_of_outputs_is_refused(hand: Path, tmp_path: Path) -> None:
-    path = write_hand(tmp_path)
-    write_network(tmp_path / "hand.npz", random_network((2, 4, 2), ("relu",), 1.0, 1))
-    with pytest.raises(InputError, match="expected"):
-        load_scene(str(path)).networks()
-
-
-def test_what_demo_and_report_say_is_one(hand: Path) -> None:
-    found = load_scene(str(hand))
-    some, which = held_out_or_all(found, decisions_of(found))
-    rows = outcome(found)
-    assert which == f"{len(held_out_rows(found))} held-out rows"
-    lines = lines_of(found)
-    assert some.text in lines[1]
-    assert lines[-3].split()[0] == "fist"
-    plot = confusion_plot(found, decisions_of(found))
-    assert np.array_equal(plot.counts, some.confusion)
-    assert plot.draw().count("<text") + plot.draw().count("<use") > 0
-    table = accuracy(rows).rows
-    assert [row[1] for row in table] == [90, len(some.actual)]
-    assert table[1][2] == pytest.approx(100 * some.right / len(some.actual))
-    assert [row[2] for row in per_class(rows).rows] == some.confusion.diagonal().tolist()
-    every = decisions_of(found)
-    assert len(wrong_rows(rows).rows) == min(20, 90 - every.right)
 
 
 def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch) -> None:
@@ -303,12 +262,6 @@ def test_a_key_is_refused(tmp_path: Path, old: str, new: str, message: str) -> N
         load_scene(str(path))
 
 
-def test_an_empty_label_is_refused(tmp_path: Path) -> None:
-    path = write_hand(tmp_path, labels=("fist", " ", "wave"))
-    with pytest.raises(InputError, match=r"hand\.csv:3: column 'gesture': got an empty cell"):
-        load_scene(str(path))
-
-
 def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypatch) -> None:
     """Gestures around three centres are told apart by straight lines."""
     path = write_hand(tmp_path)
@@ -320,45 +273,6 @@ def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypa
     assert every.differ == 0
     assert every.right >= 85
     assert network_plot(found).count("no hidden nodes") == 1
-
-
-def test_a_search_takes_the_fewest_weights_of_equal_networks(tmp_path: Path, monkeypatch) -> None:
-    """A straight line tells these gestures apart, so every layer is one too many."""
-    path = write_hand(tmp_path, more='layers = [0, 2]\nhidden = [2, 3]\nactivation = "relu"\n')
-    path.write_text(path.read_text().replace('hidden = 4\nactivations = ["relu"]\n', ""))
-    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
-    story = read_provenance(load_scene(str(path)).weights_paths[0])
-    assert (story["network"], story["candidates"]) == ("2:3", 10)
-    assert story["hidden"] == "0 to 2 layers of 2, 3 relu"
-
-
-@pytest.mark.parametrize("form", ["npz", "onnx"])
-def test_a_linear_layer_is_written_and_read(tmp_path: Path, form: str) -> None:
-    network = DenseNetwork((Dense(np.array([[0.5, -1.5]] * 3), np.arange(3.0)),))
-    write_network(tmp_path / f"net.{form}", network)
-    (layer,) = layers_of(load_network(tmp_path / f"net.{form}", (2, 0, 3)))
-    assert np.array_equal(layer.weights, network.layers[0].weights)
-    assert np.array_equal(layer.biases, network.layers[0].biases)
-
-
-def test_every_sum_of_samples_is_driven_where_there_is_no_hidden_layer() -> None:
-    network = DenseNetwork((Dense(np.array([[0.5, -0.25], [0.125, 0.0]]), np.zeros(2)),))
-    assert np.sign(hidden_weights(Engine.of([network]))).tolist() == [[1, -1], [1, 0]]
-
-
-def test_recalibrate_refuses_classes(hand: Path, monkeypatch) -> None:
-    with pytest.raises(
-        InputError,
-        match=r"hand\.toml: data\.classes: got 'gesture', expected data\.outputs: .*make train",
-    ):
-        call(monkeypatch, recalibrate, hand)
-
-
-def test_a_layer_of_tanh_is_trained_too(tmp_path: Path, monkeypatch) -> None:
-    path = write_hand(tmp_path)
-    path.write_text(path.read_text().replace('activations = ["relu"]\n', ""))
-    call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")
-    assert decisions_of(load_scene(str(path))).right >= 85
 
 
 def counted(tmp_path: Path, rows: list[str], more: str = "") -> str:
@@ -408,28 +322,6 @@ def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsy
     assert found.members[0].layers == (16,)
 
 
-def test_make_scene_refuses_outputs_beside_classes(tmp_path: Path, monkeypatch) -> None:
-    csv_file = write_hand(tmp_path).with_suffix(".csv")
-    with pytest.raises(InputError, match=r"CLASSES=gesture: got OUTPUTS=day too, expected one"):
-        call(
-            monkeypatch, scene, csv_file, "day", "--classes", "gesture", "--to", tmp_path / "a.toml"
-        )
-    with pytest.raises(InputError, match=r"no column 'gestur'; did you mean 'gesture'"):
-        call(monkeypatch, scene, csv_file, "--classes", "gestur", "--to", tmp_path / "a.toml")
-
-
-def test_make_scene_hints_at_classes(tmp_path: Path, monkeypatch, capsys) -> None:
-    csv_file = write_hand(tmp_path, labels=(0, 1, 2)).with_suffix(".csv")
-    call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "a.toml")
-    assert (
-        "holds only the whole numbers 0 to 2; if they are names of classes and no quantity, CL"
-        in (capsys.readouterr()[0])
-    )
-    csv_file = write_hand(tmp_path).with_suffix(".csv")
-    with pytest.raises(InputError, match=r"got 'fist', expected a number.*CLASSES=gesture tells"):
-        call(monkeypatch, scene, csv_file, "gesture", "--to", tmp_path / "b.toml")
-
-
 def rails(**columns) -> list[str]:
     return [str(one) for one in at_ends({name: np.array(v) for name, v in columns.items()})]
 
@@ -450,20 +342,6 @@ def test_sensors_that_end_at_the_same_reading_are_one_warning() -> None:
     ]
     known = at_ends({"a": np.array(one), "b": np.array(two)}, known=(0.0,))
     assert [one.subject for one in known] == ["b"]
-
-
-def test_two_classes_are_no_columns_that_repeat_each_other(tmp_path: Path) -> None:
-    path = write_hand(tmp_path, labels=("fist", "flat", "flat"))
-    found = check.data(load_scene(str(path)))
-    assert len(load_scene(str(path)).labels) == 2
-    assert not [one for one in found if "repeats" in one.text]
-
-
-def test_quantities_get_no_hint() -> None:
-    assert not class_counts.perhaps_labels("load", np.arange(60.0))
-    assert not class_counts.perhaps_labels("load", np.tile([0.5, 1.0, 2.0], 20))
-    assert not class_counts.perhaps_labels("load", np.tile([0.0, 1.0], 30))
-    assert class_counts.perhaps_labels("load", np.tile([0.0, 1.0, 2.0], 20))
 
 
 def objective(network: Trained) -> ClassObjective:
@@ -507,33 +385,6 @@ def test_the_curvature_is_that_of_the_cross_entropy_by_the_logits(network: Train
     assert np.allclose(aim.curvature(point), expected, atol=1e-6)
 
 
-def test_the_curvature_of_a_single_layer_is_all_of_it() -> None:
-    rng = np.random.default_rng(1)
-    network = network_of([Dense(rng.normal(0, 1, (4, 3)), rng.normal(0, 1, 4))])
-    aim, point = objective(network), packed(network)
-    second = differences(lambda x: aim.evaluate(x)[1], point)
-    assert np.allclose(aim.curvature(point), second, atol=1e-5)
-
-
-def test_the_loads_are_learnt_in_a_few_damped_steps() -> None:
-    """Steps that take the cross-entropy for a square leave most rows wrong, however many."""
-    found = load_scene("classes/loads")
-    short = replace(
-        found, training=replace(found.training, optimiser="levenberg-marquardt", steps=150)
-    )
-    task = task_for(short, short.vectors(), [])
-    assert measure(task, task.scene.members[0].layers, 0).test <= 2
-
-
-def test_the_value_is_the_cross_entropy() -> None:
-    network = NETWORKS[1]
-    aim, point = objective(network), packed(network)
-    logits: Real = unpacked(point, network).process(aim.training.inputs)
-    parts = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
-    entropy = -np.log((parts * aim.training.targets).sum(axis=1)).sum()
-    assert aim.evaluate(point)[0] == pytest.approx(entropy + 1e-3 * float(point @ point))
-
-
 def test_large_logits_stay_finite() -> None:
     network = NETWORKS[0]
     aim = objective(network)
@@ -542,10 +393,6 @@ def test_large_logits_stay_finite() -> None:
         value, gradient = aim.evaluate(point)
         assert np.isfinite([value, *gradient]).all()
         assert np.isfinite(aim.curvature(point)).all()
-
-
-def test_every_shipped_scene_has_a_limit() -> None:
-    assert class_names() == sorted(f"classes/{name}" for name in LIMITS)
 
 
 @pytest.mark.parametrize("name", class_names())
@@ -577,11 +424,3 @@ def test_loads_are_the_recorded_vectors_and_the_letters_of_the_thesis() -> None:
     grams = {letter: float(row.split(",")[4]) / 0.9 * 23 for row, _, letter in rows[1:]}
     weights = {"A": 23, "B": 19, "C": 12, "D": 8, "E": 11, "F": 9, "G": 6, "H": 16}
     assert {letter: round(value) for letter, value in grams.items()} == weights
-
-
-@pytest.mark.parametrize("name", class_names())
-def test_check_asks_nothing_about_a_shipped_scene(name: str) -> None:
-    """Of a scale that is from the rows that train, other rows may be beyond."""
-    found = load_scene(name)
-    told = [*check.data(found), *sensors_tell.findings(scaled(found))]
-    assert {one.verdict for one in told if "readings outside" not in one.text} == {"ok"}

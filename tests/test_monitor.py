@@ -10,7 +10,6 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -21,8 +20,7 @@ import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from golden.link.decoder import Tally
-from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
+from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.numbers.precision import SIGNAL
 from tactus.cli.predict import main as predict
 from tactus.core.cli import run
@@ -31,7 +29,7 @@ from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
 from tactus.monitor.messages import PAUSE
-from tactus.monitor.monitor import HEAD, NOT_SENT, Monitor, csv_columns
+from tactus.monitor.monitor import HEAD, Monitor, csv_columns
 from tactus.monitor.server import Server
 from tactus.monitor.twin_board import TwinBoard
 from tactus.report.page.page import environment
@@ -106,21 +104,6 @@ def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) 
         SIGNAL.to_real(scene.visualisation.load_profile.ramp.process())
     )
     assert state["line"] == "packets"
-
-
-def test_the_profile_is_that_of_the_placement(scene: Scene) -> None:
-    board = Board(scene, scene)
-    with TwinBoard(scene) as simulated, Line(simulated.port, BAUD) as line:
-        simulated.place({"load": 0.9, "position": 0.45, "width": 0.9, "shape": 0.45})
-        line.drop()
-        monitor = Monitor(board, print)
-        with listening(monitor, line):
-            wait(lambda: monitor.decoder.tally.frames >= 600)
-        state = monitor.state()
-    row = int(np.argmin(np.abs(scene.vectors().targets - [0.9, 0.45, 0.9, 0.45]).sum(axis=1)))
-    x, y = scene.twin().readout.profile(twin_outputs(scene)[row])
-    expected = np.stack([SIGNAL.to_real(x), SIGNAL.to_real(y)], axis=1)
-    assert np.array_equal(state["profile"], expected)
 
 
 def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
@@ -246,28 +229,6 @@ def test_the_largest_output_is_told_by_name(scene: Scene, tmp_path: Path) -> Non
     assert Still(scene).monitor.state()["decision"] == []
 
 
-def test_packets_without_frames_are_not_taken_for_frames(scene: Scene) -> None:
-    still = Still(scene)
-    for number, count in enumerate((65534, 65535, 2, 2, 2)):
-        still.bring(still.packet(number, count=count))
-        still.now += 0.25
-    state = still.monitor.state()
-    # These are 1.25 seconds, counted from the first packet.
-    assert (state["packets_a_second"], state["computed_a_second"]) == (4 / 1.25, 4 / 1.25)
-    assert state["line"] == "packets"
-    for number in range(5, 15):
-        still.bring(still.packet(number, count=2))
-        still.now += 0.25
-    state = still.monitor.state()
-    assert (state["packets_a_second"], state["computed_a_second"]) == (4 / 1.25, 0)
-    assert state["line"] == "idle"
-    # If the board becomes slower, the newest packets count.
-    for number in range(15, 20):
-        still.now += 10
-        still.bring(still.packet(number, count=number))
-    assert still.monitor.state()["packets_a_second"] == 0.1
-
-
 def test_a_recording_replaces_nothing_and_holds_whole_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -313,13 +274,6 @@ def test_only_this_machine_is_served() -> None:
             with pytest.raises(urllib.error.HTTPError) as refused:
                 urllib.request.urlopen(request)
             assert refused.value.code == code
-
-
-def test_the_page_needs_nothing_from_elsewhere() -> None:
-    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
-    links = re.findall(r"""(?:src|href)=["']([^"']*)""", page)
-    assert links == ["data:,"]
-    assert set(re.findall(r"https?://[^\"' ]+", page)) == {"http://www.w3.org/2000/svg"}
 
 
 BROWSER = shutil.which("chromium")
@@ -462,21 +416,6 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
         Line(simulated.port, BAUD)
 
 
-def test_a_recording_that_is_there_is_refused_before_anything(
-    scene: Scene,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
-) -> None:
-    there = tmp_path / "there.csv"
-    there.touch()
-    with TwinBoard(scene, 10.0) as simulated:
-        words = ["monitor", "digit-board", simulated.port, f"--to={there}"]
-        monkeypatch.setattr("sys.argv", words)
-        assert run(main) == 2
-    assert f"error: {there}: is there already" in capfd.readouterr().err
-
-
 def test_the_command_ends_with_what_it_saw(
     scene: Scene,
     tmp_path: Path,
@@ -503,42 +442,6 @@ def test_the_command_ends_with_what_it_saw(
     monkeypatch.setattr("sys.argv", words)
     assert run(predict) == 0
     assert f"of {rows} rows are outside" in capfd.readouterr().out
-
-
-def test_the_page_of_the_documentation_has_every_line(scene: Scene) -> None:
-    """It has no other lines. Numbers, names of ports and texts after three dots may differ."""
-    still = Still(replace(scene, argmax=True))
-    said = [
-        "the line was cut: the device is gone; waiting for /dev/ttyUSB0",
-        *Tally(1, 1, 1, 1, Counter({(2, 1): 2, (1, 1): 2}))
-        .faults(Tally(), still.board.layout)
-        .values(),
-        *still.bring(still.packet(0, *FLAGS, point=99, winner=(9, 0))),
-    ]
-    still.now += 3
-    said += [*still.bring(b""), NOT_SENT]
-    page = (Path(__file__).parents[1] / "docs" / "monitor.md").read_text()
-    table = page.partition("| line | what to do |")[2].partition("\n\n")[0]
-    shown = re.findall(r"^\| `([^`]*)` \|", table, re.M)
-
-    def plain_line(text: str) -> str:
-        return re.sub(r"\d+", "N", text).removesuffix("...")
-
-    assert len(shown) == len(said)
-    for line in shown:
-        (found,) = [text for text in map(plain_line, said) if text.startswith(plain_line(line))]
-        assert line.endswith("...") or found == plain_line(line)
-
-
-def test_a_terminal_has_a_line_that_is_written_over(scene: Scene) -> None:
-    still = Still(scene)
-    assert still.monitor.line() == "0 packets a second, 0 missed"
-    for number in (0, 1, 3):
-        still.bring(still.packet(number, count=number))
-        still.now += 0.5
-    assert still.monitor.line() == (
-        "1.33 packets a second, 1 missed, load 0.0000, position 0.0000, width 0.0000, shape 0.0000"
-    )
 
 
 def test_the_layout_is_that_of_the_hardware(scene: Scene) -> None:

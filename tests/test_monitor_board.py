@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import os
 import re
-import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,7 +16,6 @@ import pytest
 
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
-from golden.link.packets import Frame
 from golden.networks.engine import Engine
 from tactus.core.cli import run
 from tactus.monitor import load as loading
@@ -87,15 +85,6 @@ def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinB
         loading.load(line, Board(hardware, other_sizes(hardware)))
 
 
-def test_a_board_that_is_silent_is_told(hardware: Scene) -> None:
-    with TwinBoard(hardware, 1e-9) as still, Line(still.port, BAUD, "there") as line:
-        line.patience = 0.2
-        with pytest.raises(InputError, match=r"no frame came for 0.2 s: is the bitstream loaded"):
-            loading.load(line, Board(hardware, hardware))
-        with pytest.raises(InputError, match=r"PORT=there: no packet for 0.2 s"):
-            recording.gather(line, Board(hardware, hardware), 4)
-
-
 def test_a_line_that_is_cut_is_told(hardware: Scene, simulated: TwinBoard) -> None:
     with Line(simulated.port, BAUD, "there") as line:
         simulated.cut()
@@ -115,16 +104,6 @@ def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
     other = replace(load_scene("digit"), scale={"sensor2": Scale(1.0, 2.0)})
     with pytest.raises(InputError, match=r"data.scale.sensor2: got offset 1, factor 2, expected o"):
         loading.check_readings(Board(other, hardware))
-
-
-def test_an_image_is_only_for_an_engine_that_is_loaded() -> None:
-    fixed = replace(load_scene("digit-board"), design_options={})
-    with (
-        TwinBoard(fixed, 10.0) as simulated,
-        Line(simulated.port, BAUD) as line,
-        pytest.raises(InputError, match=r"hardware.reload: got false, expected true"),
-    ):
-        loading.load(line, Board(fixed, fixed))
 
 
 def test_placements_of_a_list_become_a_recording(
@@ -193,18 +172,6 @@ def test_an_input_that_ends_early_is_no_success(
     assert (len(file.read_text().splitlines()) - 1 if rows else file.exists()) == rows
 
 
-def test_without_an_input_nothing_is_recorded(simulated: TwinBoard, tmp_path: Path) -> None:
-    """This is the case if the shell has closed the input, so that Python has none."""
-    words = f"-m tactus.monitor.record digit-board {simulated.port} mine.csv <&-"
-    done = subprocess.run(
-        f"{shlex.quote(sys.executable)} {words}", shell=True, cwd=tmp_path, capture_output=True,
-        text=True, check=False, env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: TO=mine.csv: not written: the input ended before")
-    assert not (tmp_path / "mine.csv").exists()
-
-
 def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Path) -> None:
     """The board plays its recording, four rows for each placement."""
     board, said = Board(hardware, hardware), []
@@ -218,21 +185,6 @@ def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Pa
     assert spread == pytest.approx(codes.std(axis=0))
     cells = (tmp_path / "a.csv").read_text().splitlines()[1].split(",")
     assert [float(c) for c in cells[:4]] == pytest.approx(codes.mean(axis=0), abs=1e-5)
-
-
-def test_typed_placements() -> None:
-    lines, said = iter(["0.5 1", "0.5", "0.5, x", "1,2", "", "3 4"]), []
-    found = list(recording.typed(["load", "place"], lambda _: next(lines), said.append))
-    assert found == [("0.5", "1"), ("1", "2")]
-    assert said[1:] == [
-        "got 1 values, expected 2: load, place",
-        "place: got 'x', expected a number",
-    ]
-
-    def ended(_: str) -> str:
-        raise EOFError
-
-    assert list(recording.typed(["load"], ended, said.append)) == []
 
 
 @pytest.mark.parametrize(
@@ -273,30 +225,6 @@ def test_what_record_refuses(
     assert not Path("a.csv").exists()
 
 
-def test_load_at_the_front_door(
-    simulated: TwinBoard, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    words = ["load", "digit-single", simulated.port, "--hardware=digit-board"]
-    monkeypatch.setattr("sys.argv", words)
-    assert run(loading.main) == 0
-    assert capfd.readouterr().out == f"{simulated.port}: digit-single runs, 1762 bytes\n"
-
-
-def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: TwinBoard) -> None:
-    placements = [("0.9", "0.225"), ("0.45", "0.45")]
-    ask = recording.simulated_ask(simulated, placements, ["load", "position"])
-    found = recording.listed(["load", "position"], placements, ask)
-    with Line(simulated.port, BAUD) as line:
-        for placement in found:
-            codes = recording.gather(line, Board(hardware, hardware), 3) * 8192
-            row = np.argmin(
-                np.abs(hardware.vectors().targets[:, :2] - np.float64(placement)).sum(1)
-            )
-            assert np.array_equal(codes, [hardware.vectors().codes[row]] * 3)
-    with pytest.raises(InputError, match=r"data.outputs: got no 'where', expected that of a plac"):
-        simulated.place({"where": 1.0})
-
-
 def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
     """The first two packets come before any image.
 
@@ -308,40 +236,3 @@ def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) 
     reader = board.instrument.converter_reader
     expected = reader.process(reader.converted(hardware.vectors().codes[:1]))
     assert np.array_equal(values * 8192, expected)
-
-
-def test_the_twins_behind_a_port_say_what_the_hardware_would(hardware: Scene) -> None:
-    board = Board(hardware, hardware)
-    core = Engine.of(hardware.mlps(), arrangement=hardware.arrangement)
-    with open_line("twin", None, board) as line:
-        loading.load(line, board)
-        decoder, frames = Decoder(board.layout), []
-        line.drop()
-        while len(frames) < 200:
-            frames += decoder.feed(line.read())
-    samples, outputs = (np.array([getattr(f, n) for f in frames]) for n in ("samples", "outputs"))
-    assert np.array_equal(outputs, core.process(samples))
-    # A scan is 4096 clocks of 25 MHz. A packet has 300 bits of 25 clocks, which take two scans.
-    assert round(25e6 / 8192) == round(float(board.instrument.packets_a_second)) == 3052
-
-
-def test_packets_of_before_do_not_count(hardware: Scene) -> None:
-    """When placements are read, one old packet may be in the board and one on the line."""
-    board = Board(hardware, hardware)
-
-    class Wire:
-        """A line with six packets, each with other samples."""
-
-        label, cut, patience = "wire", "", 10.0
-
-        def drop(self) -> None:
-            self.data = b"".join(
-                board.layout.to_bytes(Frame(n, (), n, (n, n, n, n), (0,) * 4, (0, 0, 0)))
-                for n in range(6)
-            )
-
-        def read(self) -> bytes:
-            return self.data
-
-    values = recording.gather(Wire(), board, 3)  # type: ignore[arg-type]
-    assert np.array_equal(values * 8192, np.repeat([[2], [3], [4]], 4, axis=1))

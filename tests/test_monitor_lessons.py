@@ -17,15 +17,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pages import section
 from test_learning_engine import Desk, sent
-from test_monitor import BAUD, Still, browse, listening, plain, wait
+from test_monitor import BAUD, Still, browse, listening, wait
 
 from golden.engine.formats import SAMPLE, SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
-from golden.instruments.uart_instrument import UartInstrument
 from golden.learning.unit import Unit
 from golden.link.packets import lesson_packet
 from golden.networks.learning_engine import LearningEngine
@@ -34,10 +32,9 @@ from golden.numbers.precision import SIGNAL
 from tactus.core.cli import run
 from tactus.monitor.__main__ import main
 from tactus.monitor.board import Board
-from tactus.monitor.lessons import Lessons, Tour
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import NOT_SENT, Monitor
-from tactus.monitor.placements import Drift, samples_of
+from tactus.monitor.placements import Drift
 from tactus.monitor.ports import open_line
 from tactus.monitor.server import Server
 from tactus.monitor.twin_board import TwinBoard
@@ -59,19 +56,6 @@ KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
 @pytest.fixture(scope="module")
 def scene() -> Scene:
     return load_scene("digit-learning")
-
-
-@pytest.mark.pages
-def test_the_page_says_how_long_learning_takes(scene: Scene) -> None:
-    twin = scene.twin()
-    assert isinstance(twin, UartInstrument)
-    page, core = " ".join(section("learning", "As a program of an engine").split()), twin.core
-    assert isinstance(core, LearningEngine)
-    free = twin.interval - twin.converter_reader.slots - twin.readout.busy
-    equations = int(free / np.mean(core.equation_clocks))
-    assert f"a scan takes {twin.interval} clocks of 25 MHz, of which {free} are free" in page
-    assert f"There is room for {equations} equations" in page
-    assert 0.2 < 400 * 20 * core.outputs / equations * twin.interval / 25e6 < 0.3
 
 
 def test_a_scan_without_room_for_an_equation_is_refused(tmp_path: Path) -> None:
@@ -126,16 +110,6 @@ def test_the_pupil_holds_what_the_hardware_holds(small: Scene) -> None:
     assert pupil.refused == desk.timeline.met["steps refused"] > 0
     seen = [row[1] for row in desk.play(sent(codes[:1]), clocks=twin.interval) if row[0]]
     np.testing.assert_array_equal(pupil.process(codes[:1])[0], seen)
-
-
-def test_a_pupil_without_placements_learns_nothing(small: Scene) -> None:
-    lessons = lessons_of(small)
-    assert not lessons.pupil.step()
-    assert (lessons.pupil.steps, lessons.pupil.refused) == (0, 0)
-    codes = small.vectors().codes
-    np.testing.assert_array_equal(lessons.pupil.process(codes), small.twin().process(codes))
-    lessons.take(lesson_packet(4, learn=True))
-    assert (lessons.learn, lessons.busy) == (True, False)
 
 
 GOOD = lesson_packet(4, True, [-8192, 8191])
@@ -212,16 +186,6 @@ def test_a_step_that_is_refused_is_told(small: Scene) -> None:
     assert lessons.flags() == ["learn_error", "learning"]
 
 
-def test_sensors_drift_as_is_asked_for(scene: Scene) -> None:
-    plain, moved = SIGNAL.to_real(samples_of(scene)), SIGNAL.to_real(samples_of(scene, DRIFT))
-    rng = np.random.default_rng(DRIFT.seed)
-    gain, offset = 1 + 0.03 * rng.standard_normal(4), 0.02 * rng.standard_normal(4)
-    assert np.abs(moved - np.clip(plain * gain + offset, -1, 1)).max() < 2**-12
-    assert np.abs(moved - plain).max() > 0.01
-    other = samples_of(scene, replace(DRIFT, seed=2))
-    assert np.abs(moved - SIGNAL.to_real(other)).max() > 0.01
-
-
 def teach(monitor: Monitor, simulated: TwinBoard, row: int, **more: bool) -> None:
     """Put the load where it was in a row of the recording, and show it."""
     known, count = texts(monitor.board.scene, row), simulated.lessons.pupil.placements
@@ -282,29 +246,6 @@ def test_a_board_with_drifted_sensors_is_taught(scene: Scene) -> None:
     assert max(last) < max(map(abs, first)) / 2
     known = [float(text) for text in learning["placements"][-1]["known"]]
     assert known == pytest.approx(scene.in_units(scene.vectors().targets[rows[-1]]), abs=2e-4)
-
-
-@pytest.mark.pages
-def test_the_page_has_the_errors_that_are_left(scene: Scene) -> None:
-    """As its example has them: the same drift, placements and steps."""
-    recorded = Sensitivity.of(scene, np.zeros(4))
-    rows = [one.row for one in islice(proposed(recorded), 12)]
-    samples, pupil = samples_of(scene, replace(DRIFT, seed=4)), lessons_of(scene).pupil
-    lines = [worst(scene, pupil.process(samples), rows)]
-    targets = SIGNAL.quantise(scene.vectors().targets)[0]
-    for row in rows:
-        pupil.keep(samples[row], targets[row])
-    for _ in range(1200):
-        pupil.step()
-    lines.append(worst(scene, pupil.process(samples), rows))
-    theta = fit(recorded, placements_of(scene, samples, rows)).theta
-    lines.append(recalibrated(scene, recorded, theta, samples, rows))
-    page = section("monitor", "Teach a board that learns")
-    assert "DRIFT=0.03,0.02 SEED=4" in page
-    assert "twelve times" in page
-    found = re.findall(r"^\| (before|after 1200|`make).*? \| ([0-9. |]*) \|$", page, re.M)
-    shown = [[float(cell) for cell in cells.split(" | ")] for _, cells in found]
-    np.testing.assert_allclose(shown, lines, atol=0.06)
 
 
 def placements_of(scene: Scene, samples: Codes, rows: list[int]) -> Placements:
@@ -378,35 +319,6 @@ def outputs_at(simulated: TwinBoard, row: int) -> list[int]:
     return simulated.lessons.pupil.process(simulated.samples[row : row + 1])[0].tolist()
 
 
-def test_a_correction_that_can_hardly_be_a_drift_is_told(scene: Scene) -> None:
-    lessons = Lessons(Board(scene, scene))
-    first, second = scene.sensors[:2]
-    far = [(first, "4.2"), (second, "3.2")]
-    for codes, told in (([3072] * 8, []), ([-4301, 0, 0, 0, 0, 3277, 0, 0], far)):
-        for element in enumerate(codes):
-            lessons.told(element)
-        warning = lessons.state([], 0.0, False)["warning"]
-        assert re.findall(r"(\w+) \((.*?) times\)", warning) == told
-
-
-def test_a_damaged_lesson_is_told_once(scene: Scene) -> None:
-    said: list[str] = []
-    with TwinBoard(scene, 200.0) as simulated, Line(simulated.port, BAUD) as line:
-        monitor = Monitor(Board(scene, scene), said.append)
-        with listening(monitor, line):
-            wait(lambda: monitor.decoder.tally.frames > 10)
-            line.write(lesson_packet(8, True, [1, 2, 3, 4])[:-1] + b"\x00")
-            wait(lambda: len(said) == 1)
-            before = monitor.decoder.tally.frames
-            wait(lambda: monitor.decoder.tally.frames > before + 10)
-        flags = {flag["name"]: flag["count"] for flag in monitor.state()["flags"]}
-    assert flags == {"converter_error": 0, "line_error": 0, "lesson_error": 1, "learn_error": 0}
-    assert not monitor.state()["learning"]["on"]
-    assert said[0].partition(" ")[2] == (
-        "a lesson was damaged on its way, or its known outputs were not taken"
-    )
-
-
 class Written:
     """Adds to a wire what is written to it; with ``broken`` nothing can be."""
 
@@ -458,16 +370,6 @@ def test_what_is_sent_and_what_is_noted(scene: Scene) -> None:
     (line,) = still.bring(b"")
     assert line == NOT_SENT
     assert monitor.state()["learning"]["shown"] == 4
-
-
-def test_a_monitor_that_begins_later_leaves_the_board_learning(scene: Scene) -> None:
-    still = Still(scene)
-    written = Written(still)
-    still.bring(still.packet(0, "learning", count=1))
-    assert still.monitor.state()["learning"]["on"]
-    still.monitor.teach({"known": KNOWN})
-    still.bring(b"")
-    assert written.data[3] == 3
 
 
 WRONG = {
@@ -566,45 +468,6 @@ def test_only_the_page_itself_may_ask() -> None:
     assert asked == [{}] * 4
 
 
-def test_a_board_that_does_not_learn_takes_no_lessons() -> None:
-    still = Still(replace(load_scene("digit-board"), design_options={}))
-    still.bring(still.packet(0, count=1))
-    state = still.monitor.state()
-    assert state["learning"] is None
-    assert [flag["name"] for flag in state["flags"]] == ["converter_error"]
-    assert still.monitor.actions() == {}
-    # What a board of other hardware reports is shown.
-    (line,) = still.bring(still.packet(1, "learn_error", "learning", count=2))
-    assert line == "a step of learning would have left the range, and was not taken"
-    assert [flag["name"] for flag in still.monitor.state()["flags"]][1:] == ["learn_error"]
-
-
-def test_a_scene_of_fewer_outputs_teaches_nothing(scene: Scene) -> None:
-    board = Board(replace(scene, outputs=scene.outputs[:2]), scene)
-    with pytest.raises(InputError, match=r"data.outputs: got 2, expected 4, those that .* learns"):
-        board.known_codes({"load": "0.5", "position": "0.5"})
-
-
-def test_a_simulated_board_goes_from_placement_to_placement(scene: Scene) -> None:
-    places: list[dict[str, float]] = []
-
-    class Simulated:
-        port = ""
-
-        def place(self, targets: dict[str, float]) -> None:
-            places.append(targets)
-
-    still = Still(scene)
-    still.monitor.lessons.tour = Tour(still.board, Simulated())
-    count = len(scene.vectors().codes)
-    found = [still.monitor.actions()["/next"]({}) for _ in range(count + 1)]
-    rows = [one.row for one in islice(proposed(Sensitivity.of(scene, np.zeros(4))), 3)]
-    assert found[:3] == [texts(scene, row) for row in rows]
-    assert found[count] == found[0]
-    for told, placed in zip(found, places, strict=True):
-        assert [float(text) for text in told.values()] == pytest.approx(list(placed.values()), 1e-5)
-
-
 CLICKS = """<script>
 const asked = [], answers = {teach: [400, {error: "load: got nothing"}], next: [200, KNOWN]};
 window.fetch = async (path, options) => {
@@ -650,85 +513,6 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     assert {(method, kind) for _, method, kind, _ in asked} == {("POST", "application/json")}
     refusal = "load: got nothing"
     assert told == [refusal, "", refusal, refusal, ""]
-
-
-KEPT = """<script>
-const asked = [], files = [];
-window.fetch = async (path, options) => {
-  if (path === "state") return {json: async () => (STATE)};
-  asked.push([path, JSON.parse(options.body)]);
-  return {ok: true, json: async () => null};
-};
-URL.createObjectURL = blob => { blob.text().then(text => files.push(text)); return "#kept"; };
-const later = n => new Promise(done => setTimeout(done, n));
-const until = async done => { while (!done()) await later(10); };
-const refused = () => document.getElementById("refused").textContent;
-async function give(text) {
-  const before = refused(), count = asked.length;
-  const given = new DataTransfer();
-  given.items.add(new File([text], "a.json", {type: "application/json"}));
-  const field = document.getElementById("kept");
-  field.files = given.files;
-  field.dispatchEvent(new Event("change"));
-  await until(() => refused() !== before || asked.length > count);
-  return refused();
-}
-setTimeout(async () => {
-  document.getElementById("keep").click();
-  await until(() => files.length);
-  const told = [await give("{"), await give('{"theta": [1]}'), await give(files[0])];
-  await until(() => asked.length);
-  document.title = JSON.stringify([asked, files, told]);
-}, 500);
-</script>"""
-
-
-def test_the_page_keeps_what_was_learned_and_puts_it_in_again(scene: Scene, tmp_path: Path) -> None:
-    still = Still(scene)
-    for n in range(8):
-        assert not still.monitor.state()["learning"]["corrections"]
-        still.bring(still.packet(n, count=n + 1, theta=(n, 100 * n - 300)))
-    state = still.monitor.state()
-    theta = [100 * n - 300 for n in range(8)]
-    assert state["learning"]["theta"] == theta
-    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
-    script = KEPT.replace("STATE", json.dumps(state))
-    (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
-    shown = browse((tmp_path / "page.html").as_uri(), tmp_path)
-    title = re.search(r"<title>(.*?)</title>", shown, re.S)
-    assert title
-    asked, files, told = json.loads(html.unescape(title[1]))
-    assert [json.loads(file) for file in files] == [{"scene": scene.name, "theta": theta}]
-    assert asked == [["teach", {"theta": theta}]]
-    other = f"a.json: got what scene undefined has learned, expected {scene.name}"
-    assert told == ["a.json: got no file of this page", other, ""]
-    first = state["learning"]["corrections"][0]
-    row = f"{first['name']} {first['gain']} {first['offset']}"
-    assert row in plain(shown, "corrections")
-
-
-def test_the_browser_shows_what_is_learned(scene: Scene, tmp_path: Path) -> None:
-    with TwinBoard(scene, 200.0, drift=DRIFT) as simulated, Line(simulated.port, BAUD) as line:
-        monitor = Monitor(Board(scene, scene), print)
-        with (
-            listening(monitor, line),
-            Server("t", monitor.state, monitor.actions()) as server,
-        ):
-            teach(monitor, simulated, 75, learn=True)
-            wait(lambda: simulated.lessons.pupil.steps > 8)
-            page = browse(server.address, tmp_path)
-            state = monitor.state()["learning"]
-    assert not re.search(r'<section id="learning" hidden', page)
-    said = "The board learns now. Placements that were shown: 1. It keeps the last 31."
-    assert plain(page, "learns") == said
-    assert plain(page, "learn") == "Stop learning"
-    assert re.search(r'<button id="next" hidden', page)
-    assert page.count('<input type="text"') == 4
-    (placement,) = state["placements"]
-    row = " ".join(t for pair in zip(*list(placement.values())[1:], strict=True) for t in pair)
-    assert f"1 {row}" in plain(page, "placements")
-    # Four courses of the outputs, and four of their errors.
-    assert page.count('class="course"') == 8
 
 
 @pytest.mark.parametrize(

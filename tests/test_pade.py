@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from golden.activation import pade
-from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
-from golden.input_error import InputError
+from golden.activation.pade import UnsettledWarning, pade_for
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from tactus.scene.data import NUMBERS
 
@@ -83,26 +82,6 @@ def test_mean_error_of_equation_4_32() -> None:
     assert 0.05 < 200 * np.abs(error).mean() < 0.09
 
 
-def test_the_closed_form_is_the_regression() -> None:
-    q = np.linspace(-3.29, 3.29, 401)
-    a, b = pade.fraction(q)
-    for rho, iterations in ((4.0, 1), (4.0, 7), (4.5, 32), (5.0, 60)):
-        d = np.zeros_like(q)
-        for _ in range(iterations):
-            d = 1 / rho - d * (b - rho) / rho
-        expected = np.sign(q) * np.clip(np.abs(q * a * d), 0, 1)
-        assert pade_real(q, rho, iterations)[0] == pytest.approx(expected)
-
-
-def test_the_slope_is_the_derivative() -> None:
-    q = np.linspace(-3.2, 3.2, 400)
-    for options in ((4.5, 32), (4.0, 5)):
-        value, slope = pade_real(q, *options)
-        rise = pade_real(q + 1e-6, *options)[0] - pade_real(q - 1e-6, *options)[0]
-        inside = np.abs(value) < 1
-        assert slope[inside] == pytest.approx(rise[inside] / 2e-6, abs=1e-6)
-
-
 def test_an_unsettled_regression_warns_with_its_distance() -> None:
     missing = r"rho = 4 with 24 iterations is 1\.46e\+03 units .* 3\.3"
     with pytest.warns(UnsettledWarning, match=missing):
@@ -115,35 +94,3 @@ def test_an_unsettled_regression_warns_with_its_distance() -> None:
         pade_for(EXACT, 1, EXACT.hidden_fmt.high)
         # Codes that the neuron cannot reach have no effect.
         pade_for(EXACT, 1, 2 << 14, rho=2.0, iterations=60)
-
-
-def test_the_distance_is_what_is_missing() -> None:
-    q = np.linspace(0, 3.3, 3301)
-    a, b = pade.fraction(q)
-    missing = 8192 * np.abs(pade_real(q, 4.5, 20)[0] - q * a / b)
-    units, where = distance(4.5, 20, 8.0)
-    assert units == pytest.approx(missing.max(), rel=1e-3)
-    assert where == pytest.approx(q[missing.argmax()])
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize("iterations", [1, 2, 3, 10, 41])
-def test_beyond_its_stable_range_it_stays_inside_the_format(iterations: int) -> None:
-    """The regression diverges there, but the gate limits the result, and the sign is right."""
-    for precision, factor in ((THESIS, 5), (EXACT, 1)):
-        fmt = precision.hidden_fmt
-        block = pade_for(precision, factor, fmt.high, rho=1.0, iterations=iterations)
-        codes = np.arange(fmt.low, fmt.high + 1)
-        results = block.process(codes)
-        assert (results * np.sign(codes) >= 0).all()
-        assert np.abs(results).max() <= SIGNAL.high
-        beyond = np.abs(codes) > block.thresholds[0]
-        assert (np.abs(results[beyond]) == SIGNAL.high).all()
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-def test_faults_name_what_came() -> None:
-    with pytest.raises(InputError, match=r"Q = 30000: 3.3 / Q is below one code of Fix\(14,13\)"):
-        pade_for(THESIS, 30000, SIGNAL.high)
-    with pytest.raises(InputError, match=r"pade: rho = 0.1: 1 / rho does not fit Fix\(15,13\)"):
-        pade_for(THESIS, 1, 10, rho=0.1)

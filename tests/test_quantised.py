@@ -330,14 +330,6 @@ def graph(path: Path) -> Graph:
     return graph_of(integer_networks("single", [load_network(path, (2, 0, 2))]))
 
 
-def test_what_hardware_an_exact_network_needs(tmp_path: Path) -> None:
-    engine = Engine.of([load_network(example(tmp_path), (2, 0, 2))])
-    assert (engine.round_saturate.cut, engine.round_saturate.even) == (13, True)
-    path = example(tmp_path, rounding="FLOOR", bits=6)
-    engine = Engine.of([load_network(path, (2, 0, 2))])
-    assert (engine.round_saturate.cut, engine.round_saturate.even) == (11, False)
-
-
 def changed(path: Path, name: str, value) -> Path:
     """Another constant in a graph."""
     model = onnx.load(str(path))
@@ -389,34 +381,6 @@ def test_what_would_be_rounded_is_refused(tmp_path: Path, name, value, message) 
 def test_a_quantiser_is_refused_by_layer_and_node(tmp_path: Path, name, value, message) -> None:
     with pytest.raises(InputError, match=message):
         load_network(changed(example(tmp_path), name, value), (2, 0, 2))
-
-
-def test_roundings_that_differ_or_are_not_known(tmp_path: Path) -> None:
-    path = example(tmp_path)
-    model = onnx.load(str(path))
-    (node,) = (n for n in model.graph.node if n.output[0] == "q1")
-    for mode, message in (
-        ("FLOOR", "quantisers: got layers of 4 bits and of 4 bits, halves to even, expected"),
-        ("UP", "got the rounding mode UP, expected one of ROUND, HALF_EVEN, HALF_UP, FLOOR"),
-    ):
-        for attribute in node.attribute:
-            if attribute.name == "rounding_mode":
-                attribute.s = mode.encode()
-        onnx.save(model, str(path))
-        with pytest.raises(InputError, match=message):
-            graph(path)
-
-
-def test_a_relu_without_a_quantiser_among_others(tmp_path: Path) -> None:
-    path = example(tmp_path)
-    model = onnx.load(str(path))
-    (node,) = (n for n in model.graph.node if n.output[0] == "q2")
-    node.op_type, node.domain = "Identity", ""
-    del node.input[1:]
-    del node.attribute[:]
-    onnx.save(model, str(path))
-    with pytest.raises(InputError, match=r"quantisers: got layers of 4 bits, .* and of none"):
-        graph(path)
 
 
 def test_quantisers_are_kept_in_an_npz_alone(tmp_path: Path) -> None:

@@ -23,9 +23,9 @@ from tactus.network_files.network_file import provenance_path
 from tactus.recalibration.choice import LEAST_PLACEMENTS, plan, proposed
 from tactus.recalibration.fit import Fit, fit, left_out, misses
 from tactus.recalibration.folder import now_read
-from tactus.recalibration.outlook import helps, outlook, planned
+from tactus.recalibration.outlook import helps
 from tactus.recalibration.placements import LEAST_FREE, Placements, grouped, noise_of_repeats
-from tactus.recalibration.sensitivity import NEAREST, Sensitivity, outputs_and_slopes
+from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
 from tactus.scene import Scene, Vectors, load_scene, scene_path
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.image import hardware_of, scene_image
@@ -132,20 +132,6 @@ def test_twenty_placements_at_random_bring_the_errors_back() -> None:
     assert np.max(after) < 3 * own.max()
 
 
-def test_a_start_from_none_alone_would_end_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    """This is the reason for two starts."""
-    scene, recorded = digit()
-    vectors, worst = scene.vectors(), []
-    drift = Scale(-0.08, 1.1), Scale(0.08, 0.9), Scale(0.08, 1.1), Scale(-0.08, 0.9)
-    drifted = readings(vectors.inputs, drift)
-    for _ in range(2):
-        found = fit(recorded, at(scene, np.arange(0, 143, 7), drifted))
-        worst.append(mean_errors(scene, corrected(recorded, drifted, found)).max())
-        name = "tactus.recalibration.fit._towards_recorded"
-        monkeypatch.setattr(name, lambda *_: np.zeros(8))
-    assert worst[0] < 1 < worst[1]
-
-
 def test_it_is_the_ridge_regression_that_the_page_gives() -> None:
     """For outputs that are linear in the correction, both estimate and uncertainty agree."""
     scene, recorded = digit(0.003)
@@ -161,30 +147,6 @@ def test_it_is_the_ridge_regression_that_the_page_gives() -> None:
     assert found.root @ found.root.T == pytest.approx(covariance, abs=1e-3)
     expected = covariance @ information @ theta
     assert found.theta == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
-
-
-def test_what_stands_in_the_way_is_own_errors_and_the_noise_of_the_mean() -> None:
-    scene, recorded = digit(0.003)
-    rows = np.array([3, 70, 141])
-    there = at(scene, rows, scene.vectors().inputs)
-    _, quiet = digit()
-    own = quiet.spread(there)
-    assert own == pytest.approx(own * np.eye(4))
-    assert (np.einsum("roo->ro", own) >= quiet.error**2).all()
-    assert recorded.nearest(there)[:, 0].tolist() == rows.tolist()
-    assert recorded.nearest(there).shape == (3, NEAREST)
-    noise = recorded.spread(there) - own
-    rng = np.random.default_rng(2)
-    read = there.inputs[:, np.newaxis] + 0.003 * rng.standard_normal((3, 4000, 4))
-    outputs = scene.process_real(read.reshape(-1, 4)).reshape(3, 4000, 4)
-    for k in range(3):
-        drawn = np.cov((100 * outputs[k] / there.scale[k]).T)
-        assert np.diag(drawn) == pytest.approx(np.diag(noise[k]), rel=0.5)
-    often = replace(there, times=np.full(3, 16.0))
-    less = np.einsum("roo->ro", recorded.spread(often) - own)
-    assert (less < np.einsum("roo->ro", noise) / 2).all()
-    # The load bends least.
-    assert less[:, 0] == pytest.approx(noise[:, 0, 0] / 16, rel=0.3)
 
 
 def test_rows_of_one_placement_are_its_repeats() -> None:
@@ -232,26 +194,6 @@ def test_a_placement_left_out_takes_no_part() -> None:
         assert again.after[number] - left.after[number] == pytest.approx(shift, abs=2e-2)
 
 
-def test_the_first_proposed_leaves_the_least_error_expected() -> None:
-    """The expected error is computed for every row, one by one."""
-    _, recorded = digit(0.002)
-    spread = np.linalg.inv(recorded.spread(recorded.recorded))
-    squares = recorded.squares.mean(axis=0)
-    known, rows = np.eye(8), []
-    for one in islice(proposed(recorded), 3):
-        added = np.einsum("roi,rop,rpj->rij", recorded.tells, spread, recorded.tells)
-        covariances = np.linalg.inv(known + added)
-        left = np.einsum("ij,rji->r", squares, covariances)
-        left[rows] = np.inf
-        assert left[one.row] == pytest.approx(left.min(), rel=1e-5)
-        expected = np.sqrt(
-            recorded.error**2 + np.einsum("oij,ji->o", recorded.squares, covariances[one.row])
-        )
-        assert one.expected.after == pytest.approx(expected)
-        rows.append(one.row)
-        known = known + added[one.row]
-
-
 @pytest.mark.parametrize("name", ["digit-load", "digit-parallel", "swing-single"])
 def test_any_scene_gets_a_plan_that_is_enough(name: str) -> None:
     scene = load_scene(name)
@@ -263,54 +205,6 @@ def test_any_scene_gets_a_plan_that_is_enough(name: str) -> None:
     assert not any(one.expected.enough for one in found.placements[LEAST_PLACEMENTS - 1 : -1])
     after = [one.expected.after.mean() for one in found.placements]
     assert after == sorted(after, reverse=True)
-
-
-def test_what_the_networks_err_hides_a_small_drift() -> None:
-    scene = load_scene(str(RAIL))
-    small = Disturbance(gain=0.001)
-    assert plan(Sensitivity.of(scene, np.zeros(5), small)) is None
-    assert plan(Sensitivity.of(scene, np.zeros(5))) is not None
-
-
-def test_noise_asks_for_more_readings() -> None:
-    scene = load_scene(str(RAIL))
-    asked = []
-    for noise in (0.005, 0.02, 0.08):
-        found = plan(rail_of(scene, noise))
-        asked.append(len(found.placements) * found.times if found else np.inf)
-    assert asked == sorted(asked)
-    assert asked[0] < asked[-1]
-
-
-def test_chances_and_errors_are_those_of_drifts_that_are_drawn() -> None:
-    """Random drifts have the expected deviations, and outputs are linear in them.
-
-    Corrections are fitted to placements with noise. Compared are how many errors get smaller, and
-    the remaining errors.
-    """
-    scene, _ = digit()
-    recorded = Sensitivity.of(scene, np.full(4, 1e-4), Disturbance(gain=5e-4, offset=2e-4))
-    rng = np.random.default_rng(6)
-    # The labels are the outputs of the networks, so that only drift and noise cause errors.
-    squares = recorded.squares.mean(axis=0)
-    tells = recorded.tells[::29]
-    spread = np.linalg.inv(recorded.spread(recorded.recorded)[::29])
-    information = np.einsum("roi,rop,rpj->ij", tells, spread, tells)
-    covariance = np.linalg.inv(np.eye(8) + information)
-    drawn = rng.standard_normal((4000, 8))
-    noise = rng.multivariate_normal(np.zeros(8), information, 4000)
-    found = (drawn @ information + noise) @ covariance
-    off = drawn - found
-    after = np.einsum("ni,ij,nj->n", off, squares, off)
-    before = np.einsum("ni,ij,nj->n", drawn, squares, drawn)
-    expected = planned(recorded, np.linalg.cholesky(covariance))
-    whole = np.sqrt((expected.after**2 - recorded.error**2).mean())
-    assert np.sqrt(after.mean()) == pytest.approx(whole, rel=0.05)
-    assert after.mean() < before.mean()
-    chances = np.array(
-        [outlook(recorded, Fit(one, np.linalg.cholesky(covariance))).chance for one in found[:40]]
-    )
-    assert (after < before)[:40].mean() == pytest.approx(chances.mean(), abs=0.15)
 
 
 @cache
@@ -627,31 +521,3 @@ def test_a_placement_that_is_noted_wrongly_is_named(
     message = r"place of placement 10 \(force 24, place 220\) is off by"
     with pytest.warns(UserWarning, match=message), suppress(InputError):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
-
-
-@pytest.mark.parametrize(
-    ("word", "message"),
-    [
-        ("--noise=x", "NOISE=x: expected a number, each from 0 to 100"),
-        ("--noise=-1", "NOISE=-1: expected a number"),
-        ("--noise=nan", "NOISE=nan: expected a number"),
-        ("--drift=0.1", "DRIFT=0.1: expected 2 numbers with a comma between"),
-        ("--drift=0,0", "DRIFT=0,0: expected a gain or an offset above 0"),
-    ],
-)
-def test_words_of_the_command_are_checked(
-    word: str, message: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(InputError, match=message):
-        called(monkeypatch, "digit", word)
-
-
-def test_the_drift_that_is_expected_is_given(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    found = []
-    for words in ((), ("--drift=0.1,0.04",), ("--drift=0.001,0",)):
-        called(monkeypatch, RAIL, *words)
-        found.append(float(re.search(r"(\S+) +\S+  no correction", capsys.readouterr().out)[1]))
-    usual, larger, smaller = found
-    assert larger > 1.5 * usual > 3 * smaller

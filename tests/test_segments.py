@@ -8,8 +8,7 @@ import pytest
 
 from golden.activation import segments
 from golden.activation.gradient import gradient_for
-from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
-from golden.input_error import InputError
+from golden.activation.segments import coefficient_codes
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from tactus.scene.data import NUMBERS
 
@@ -27,16 +26,6 @@ def test_the_table_is_the_thesis_table() -> None:
     assert list(segments.UPPER) == THESIS_TABLE["upper"]
     assert list(segments.GRADIENT) == THESIS_TABLE["gradient"]
     assert list(segments.INTERCEPT) == THESIS_TABLE["intercept"]
-
-
-def test_binary_points_of_table_4_3() -> None:
-    """For Q = 3, every coefficient has the binary point that the thesis prints."""
-    codes, frac = coefficient_codes(3, 14, 13)
-    assert frac == 13
-    for code, gradient, point in zip(
-        codes, segments.GRADIENT, THESIS_TABLE["binary_point_gradient"], strict=True
-    ):
-        assert code == int(3 * gradient * 2**point + 0.5) << (13 - point)
 
 
 def test_thresholds_of_table_4_3_with_the_misprint_mended() -> None:
@@ -59,30 +48,6 @@ def test_table_5_2_holds_gradients_divided_by_q(q: int) -> None:
     assert [round(g / q, 4) for g in segments.GRADIENT] == list(TABLE_5_2[q])
 
 
-@pytest.mark.parametrize(("width", "limit", "bound"), [(14, 13, 0.85), (18, 17, 0.25)])
-def test_coefficients_stay_exact_enough(width: int, limit: int, bound: float) -> None:
-    """Within a segment, the error of its coefficient changes the product by less than ``bound``."""
-    for factor in range(1, 900):
-        codes, frac = coefficient_codes(factor, width, limit)
-        assert max(codes) < 2**COEFF_WIDTH_LIMIT
-        for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
-            reach = min(1.0, upper / factor)
-            assert abs(code / 2**frac - gradient * factor) * reach * 8192 < bound
-
-
-def test_largest_error_of_a_gradient_word() -> None:
-    """It is the figure of the datasheet, over every Q that ``thesis`` accepts."""
-    with pytest.raises(InputError, match=r"thresholds .* coincide|leaves"):
-        gradient_for(THESIS, 1967, SIGNAL.high)
-    worst = 0.0
-    for factor in range(1, 1967):
-        codes, frac = coefficient_codes(factor, 14, 13)
-        for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
-            reach = min(1.0, upper / factor)
-            worst = max(worst, abs(code / 2**frac - gradient * factor) * reach * 8192)
-    assert 0.58 < worst < 0.59
-
-
 def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
     """Compares the words of g_memory.md for Q = 24 with its rule in exact arithmetic."""
     exact = [Fraction(str(gradient)) * 24 for gradient in segments.GRADIENT]
@@ -97,13 +62,6 @@ def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
     assert coefficient_codes(24, 14, 13) == (words, common)
 
 
-def test_too_large_a_factor_names_segment_and_format() -> None:
-    with pytest.raises(InputError, match=r"segment 1: gradient 1\d+ \(Q = 200000\) does not fit"):
-        coefficient_codes(200_000, 18, 17)
-    with pytest.raises(InputError, match=r"thresholds .* coincide in"):
-        gradient_for(THESIS, 8000, SIGNAL.high)
-
-
 @pytest.mark.parametrize("precision", [THESIS, EXACT], ids=lambda p: p.name)
 @pytest.mark.parametrize("reach", [0.2, 0.55, 0.9])
 def test_segments_out_of_reach_are_left_out_and_change_nothing(precision, reach) -> None:
@@ -114,15 +72,3 @@ def test_segments_out_of_reach_are_left_out_and_change_nothing(precision, reach)
     assert len(lean.table.thresholds) < len(full.table.thresholds)
     codes = np.arange(-limit, limit + 1)
     assert np.array_equal(lean.process(codes), full.process(codes))
-
-
-def test_real_scheme_is_odd_and_close_to_tanh() -> None:
-    q = np.linspace(-6, 6, 20001)
-    value, slope = gradient_real(q)
-    away = np.abs(q) > 1e-9
-    assert np.allclose(value[away], -gradient_real(-q)[0][away])
-    assert np.abs(value - np.tanh(q)).max() < 0.0163
-    step = 1e-7
-    inside = np.abs(np.abs(q)[:, None] - np.array((0, *segments.UPPER))).min(axis=1) > 1e-6
-    numeric = (gradient_real(q + step)[0] - gradient_real(q - step)[0]) / (2 * step)
-    assert np.allclose(slope[inside], numeric[inside], atol=1e-6)
