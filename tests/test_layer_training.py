@@ -177,25 +177,28 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
     monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
     measure, seen = layer_training.measure, []
 
-    def watched(task, hidden, restart):
+    def watched(task, hidden, restart, *point):
         if len(seen) == 11:
             raise KeyboardInterrupt
-        result = measure(task, hidden, restart)
-        seen.append((task.number, len(task.training.inputs), result))
+        result = measure(task, hidden, restart, *point)
+        seen.append((task.number, len(task.training.inputs), (hidden, restart, *point), result))
         return result
 
     monkeypatch.setattr(layer_training, "measure", watched)
     with pytest.raises(KeyboardInterrupt):
         trained(path, monkeypatch)
-    seen.append((None, 0, None))
+    seen.append((None, 0, (), None))
     trained(path, monkeypatch)
     for number, name in enumerate(("deep-0.npz", "deep-1.npz")):
         rows: dict[int, list] = {}
-        for _, count, result in (one for one in seen if one[0] == number):
+        begun = set()
+        for _, count, candidate, result in (one for one in seen if one[0] == number):
             rows.setdefault(count, []).append(result)
+            begun.add(candidate)
         assert {count: len(found) for count, found in rows.items()} == {10: 8, 20: 4, 30: 2}
         better = sorted(rows[10], key=lambda result: result.rank)[:4]
-        assert {(r.layers, r.restart) for r in rows[20]} == {(r.layers, r.restart) for r in better}
+        # They go on from the weights that they have reached.
+        assert {one.candidate for one in better} < begun
         story = read_provenance(tmp_path / name)
         best = min(rows[30], key=lambda result: result.rank)
         assert abs(story["validation_rms_percent"] - best.validation) < 1e-3

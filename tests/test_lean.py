@@ -16,6 +16,7 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.export.exporter import MANIFEST, export
 from tactus.report.measure.left_out import words
+from tactus.report.page import left_out as page
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import lean
 from tactus.synth.budget import read_budget, write_budget
@@ -167,6 +168,12 @@ def test_words_are_counted_as_often_as_they_stand_there() -> None:
     texts = re.findall(r"(\d+) ROM words of segments", " ".join(left_out(scene.twin())))
     missing = words(scene.twin(lean=False)) - words(scene.twin())
     assert missing == sum(map(int, texts)) > 0
+
+
+def test_a_leaner_program_takes_fewer_words_and_clocks() -> None:
+    rows = [line.split("|")[2:4] for line in page.program_rows().splitlines()[2:]]
+    whole, *others = [(int(words), int(clocks)) for words, clocks in rows]
+    assert all(words < whole[0] and clocks < whole[1] for words, clocks in others)
 
 
 @pytest.mark.all_only

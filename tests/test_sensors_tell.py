@@ -13,8 +13,15 @@ from tactus.core.fingerprint import ROOT
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.network_files.network_file import write_network
 from tactus.report.measure.outcome import telling
-from tactus.rig.sensors_needed import Recording, recording_of
-from tactus.rig.sensors_tell import Telling, findings, measured, missed_by_networks, telling_of
+from tactus.rig.sensors_tell import (
+    Recording,
+    Telling,
+    findings,
+    measured,
+    missed_by_networks,
+    recording_of,
+    telling_of,
+)
 from tactus.rig.survey import survey
 from tactus.rig.write_scene import write_scene
 from tactus.scene import Scene, load_scene
@@ -176,3 +183,8 @@ def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None
     assert table
     assert [row[0] for row in table.rows] == ["none", "dead", *SENSORS, "all"]
     assert "dead: tells nothing, take it out" in table.note
+
+
+def test_a_past_sample_goes_with_its_sensor() -> None:
+    past = recording_of(load_scene("swing-window"))
+    assert len(past.sensors) == past.readings.shape[1] > len(past.names)

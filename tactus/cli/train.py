@@ -62,13 +62,13 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
         own = record if part is task else record.with_name(f"{record.stem}-{rows}.jsonl")
         rest = behind / 2**number + (len(parts) - number - 1) * sum(costs(task, kept))
         results = compared(part, kept, own, workers, rest)
-        ranked = sorted(zip(results, kept, strict=True), key=lambda pair: pair[0].rank)
-        kept = [candidate for _, candidate in ranked[: -(-len(ranked) // 2)]]
-    return ranked[0][0], sum(bool(one.refused) for one in results)
+        ranked = sorted(results, key=lambda one: one.rank)
+        kept = [one.candidate for one in ranked[: -(-len(ranked) // 2)]]
+    return ranked[0], sum(bool(one.refused) for one in results)
 
 
 def compared(
-    task: Task, chosen: Sequence[tuple[Any, int]], record: Path, workers: int, behind: float
+    task: Task, chosen: Sequence[tuple[Any, ...]], record: Path, workers: int, behind: float
 ) -> list[Result]:
     """The results of some candidates, one of which is not refused; prints the progress.
 
@@ -144,12 +144,12 @@ def training_of(scene: Scene) -> tuple[Any, type[Result], type[Stages]]:
     return search, Result, Stages
 
 
-def tried(task: Task) -> Sequence[tuple[Any, int]]:
+def tried(task: Task) -> Sequence[tuple[Any, ...]]:
     """The hidden nodes, or those of each layer, and the number of the start of every candidate."""
     return list(training_of(task.scene)[0].candidates(task))
 
 
-def costs(task: Task, chosen: Sequence[tuple[Any, int]] = ()) -> list[float]:
+def costs(task: Task, chosen: Sequence[tuple[Any, ...]] = ()) -> list[float]:
     """About how long each candidate takes, compared with the others.
 
     A descent of small networks of any kind takes about the time of the number of weights to the
@@ -157,7 +157,7 @@ def costs(task: Task, chosen: Sequence[tuple[Any, int]] = ()) -> list[float]:
     """
     member = task.scene.members[task.number]
     found = []
-    for hidden, _ in chosen or tried(task):
+    for hidden, *_ in chosen or tried(task):
         layers = hidden if isinstance(hidden, tuple) else (hidden,)
         widths = (member.inputs, *layers, len(member.outputs))
         found.append(sum((a + 1) * b for a, b in pairwise(widths)) ** 1.5)
@@ -203,10 +203,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         # A second command that searches for the same waits, and takes what the first has found.
         with held([records]):
             best, refused = choose(task, records / f"{number}.jsonl", workers)
-        hidden = best.layers if isinstance(best, LayersResult) else best.hidden
         # On several threads a large product rounds in another way.
         with threadpool_limits(1 if has_many_rows(scene) else None):
-            stages.add(hidden, best.restart)
+            stages.add(*best.candidate)
         # The processors of a cluster, or of a machine on which the search began, may round in
         # another way. Therefore the errors are computed again for these networks.
         errors: dict[str, Any] = {}

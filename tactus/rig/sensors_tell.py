@@ -6,7 +6,7 @@ no part. Sensors that are not missed one by one may be missed together, so these
 once, too. What is said of a sensor has to hold for several splits of the rows and, where the
 scene's networks are there, for these. Similar maps to the sensor itself, from the outputs, and from
 these together with the other sensors, show how much of it follows from anything. Networks have
-smaller errors; ``tactus.rig.sensors_needed`` trains them, which takes minutes.
+smaller errors.
 """
 
 from collections.abc import Collection, Sequence
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.finding import OK, WARNING, Finding, several
-from tactus.rig.sensors_needed import Recording, recording_of, splits_of
 from tactus.rig.smooth_map import SmoothMap, spread, thinned
 from tactus.scene import Scene
+from tactus.scene.scale import readings
 from tactus.train.descent.split import Split, split_of
 
 Rows = NDArray[np.int64]
@@ -45,6 +45,27 @@ FOLLOWS, WORSE, LOST = 0.1, 2.0, 0.05
 SPLITS = 3
 # A network misses a sensor if without it the error of an output grows by more than this factor.
 MISSED = 1.05
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The readings of the sensors and the outputs that belong to them.
+
+    readings, shape (rows, columns): The readings in the unit of the sensors.
+    targets, scale, shape (rows, outputs): The outputs, and the divisors of their errors.
+    sensors: The sensor of each column; a sensor whose past is used has several columns.
+    """
+
+    readings: Real
+    targets: Real
+    scale: Real
+    sensors: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All sensors, each of them once, in the order of the columns."""
+        return tuple(dict.fromkeys(self.sensors))
 
 
 @dataclass(frozen=True)
@@ -90,6 +111,18 @@ class Telling:
         """Whether errors without some sensors are no worse than with them; see WORSE and LOST."""
         most = np.minimum(WORSE * self.whole, self.whole + LOST * (self.constant - self.whole))
         return bool(self.explained.any() and (errors < most)[self.explained].all())
+
+
+def recording_of(scene: Scene) -> Recording:
+    """The recording of a scene, as the scene's own training reads it."""
+    vectors = scene.vectors()
+    return Recording(
+        readings(vectors.inputs, scene.scales(scene.inputs)),
+        vectors.targets,
+        vectors.scale,
+        tuple(scene.sensors[tap.sensor] for tap in scene.window.taps),
+        scene.outputs,
+    )
 
 
 def measured(recording: Recording, split: Split, missed: Collection[str] = ()) -> Telling:
@@ -168,7 +201,9 @@ def telling_of(scene: Scene) -> Telling | None:
     if not found.nothing:
         return found
     nothing = set(found.nothing)
-    for other in splits_of(scene, [scene.training.seed + n for n in range(1, SPLITS)]):
+    for n in range(1, SPLITS):
+        training = replace(scene.training, seed=scene.training.seed + n)
+        other = split_of(replace(scene, training=training))
         nothing &= set(measured(recording, other).nothing)
     nothing -= missed_by_networks(scene, nothing)
     return measured(recording, split, set(recording.names) - nothing)

@@ -44,10 +44,12 @@ class LayeredObjective(Objective):
 
     def curvature(self, vector: Real) -> Real:
         """The Gauss-Newton matrix of the value, by the faster way to it."""
-        if self.training.scale.shape[1] == 1:
-            slopes = self.jacobian(vector)
-            return np.asarray(2 * (slopes.T @ slopes))
-        hessian = self.value_gradient_hessian(vector)[1]
+        scale = self.training.scale
+        if scale.shape[1] == 1:
+            slopes = self._derivatives(self.network(vector), 1 / scale[..., np.newaxis])[:, 0]
+            hessian = slopes.T @ slopes
+        else:
+            hessian = self.value_gradient_hessian(vector)[1]
         return 2 * (hessian + self.weight_decay * np.eye(len(vector)))
 
     def value_gradient_hessian(self, vector: Real) -> tuple[Real, Real]:
@@ -94,11 +96,18 @@ class LayeredObjective(Objective):
 
         ``back`` has those by the outputs, shape (rows, residuals, outputs).
         """
-        found: list[Real] = []
-        for inputs, own in self._backward(network, back):
-            weights = own[..., np.newaxis] * inputs[:, np.newaxis, np.newaxis, :]
-            found += [weights.reshape(*own.shape[:2], -1), own]
-        return np.concatenate(found, axis=2)
+        sums = self._backward(network, back)
+        size = sum(own.shape[2] * (inputs.shape[1] + 1) for inputs, own in sums)
+        found, at = np.empty((*back.shape[:2], size)), 0
+        for inputs, own in sums:
+            shape = *own.shape, inputs.shape[1]
+            biases = at + shape[2] * shape[3]
+            # A view, so that the products of many rows are written once.
+            weights = found[..., at:biases].reshape(shape)
+            np.multiply(own[..., np.newaxis], inputs[:, np.newaxis, np.newaxis, :], out=weights)
+            at = biases + shape[2]
+            found[..., biases:at] = own
+        return found
 
     def _gradient(self, network: Trained, back: Real) -> Real:
         """The sum over the rows of the derivatives by the weights.

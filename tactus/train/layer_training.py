@@ -40,9 +40,17 @@ MANY_ROWS = 5000
 
 @dataclass(frozen=True)
 class LayersResult(Result):
-    """The result of one candidate with the nodes of each hidden layer."""
+    """The result of one candidate with the nodes of each hidden layer.
+
+    point: With many rows, all weights and biases, with which the search goes on.
+    """
 
     layers: tuple[int, ...] = ()
+    point: tuple[float, ...] = ()
+
+    @property
+    def candidate(self) -> tuple[Any, ...]:
+        return self.layers, self.restart, self.point
 
 
 def has_many_rows(scene: Scene) -> bool:
@@ -129,26 +137,41 @@ def candidates(task: Task) -> list[tuple[tuple[int, ...], int]]:
     return [(layers, restart) for layers in searched for restart in starts]
 
 
-def train(task: Task, hidden: tuple[int, ...], restart: int) -> Trained:
-    """The network of one candidate, with the nodes ``hidden`` in its hidden layers."""
+def started(
+    task: Task, hidden: tuple[int, ...], restart: int, point: Sequence[float] = ()
+) -> Trained:
+    """The network from which a candidate goes on: a random one, or the one at ``point``.
+
+    hidden: The nodes of its hidden layers.
+    """
     member = task.scene.members[task.number]
     shape = (task.training.inputs.shape[1], *hidden, task.training.targets.shape[1])
     settings = task.scene.training
     kinds = member.activations or (settings.activation,) * len(hidden)
     rng = np.random.default_rng([settings.seed, task.number, *hidden, restart])
     random = random_layers(shape, kinds, rng, by_name(member.functions))
-    start = on_readings(random, task.normal, [Scale()] * shape[-1])
-    return descended(task, start, task.training, task.validation)
+    if point:
+        return unpacked(np.array(point), random)
+    return on_readings(random, task.normal, [Scale()] * shape[-1])
 
 
-def measure(task: Task, hidden: tuple[int, ...], restart: int) -> LayersResult:
+def train(task: Task, *candidate: Any) -> Trained:
+    """The network of one candidate; see ``started``."""
+    return descended(task, started(task, *candidate), task.training, task.validation)
+
+
+def measure(
+    task: Task, hidden: tuple[int, ...], restart: int, point: Sequence[float] = ()
+) -> LayersResult:
     """Train one candidate and measure its bit-true errors."""
     try:
-        network = as_read(task, train(task, hidden, restart))[1]
+        found = train(task, hidden, restart, point)
+        network = as_read(task, found)[1]
         validation, test = (
             bit_true_error(task, network, part) for part in (task.validation, task.test)
         )
-        return LayersResult(sum(hidden), restart, validation, test, "", hidden)
+        reached = tuple(packed(found).tolist()) if has_many_rows(task.scene) else ()
+        return LayersResult(sum(hidden), restart, validation, test, "", hidden, reached)
     except InputError as error:
         infinite = float("inf")
         return LayersResult(sum(hidden), restart, infinite, infinite, str(error), hidden)
@@ -157,13 +180,14 @@ def measure(task: Task, hidden: tuple[int, ...], restart: int) -> LayersResult:
 class LayerStages(Stages):
     """The stages in which training makes a scene's networks of layers."""
 
-    def add(self, hidden: Any, restart: int) -> None:
-        """Add the network of the chosen candidate, with the nodes ``hidden`` in its layers."""
+    def add(self, hidden: Any, restart: int, point: Sequence[float] = ()) -> None:
+        """Add the network of the chosen candidate, which is trained unless its point is known."""
         number = len(self.chosen)
         task, seen_more, seen_all = (
             self.task(networks, number) for networks in (self.chosen, self.tested, self.written)
         )
-        chosen: Any = as_read(task, train(task, hidden, restart))
+        made = started if point else train
+        chosen: Any = as_read(task, made(task, hidden, restart, point))
         tested = written = chosen
         if self.scene.training.refit:
             start = self._on_signals(chosen)

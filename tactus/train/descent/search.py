@@ -18,6 +18,7 @@ thousand rows another number of threads has the same effect.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -48,6 +49,11 @@ class Result:
     validation: float
     test: float
     refused: str = ""
+
+    @property
+    def candidate(self) -> tuple[Any, ...]:
+        """What a training of it gets beside the task."""
+        return self.hidden, self.restart
 
     @property
     def rank(self) -> tuple[float, int, int]:
