@@ -49,7 +49,9 @@ def proved(job: Job, item: Property, folder: Path) -> Answer:
 
 
 def test_properties_are_of_blocks() -> None:
+    parts = {part for proofs in PROOFS.values() for part in getattr(proofs, "PARTS", {})}
     assert set(PROOFS) <= set(BENCHES)
+    assert not parts & set(BENCHES)
 
 
 @pytest.mark.parametrize("block", PROOFS)
