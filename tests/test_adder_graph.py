@@ -16,7 +16,7 @@ from golden.networks.oracle import error_bounds, exact
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
 from golden.numbers.precision import EXACT, SIGNAL
-from golden.trained.dense import Dense, Quantiser, Trained, layers_of, network_of
+from golden.trained.dense import Dense, Quantiser, Trained, network_of
 from golden.trained.function import read_function
 from golden.trained.function_network import of_parabolas
 from golden.trained.mlp import tanh
@@ -72,18 +72,6 @@ def test_a_bound_holds_where_a_node_is_not_built(design: type[Design], activatio
     assert (off(built, mlp, slice(None)) <= error_bounds(built, mlp, EXACT, 3)).all()
 
 
-def test_networks_side_by_side() -> None:
-    mlps = [random_mlp((3, hidden, 1), spread, hidden) for hidden, spread in ((2, 1.0), (4, 9.0))]
-    design = AdderGraph.of(mlps, Settings(EXACT, "bipartite"), "multiple")
-    assert (design.inputs, design.outputs) == (3, 2)
-    for i, mlp in enumerate(mlps):
-        alone = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
-        bounds = error_bounds(alone, mlp, EXACT, 3)
-        # Bits are cut at other places than in a single network, which changes a result by a unit or
-        # two.
-        assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
-
-
 def narrow(width: int) -> Settings:
     """Settings with so many bits of a word from layer to layer."""
     return Settings(EXACT, "bipartite", options={"word_width": width})
@@ -111,22 +99,6 @@ def test_a_network_of_any_depth_is_within_its_bounds(
     assert (exact(design, frames) == design.process(frames)).all()
 
 
-@pytest.mark.parametrize("width", [3, 4, 9, 18])
-def test_words_of_any_width_are_within_their_bounds(width: int) -> None:
-    """Each bit less about doubles the error, and shortens the adders."""
-    network = random_network((3, 4, 3, 2), ("relu", "relu"), 1.0, 3)
-    design = AdderGraph.of([network], narrow(width))
-    usual = AdderGraph.of([network], Settings(EXACT, "bipartite"))
-    assert [matrix.out_fmt.width for matrix in design.layers[:-1]] == [width, width]
-    errors = off(design, network, slice(None))
-    assert (errors <= error_bounds(design, network, EXACT, 4)).all()
-    frames = frames_of(design.inputs)
-    assert (exact(design, frames) == design.process(frames)).all()
-    bits = [sum(m.graph.adder_bits for m in one.layers) for one in (design, usual)]
-    assert (bits[0] < bits[1]) == (width < 15)
-    assert (errors.max() > off(usual, network, slice(None)).max()) == (width < 15)
-
-
 @pytest.mark.parametrize(
     ("width", "said"), [(15, "Fix(15,4) hold"), (5, "Fix(5,0) in units of 64 hold")]
 )
@@ -151,19 +123,6 @@ def test_a_quantised_network_is_that_of_the_engine(rounding: str, kinds: tuple[s
     assert all(matrix.place == 0 for matrix in design.layers)
     even = [finish.even for matrix in design.layers[:-1] for finish in matrix.row_finishes]
     assert any(even) == (rounding == "even")
-
-
-def test_different_quantisers_and_the_float_network_agree() -> None:
-    """An engine refuses these, because it rounds all words alike."""
-    layers = list(layers_of(random_network((2, 4, 3, 2), ("relu", "linear"), 2.0, 4, CODES)))
-    layers[1] = replace(layers[1], quantiser=Quantiser(2.0**-2, 0, -4, 3))
-    network = network_of(layers)
-    with pytest.raises(InputError, match="quantisers: got layers of"):
-        Engine.of([network])
-    design = AdderGraph.of([network], Settings(EXACT, "bipartite"))
-    frames = frames_of(2)
-    real = np.clip(8192 * network.process(SIGNAL.to_real(frames)), *ENDS)
-    assert (design.process(frames) == np.floor(real + 0.5).clip(*ENDS)).all()
 
 
 def test_a_scene_of_layers_needs_no_activation(tmp_path: Path) -> None:
@@ -197,14 +156,6 @@ def test_nodes_that_never_change_are_part_of_biases() -> None:
     assert np.abs(design.process(frames) - other.process(frames)).max() <= 1
 
 
-def test_a_network_of_constants_keeps_a_node() -> None:
-    first = Dense(np.zeros((2, 2)), np.array([0.5, 0.25]), "relu")
-    second = Dense(np.array([[0.5, 1.0]]), np.array([0.125]))
-    design = AdderGraph.of([network_of([first, second])], Settings(EXACT, "bipartite"))
-    assert len(design.layers[0].weights) == 1
-    assert (design.process(frames_of(2)) == 8192 * 0.625).all()
-
-
 def test_what_it_cannot_compute_is_refused_by_name() -> None:
     swish = read_function("swish", "x / (1 + exp(-x))")
     network = random_network((2, 3, 1), ("table: swish",), 1.0, 1, functions=(swish,))
@@ -226,16 +177,6 @@ def test_what_it_cannot_compute_is_refused_by_name() -> None:
         replace(design, activations=((),))
     with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
         replace(design, decides=True)
-
-
-def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
-    design = AdderGraph.of([random_mlp((2, 5, 1), 5.0, 1)], Settings(EXACT, "bipartite"))
-    (groups,), (activations,) = design.groups, design.activations
-    assert sorted(j for nodes in groups for j in nodes) == list(range(5))
-    widths = [design.layers[0].result_widths[j] for nodes in groups for j in nodes]
-    assert widths == sorted(widths)
-    for nodes in groups:
-        assert len({activations[j] for j in nodes}) == 1
 
 
 def test_no_multiplier_and_a_frame_a_clock() -> None:

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.instruments.readout import Readout
 from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.numbers.fixed import Fix
@@ -91,15 +90,6 @@ def scene_of(case: Case, folder: Path, **changes) -> Scene:
     return replace(case, **changes).scene(folder, "mine")
 
 
-def test_a_scene_without_it_has_the_ports_that_it_had(tmp_path: Path) -> None:
-    plain = scene_of(ENGINE, tmp_path).twin()
-    decides = scene_of(ENGINE, tmp_path, hardware=DECIDES).twin()
-    assert decides.network == plain
-    added = [port.name for port in decides.ports if port.name not in {p.name for p in plain.ports}]
-    assert added == ["winner_valid", "winner_index", "winner_margin"]
-    assert decides.latency == plain.latency
-
-
 def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) -> None:
     sections = f"{VISUALISATION}{FRONT_END}counter_width = 9\n"
     (plain, decides) = (
@@ -109,13 +99,6 @@ def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) 
     names = [port.name for port in decides.ports if port.name.startswith("winner_")]
     assert len(decides.ports) == len(plain.ports) + len(names) == len(plain.ports) + 3
     assert decides.readout.holds
-
-
-def test_a_profile_is_drawn_of_held_outputs(tmp_path: Path) -> None:
-    drawn = scene_of(ENGINE, tmp_path, sections=VISUALISATION).twin()
-    assert isinstance(drawn, Readout)
-    with pytest.raises(InputError, match="got holds=False with a load_profile, expected True"):
-        replace(drawn, holds=False)
 
 
 REFUSED = [

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from golden.input_error import InputError
 from tactus.core.table import read_table
 from tactus.physics import GRAVITY
-from tactus.physics.beam import Beam
+from tactus.physics.beam import Beam, mean_arm
 from tactus.physics.digit_data import RECORDED, SENSORS, digit_data
 from tactus.physics.strain_sensor import (
     COLUMNS,
@@ -174,3 +177,13 @@ def test_the_command_writes_a_csv(tmp_path: Path) -> None:
         2,
         "error: rows: got 0, expected 1 to 1e+06\n",
     )
+
+
+@given(st.floats(-0.1, 0.1), st.floats(1e-4, 0.05), st.booleans())
+def test_the_mean_arm_is_the_integral_over_the_load(d: float, h: float, triangular: bool) -> None:
+    def density(u: float) -> float:
+        return (1 - abs(u) / h) / h if triangular else 1 / (2 * h)
+
+    kinks = [0.0] if abs(d) >= h else sorted({0.0, -d})
+    expected = quad(lambda u: density(u) * max(d + u, 0), -h, h, points=kinks, epsabs=1e-14)[0]
+    assert mean_arm(d, h, triangular) == pytest.approx(expected, rel=1e-9, abs=1e-12)

@@ -116,7 +116,7 @@ def test_the_benches_of_a_drawn_scene_have_a_plan(planned: None, tmp_path: Path,
     scene = drawn_scene(seed, tmp_path, large=seed >= EVERY_RUN)
     design = scene.twin(lean=seed % 3 > 0)
     # One entity of each block is planned.
-    for twin in {one.block: one for one in walk(design) if not one.part_of}.values():
+    for twin in {part.block: part for part in walk(design)}.values():
         subject = Subject(scene, design, twin, seed)
         check(subject)
         plan(subject)

@@ -1,9 +1,9 @@
-"""Runs every bench in both simulators, on its cases and on the shipped scenes.
+"""Runs every bench on its cases, and the recorded frames of the shipped scenes.
 
-Every run simulates each block in the cases in which its records are made, in both simulators. Those
-other cases that drive something else it simulates in one of them, and ALL=1 in both. ``ALL_ONLY``
-names the cases that only ALL=1 simulates. Whole networks that the proof of every frame covers are
-simulated in few cases, and proved in the others (test_every_frame.py).
+Every run simulates each block in the cases in which its records are made, in one of the simulators:
+that VHDL and Verilog are one function is proved (test_equal.py). Default scenes are simulated in
+both. ALL=1 adds the other cases, and the other simulator. Cases of whole networks are proved for
+every frame instead (test_every_frame.py).
 """
 
 import pytest
@@ -13,7 +13,7 @@ from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.scene import load_scene
-from tactus.verify.benches.collected import BENCHES, CASES, CASES_OF, blocks_of
+from tactus.verify.benches.collected import BENCHES, CASES, blocks_of
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.sign_off.current import stale_records
@@ -25,49 +25,16 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 # that is not proved for every frame, and a whole board.
 NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 
-# Cases that ALL=1 adds: images and a serial line around an engine, no multiplier, converters,
-# profiles, graphs of adders that are not proved, and activations of the thesis.
-ALL_ONLY = (
-    *("deep-reload", "tables-reload", "tables-lanes-reload", "reload-uart", "plain-uart"),
-    *("serial-past", "loop-past", "chain-past", "past-uart"),
-    *("winner-uart", "winner-reload", "drawn-winner", "winner-instrument", "other-profile"),
-    *("wide-converter", "signed-converter", "least-instrument", "engine-instrument"),
-    *("axis-cascade", "axis-past", "axis-loop", "least-axis", "wide-winner", "hybrid-winner"),
-    *("short-graph", "three-graph", "logic-graph", "relu-graph", "narrow-graph"),
-    *("pade-thesis", "polynomial-thesis", "polynomial-short", "gradient_parallel-thesis"),
-    *("bipartite-low", "bipartite-logic", "logic-huge", "block-ram-huge", "chain-loop"),
-    *("deep-least-engine", "huge-engine"),
-)
-# Of these cases it adds the whole network. Every run simulates the other blocks.
-WHOLE = ("rails-lanes-reload",)
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
     *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),
     *("winner-past", "winner-loop", "wide-uart", "winner-converter"),
     *("least-graph", "layers-reload", "exact-reload"),
 )
-# Nor these of cases whose other blocks are simulated, but for records.
-LEFT_OF = {
-    "fine-engine": {"operand_select", "program_memory"},
-    "layers-lanes": {"lane_memory"},
-    "rails-lanes-reload": {"frame_guard"},
-}
 
 
-def every_run(block: str, case: str) -> bool:
-    """Whether every run simulates a bench's case."""
-    left = case in (*LEFT, *ALL_ONLY) or block in LEFT_OF.get(case, ())
-    whole = block in WHOLE_NETWORKS and case in WHOLE
-    recorded = case in recorded_cases(block).values()
-    return not left and not whole and (recorded or not proved(block, case))
-
-
-def only_all(block: str, case: str) -> bool:
-    """Whether only ALL=1 simulates a bench's case."""
-    whole = block in WHOLE_NETWORKS and case in WHOLE
-    chosen = (whole or case in ALL_ONLY) and not proved(block, case)
-    recorded = case in recorded_cases(block).values()
-    return not every_run(block, case) and (recorded or chosen)
+def recorded(block: str, case: str) -> bool:
+    return case in recorded_cases(block).values()
 
 
 def proved(block: str, case: str) -> bool:
@@ -75,24 +42,12 @@ def proved(block: str, case: str) -> bool:
     return block in WHOLE_NETWORKS and case != "rails-lanes-reload"
 
 
-def simulators_of(block: str, case: str) -> tuple[str, ...]:
-    """The simulators of a case in every run: cases without records take turns.
-
-    If there is only one case of a bench in every run, it is simulated in both.
-    """
-    both = tuple(SIMULATORS)
-    others = [name for name in CASES_OF[block] if every_run(block, name)]
-    if case in recorded_cases(block).values() or case not in others or others == [case]:
-        return both
-    return (both[others.index(case) % len(both)],)
-
-
 # Each bench with each of its cases. Those of a case are together, because they share exports.
 PAIRS = [
-    pytest.param(block, case, marks=[pytest.mark.all_only] if only_all(block, case) else [])
-    for case in sorted(CASES, key=lambda name: name in ALL_ONLY)
+    pytest.param(block, case, marks=[] if recorded(block, case) else [pytest.mark.all_only])
+    for case in CASES
     for block in sorted(blocks_of(case))
-    if every_run(block, case) or only_all(block, case)
+    if recorded(block, case) or not (case in LEFT or proved(block, case))
 ]
 
 
@@ -134,20 +89,14 @@ def check_clocks(outcomes: list[Outcome]) -> None:
             assert outcome.facts["clocks_per_frame"] == clocks_per_frame(design)
 
 
-def test_every_bench_has_a_case_in_every_run() -> None:
-    assert {*LEFT, *ALL_ONLY, *WHOLE} <= set(CASES)
-    assert all(blocks < blocks_of(case) for case, blocks in LEFT_OF.items())
-    assert {b for case in CASES for b in blocks_of(case) if every_run(b, case)} == set(BENCHES)
-
-
 @pytest.mark.parametrize(("block", "case"), PAIRS)
 def test_hardware_equals_twin(
     shared: Shared, block: str, case: str, request: pytest.FixtureRequest
 ) -> None:
-    """Run a block in a case of its bench."""
     # Whoever works on one block sees it in both.
     every = request.config.getoption("all") or request.config.getoption("keyword")
-    simulators = tuple(SIMULATORS) if every else simulators_of(block, case)
+    both = tuple(SIMULATORS)
+    simulators = both if every else both[list(BENCHES).index(block) % 2 :][:1]
     jobs = [
         job for s in simulators for job in one_of_each(shared.jobs(case, s)) if job.block == block
     ]

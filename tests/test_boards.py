@@ -4,9 +4,7 @@ import hashlib
 import json
 import re
 import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -18,9 +16,9 @@ from shared import Shared
 
 from golden.input_error import InputError
 from tactus.boards import Board, bitstream, board_names, load_board
-from tactus.boards.bitstream import Report, Sources, build, sources
+from tactus.boards.bitstream import Report, build, sources
 from tactus.boards.board import FOLDER
-from tactus.boards.families import FAMILIES, ice40_netlist
+from tactus.boards.families import ice40_netlist
 from tactus.boards.pll import clock_for
 from tactus.boards.record import read_record, record_path, state
 from tactus.boards.wrapper import RESET_WIDTH, wrapper
@@ -107,14 +105,6 @@ def test_a_board_that_cannot_be_is_refused(
         load_board(str(path))
 
 
-def test_a_family_without_speed_grades_gets_none(tmp_path: Path) -> None:
-    text = (FOLDER / "icebreaker.toml").read_text()
-    path = tmp_path / "mine.toml"
-    path.write_text(text.replace("[device]\n", "[device]\nspeed = 6\n", 1))
-    with pytest.raises(InputError, match=r"mine.toml: device.speed: got 6 .*, expected no such ke"):
-        load_board(str(path))
-
-
 def number(text: str, name: str) -> int:
     found = re.search(rf"\.{name}\((?:\d'd)?(\d+)\)", text)
     assert found, name
@@ -149,12 +139,6 @@ def test_the_pll_of_an_ice40(mhz: float) -> None:
     assert Fraction(str(mhz)) * Fraction(199, 200) <= clock.mhz <= Fraction(str(mhz))
     assert 533 <= inside <= 1066
     assert 1 <= number(clock.text, "DIVQ") <= 6
-
-
-@pytest.mark.parametrize(("board", "mhz"), [("ulx3s", 5), ("ulx3s", 500), ("icebreaker", 50)])
-def test_a_clock_that_no_pll_makes_is_refused(board: str, mhz: float) -> None:
-    with pytest.raises(InputError, match=f"hardware.clock_mhz: got {mhz}, no PLL of .* makes it"):
-        clock_for(load_board(board), mhz)
 
 
 # A design with the same ports that counts its clock edges in reset, and a model of a PLL.
@@ -277,18 +261,6 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bitstream, "stored", lambda *_, **__: slow)
     says = "iCEBreaker, iCE40UP5K: 11.5 MHz reached, 12 MHz needed"
     desk.refuses("bitstream", "tiny.toml", "icebreaker", says=says)
-
-
-def test_what_does_not_fit_is_named() -> None:
-    said = """Info: Device utilisation:
-Info: \t         ICESTORM_LC:    5281/   5280   100%
-Info: \t        ICESTORM_RAM:      30/     30   100%
-ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'
-"""
-    family = FAMILIES["ice40"]
-    assert bitstream._why_not(said, family) == "does not fit: logic cells: 5281 of 5280"
-    few = said.replace("5281", "1")
-    assert bitstream._why_not(few, family).startswith("nextpnr-ice40: Unable to place cell 'x'")
 
 
 @pytest.mark.parametrize(("name", "board"), SHIPPED)
@@ -429,33 +401,3 @@ def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
         return netlist.replace(f"16'h{names[0]}", f"16'h{int(names[0], 16) ^ 0xFFFF:04x}", 1)
 
     assert play(scene, load_board("icebreaker"), voltages, tmp_path, wrong).differ > 0
-
-
-def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A second placer is tried if the first does not meet the clock, which is reported too."""
-    board = load_board("ulx3s")
-    told: list[str] = []
-
-    @contextmanager
-    def running(what: str) -> Iterator[None]:
-        told.append(what)
-        yield
-        told.append("ended")
-
-    def packed(_: str, words: list[str], folder: Path) -> str:
-        (folder / words[-1]).write_bytes(b"packed")
-        return ""
-
-    slow = Report(10.0, 25.0, {}, {})
-    monkeypatch.setattr(bitstream, "_placed", lambda *_: slow)
-    monkeypatch.setattr(bitstream, "run_tool", packed)
-    monkeypatch.setattr(
-        bitstream, "stored", lambda work, *_, **__: work(tmp_path) | {"report": asdict(slow)}
-    )
-    family = replace(FAMILIES["ecp5"], synthesise=lambda _: None)
-    monkeypatch.setitem(bitstream.FAMILIES, "ecp5", family)
-    made = Sources("", "", Fraction(25), False)
-    with pytest.raises(InputError, match="10 MHz reached, 25 MHz needed"):
-        build(tmp_path, made, board, running)
-    stages = ("synthesis", *(f"placing and routing with {p}" for p in family.placers), "packing")
-    assert told == [text for name in stages for text in (name, "ended")]

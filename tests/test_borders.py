@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.common.border import border_among
 from golden.layers.closest import closest
 from golden.layers.neuron import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
@@ -60,14 +59,6 @@ def test_of_many_weights_the_sum_is_the_target(shift: int, above: bool) -> None:
         assert total(weights.tolist(), found, 5, shift) == target
 
 
-def test_even_weights_stop_at_the_closest_sum() -> None:
-    weights = np.array([4, 6, 10])
-    ends = ends_of(Fix(14, 13), weights)
-    found = closest(ends, weights, 1, 0, 100, True, np.random.default_rng(0))
-    assert found is not None
-    assert total([4, 6, 10], found, 1, 0) == 101
-
-
 def test_a_sum_saturates_from_its_border_on() -> None:
     neuron = Neuron(SMALL, Fix(6, 3), SMALL, 0, (9, -11, 7), 3)
     low, high = neuron.ends
@@ -77,22 +68,3 @@ def test_a_sum_saturates_from_its_border_on() -> None:
     assert (below.at, above.at) == (low, high)
     assert not below.unreachable
     assert not above.unreachable
-
-
-def test_a_sum_that_is_too_small_names_its_range() -> None:
-    neuron = Neuron(SMALL, Fix(6, 3), SMALL, 0, (1, 1, 1), 0)
-    assert [border.unreachable for border in neuron.borders] == ["the sum is -24 to 21"] * 2
-
-
-def test_a_factor_moves_the_border() -> None:
-    """The border is the least sum that saturates when it is multiplied by 5."""
-    neuron = Neuron(SMALL, Fix(6, 3), SMALL, 3, (9, -11, 7), 3, factor=5)
-    at = neuron.borders[1].at
-    assert 5 * at > SMALL.high >= 5 * (at - 1)
-
-
-def test_a_border_among_the_values_that_there_are() -> None:
-    values = np.array([-3, 2, 9, 12])
-    assert border_among("a", "b", 8, values).within == 6
-    assert border_among("a", "b", 9, values).within == 7
-    assert "-3 to 12" in border_among("a", "b", 13, values).unreachable

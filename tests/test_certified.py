@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import tiered
 
 from golden.activation.schemes import SCHEMES
 from golden.networks.designs import DESIGNS
@@ -85,7 +84,8 @@ ROWS = {name: CASES[name] for name in NAMES} | {
 }
 
 
-@pytest.mark.parametrize("row", tiered([ONE], ROWS))
+@pytest.mark.all_only
+@pytest.mark.parametrize("row", [ONE, *ROWS])
 def test_no_step_is_red(row: str, tmp_path: Path) -> None:
     scene = (ROWS | {ONE: CASES[ONE]})[row].scene(tmp_path, row)
     wanted = replace(FEW, frames=1 + scene.twin().past)

@@ -1,9 +1,7 @@
 """Tests a training search on a cluster, which joblib selects and which gives the same record."""
 
 import socket
-import sys
 import threading
-import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -15,11 +13,9 @@ from distributed import Client, LocalCluster
 from golden.input_error import InputError
 from tactus.scene import Scene
 from tactus.train.candidate_runs import continued
-from tactus.train.descent.cluster import EXTRA, computed_on
+from tactus.train.descent.cluster import computed_on
 from tactus.train.descent.search import Result, candidates, measure
 from tactus.train.descent.task import task_for
-
-ROOT = Path(__file__).parents[1]
 
 
 def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
@@ -93,21 +89,3 @@ def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
         f"CLUSTER={address}: asking for its scheduler, 1 s at most\n",
         "",
     )
-
-
-def test_the_extra_that_a_cluster_needs_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    message = rf"CLUSTER=tcp://a:1: Dask is not installed, .* pip install -e '\.\[{EXTRA}\]' in the"
-    with pytest.raises(InputError, match=message), computed_on("tcp://a:1"):
-        pass
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert [need.partition(">")[0] for need in project["optional-dependencies"][EXTRA]] == [
-        "distributed"
-    ]
-    assert not any(need.startswith("distributed") for need in project["dependencies"])
-
-
-def test_a_cluster_that_does_not_answer() -> None:
-    message = "CLUSTER=tcp://127.0.0.1:9: no scheduler answers"
-    with pytest.raises(InputError, match=message), computed_on("tcp://127.0.0.1:9"):
-        pass

@@ -22,7 +22,7 @@ from tactus.core import folders
 from tactus.core.files import check_writable
 from tactus.core.finding import faults
 from tactus.rig.check import everything
-from tactus.scene import Scene, scene_names
+from tactus.scene import Scene
 from tactus.verify.benches.places import block_names
 
 ROOT = Path(__file__).parents[1]
@@ -89,18 +89,6 @@ def test_the_help_of_a_command_comes_from_the_table(command: Command) -> None:
     assert not re.search(rf"\bmake ({'|'.join(BY_NAME)})\b|\b[A-Z]{{2,}}=", told)
 
 
-def test_the_commands_stand_in_the_order_of_the_table() -> None:
-    told = invoke("--help").output
-    assert re.findall(r"^  ([a-z]+)  ", told, re.M) == [command.name for command in OFFERED]
-    assert ", ".join(scene_names()) in " ".join(told.split())
-
-
-def test_texts_of_the_table_name_what_is_typed() -> None:
-    assert console.typed("RECORD=1 with CSV= and PORT=twin; as make scene, without SCENE=") == (
-        "--record with --csv and --port=twin; as tactus scene, without SCENE"
-    )
-
-
 def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     """Run a command line, and return its exit code."""
     monkeypatch.setattr(sys, "argv", ["tactus", *words])
@@ -157,15 +145,6 @@ def test_alone_it_lists_its_commands(
 def test_what_a_shell_completes(words: list[str], begun: str, offered: list[str]) -> None:
     completion = ShellComplete(console.front(), {}, "tactus", "_TACTUS_COMPLETE")
     assert [item.value for item in completion.get_completions(words, begun)] == offered
-
-
-@pytest.mark.parametrize(
-    ("words", "begun"), [(["vhdl"], "my-"), (["scene", "--csv"], "re"), (["load", "--port"], "/d")]
-)
-def test_a_shell_completes_files(words: list[str], begun: str) -> None:
-    completion = ShellComplete(console.front(), {}, "tactus", "_TACTUS_COMPLETE")
-    (item,) = completion.get_completions(words, begun)
-    assert (item.value, item.type) == (begun, "file")
 
 
 @pytest.fixture

@@ -1,24 +1,21 @@
 """Compares graphs of shifted adds with whole numbers, and truncation with its bounds."""
 
-from collections import Counter
 from dataclasses import replace
-from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers import kept_graph, sharing
+from golden.layers import kept_graph
 from golden.layers.constant_matrix import ConstantMatrix, Finish
 from golden.layers.sharing import shared
-from golden.layers.shift_add import Operand, Sum
-from golden.layers.three_operands import fused, saving_of
+from golden.layers.shift_add import Sum
+from golden.layers.three_operands import fused
 from golden.numbers.fixed import Fix
 from golden.numbers.signed_digits import signed_digits
-from tactus.core.folders import BUILD
 from tactus.core.store import VARIABLE
 
 pytestmark = pytest.mark.usefixtures("few_runs")
@@ -90,20 +87,6 @@ def test_a_graph_of_a_large_matrix_is_kept(
         assert replace(large).graph == first
 
 
-def test_what_only_checks_a_scene_keeps_no_graph(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv(VARIABLE, raising=False)
-    monkeypatch.chdir(tmp_path)
-    weights = tuple(tuple(4 * i + j + 1 for j in range(4)) for i in range(8))
-    large = ConstantMatrix(SAMPLES, WIDE, weights, (0,) * 8, 6, 1, 4)
-    assert searched(large, 0).graph
-    assert list(tmp_path.iterdir()) == []
-    BUILD.mkdir()
-    assert searched(large, 0).graph
-    assert len(list(BUILD.rglob("*.json"))) == 1
-
-
 @settings(max_examples=30, deadline=None)
 @given(matrices())
 def test_nothing_cut_is_the_exact_product(matrix: ConstantMatrix) -> None:
@@ -139,22 +122,6 @@ def test_no_number_leaves_its_bounds_and_none_comes_late(matrix: ConstantMatrix)
             first, cut = node.operands[0].node, graph.steps(place)[0].cut
             assert graph.passing(place) in (0, graph.beside(place))
             assert graph.passing(place) <= max(0, graph.widths[first] - cut)
-
-
-@settings(max_examples=30, deadline=None)
-@given(matrices())
-def test_samples_within_ends_need_no_more_bits(matrix: ConstantMatrix) -> None:
-    narrow = replace(matrix, in_ends=tuple((0, 3 + k) for k in range(matrix.inputs)))
-    frames = some_frames(matrix) % (4 + np.arange(matrix.inputs))
-    for number, (low, high) in zip(
-        narrow.graph.numbers(frames.T), narrow.graph.bounds, strict=True
-    ):
-        assert low <= number.min()
-        assert number.max() <= high
-    # The search may find another graph for such samples, so the bits are those of the same one.
-    same = replace(matrix.graph, ends=narrow.in_ends)
-    for less, more in zip(same.widths, matrix.graph.widths, strict=True):
-        assert less <= more
 
 
 @settings(max_examples=30, deadline=None)
@@ -223,68 +190,10 @@ def test_sharing_takes_no_more_adders_than_the_digits(matrix: ConstantMatrix) ->
     assert sums <= alone
 
 
-def test_a_graph_is_the_same_every_time() -> None:
-    rng = np.random.default_rng(1)
-    weights = tuple(tuple(map(int, row)) for row in rng.integers(-4000, 4000, (5, 3)))
-    matrix = ConstantMatrix(SAMPLES, WIDE, weights, (0, 1, -2, 3, -400), 6, 1, 4)
-    first = matrix.graph
-    shared.cache_clear()
-    assert matrix.graph == first
-
-
 def searched(matrix: ConstantMatrix, runs: int) -> ConstantMatrix:
     """The matrix with a graph of so many runs, which is found anew."""
     shared.cache_clear()
     return replace(matrix, search_runs=runs)
-
-
-@pytest.mark.usefixtures("own_store")
-@settings(
-    max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(matrices())
-def test_more_runs_never_need_more_bits(matrix: ConstantMatrix) -> None:
-    assert searched(matrix, sharing.RUNS).graph == matrix.graph
-    found = [matrix, searched(matrix, 4), searched(matrix, 12)]
-    for fewer, more in pairwise(found):
-        assert more.latency < fewer.latency or more.graph.adder_bits <= fewer.graph.adder_bits
-    whole = replace(found[-1], guard=matrix.out_shift)
-    frames = some_frames(whole)
-    assert (whole.process(frames) == products(whole, frames) >> whole.out_shift).all()
-
-
-MANY = ConstantMatrix(
-    SAMPLES,
-    WIDE,
-    tuple(tuple(row) for row in np.random.default_rng(1).integers(-4000, 4000, (5, 3)).tolist()),
-    (0, 1, -2, 3, -400),
-    6,
-    1,
-    4,
-)
-
-
-@pytest.mark.usefixtures("own_store")
-def test_more_runs_find_a_smaller_graph() -> None:
-    bits = [searched(MANY, runs).graph.adder_bits for runs in (2, 30)]
-    assert bits[1] < bits[0]
-
-
-def test_a_graph_of_more_runs_is_kept_for_its_matrix_and_settings(
-    own_store: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first = searched(MANY, 6).graph
-    kept = list(own_store.rglob("*.json"))
-    assert len(kept) == 1
-    with monkeypatch.context() as patch:
-        patch.setattr(kept_graph, "shared", pytest.fail)
-        assert replace(MANY, search_runs=6).graph == first
-    for changed in ({"search_runs": 7}, {"guard": 2}, {"adder_operands": 3}):
-        assert searched(replace(MANY, **changed), changed.get("search_runs", 6)).graph
-    assert len(list(own_store.rglob("*.json"))) == 4
-    # Without the store the same graph is found.
-    kept[0].unlink()
-    assert searched(MANY, 6).graph == first
 
 
 @settings(max_examples=30, deadline=None)
@@ -304,54 +213,6 @@ def test_three_operands_give_the_same_results_with_fewer_bits(matrix: ConstantMa
             assert len(node.operands) in (2, 3)
             assert node.operands[0].shift == 0
             assert any(one.sign > 0 for one in node.operands)
-
-
-@settings(max_examples=30, deadline=None)
-@given(matrices())
-def test_no_other_pairs_of_sums_save_more(matrix: ConstantMatrix) -> None:
-    """Tries every set of sums that are taken in, in a graph with few of them."""
-    graph = replace(matrix, adder_operands=2).graph
-    users = Counter(one.node for n in graph.nodes if isinstance(n, Sum) for one in n.operands)
-    users.update(row.node for row in graph.rows for _ in range(2))
-    pairs = [
-        (place, one.node)
-        for place, node in enumerate(graph.nodes)
-        if isinstance(node, Sum)
-        for one in node.operands
-        if users[one.node] == 1 and isinstance(graph.nodes[one.node], Sum)
-    ]
-    assume(len(pairs) <= 10)
-    least = min(
-        graph.adder_bits - sum(saving_of(graph, *pair) for pair in chosen)
-        for count in range(len(pairs) + 1)
-        for chosen in combinations(pairs, count)
-        if len({place for pair in chosen for place in pair}) == 2 * count
-    )
-    assert fused(graph).adder_bits == least
-
-
-def test_bits_that_an_operand_does_not_have_pass_beside_no_adder() -> None:
-    """A sample of 6 bits and the same 10 places further left."""
-    graph = ConstantMatrix(SAMPLES, WIDE, ((1025,),), (0,), 0, 0, 4).graph
-    assert (graph.beside(1), graph.passing(1)) == (10, 0)
-    graph = ConstantMatrix(SAMPLES, WIDE, ((65,),), (0,), 0, 0, 4).graph
-    assert (graph.beside(1), graph.passing(1)) == (6, 6)
-
-
-def test_a_sum_of_three_counts_as_one_adder() -> None:
-    # 1 + 4 + 16 times a sample.
-    matrix = ConstantMatrix(SAMPLES, WIDE, ((21,),), (0,), 0, 0, 1)
-    three = replace(matrix, adder_operands=3)
-    assert (matrix.graph.depth, three.graph.depth) == (2, 1)
-    assert (matrix.latency, three.latency) == (2, 1)
-    (node,) = (node for node in three.graph.nodes if isinstance(node, Sum))
-    assert node == Sum((Operand(0), Operand(0, 2), Operand(0, 4)))
-
-
-def test_three_times_and_nine_times_share_an_adder() -> None:
-    matrix = ConstantMatrix(SAMPLES, WIDE, ((5, 0), (5, 1), (40, 8)), (0, 0, 0), 0, 0, 4)
-    # The adders are 5 x and 5 x + z. The eightfold is a shift by wires.
-    assert sum(isinstance(node, Sum) for node in matrix.graph.nodes) == 2
 
 
 def test_results_saturate() -> None:

@@ -13,17 +13,12 @@ from golden.sensing.converter_parts import PARTS, PULL_UP_NS
 from golden.sensing.converter_reader import ConverterReader
 from tactus.scene import load_scene
 from tb.common.cases import FRONT_END, random_mlp, write_scene
-from tb.sensing.spi_converter import SHEETS
 
 FMT = Fix(14, 13)
 
 
 def reader(part="mcp3208", inputs=4, slots=4, counter_width=13, clock_mhz=64.0, pause=0):
     return ConverterReader(FMT, PARTS[part], inputs, slots, counter_width, clock_mhz, pause)
-
-
-def test_the_bench_has_a_model_of_every_part() -> None:
-    assert set(SHEETS) == set(PARTS)
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -124,23 +119,6 @@ def test_a_code_that_is_not_repeated_is_told() -> None:
         assert not reader().received(bits)[1]
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"inputs": 9, "slots": 9}, "got 9 sensors, expected 1 to 8, the channels of mcp3208"),
-        ({"inputs": 0}, "got 0 sensors, expected 1 to 8"),
-        ({"slots": 3}, "got inputs=4 and slots=3, expected inputs <= slots"),
-        ({"clock_mhz": 0.019}, "got clock_mhz=0.019, expected 0.02 or more, of which mcp3208 gets"),
-        ({"counter_width": 25}, "got counter_width=25, expected 13 to 24: for each of 4 turns"),
-        ({"counter_width": 12}, "13 to 24: for each of 4 turns mcp3208 needs 1991 clocks of 64 M"),
-        ({"pause": -1}, "got pause=-1, expected 0 to 1073733632"),
-    ],
-)
-def test_parameters_out_of_range_are_refused(parameters, message: str) -> None:
-    with pytest.raises(InputError, match=f"converter_reader: .*{message}"):
-        reader(**parameters)
-
-
 def test_a_code_that_the_part_has_not_is_refused() -> None:
     with pytest.raises(InputError, match="converter_reader codes: got 4096, expected 0 to 4095"):
         reader().process([4096])
@@ -185,9 +163,3 @@ def test_a_scene_names_its_converter(tmp_path) -> None:
 def test_a_converter_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
     with pytest.raises(InputError, match=f"rig.toml: {message}"):
         scene_with(tmp_path, lines).twin()
-
-
-def test_a_scene_with_too_many_sensors_is_refused(tmp_path) -> None:
-    lines = 'converter = "ads8344"\ncounter_width = 16\n'
-    with pytest.raises(InputError, match="got 9 sensors, expected 1 to 8, the channels of ads8344"):
-        scene_with(tmp_path, lines, shape=(9, 2, 4)).twin()

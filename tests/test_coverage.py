@@ -11,28 +11,12 @@ from golden.activation.abs_unit import AbsUnit
 from golden.common.block import Block
 from golden.common.border import Border, State
 from golden.common.port import Unsigned, input_port, output_port
-from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, run_job
-from tactus.verify.sign_off.coverage import KIND, named_by
-from tactus.verify.sign_off.current import of_this_verilog
-from tactus.verify.sign_off.record import read_record, short
+from tactus.verify.sign_off.coverage import named_by
 from tactus.verify.sign_off.source import verilog
-from tactus.verify.sign_off.subject import recorded_cases
 from tb.common.coverage import Coverage, add, missing
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-
-
-NAMES = {name: case for block in BENCHES for name, case in recorded_cases(block).items()}
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_record_is_of_this_source(shared: Shared, name: str) -> None:
-    block = name.partition(".")[0]
-    job = shared.subject(block, case=NAMES[name])
-    assert not of_this_verilog(KIND, name, verilog(job))
-    again = f"the twin names something else; run: make coverage BLOCK={block} RECORD=1"
-    assert read_record(KIND, name)["named"] == short(named_by(job.twin)), again
 
 
 def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:

@@ -15,14 +15,12 @@ from golden.engine.bounds import error_bounds
 from golden.engine.formats import RESULT
 from golden.engine.quantise import first_values, planned
 from golden.input_error import InputError
-from golden.networks.arrangement import process_real
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
-from golden.trained.mlp import Mlp, tanh
 from tactus.network_files.network_file import load_network, write_network
 from tactus.scene import load_scene
 from tb.common.cases import random_network, write_scene
@@ -71,19 +69,6 @@ def test_the_slope_of_a_leaky_relu_is_kept(tmp_path: Path) -> None:
         assert found.layers[0].leak == 0.25
     (results,) = ReferenceEvaluator(str(tmp_path / "net.onnx")).run(None, {"x": np.eye(3)})
     assert np.allclose(results, network.process(np.eye(3)), atol=1e-14)
-
-
-def test_one_hidden_layer_of_tanh_is_what_it_was(tmp_path: Path) -> None:
-    network = random((3, 4, 2), ("tanh",))
-    assert isinstance(network, Mlp)
-    write_network(tmp_path / "net.npz", network)
-    with np.load(tmp_path / "net.npz") as archive:
-        assert archive.files == ["w1", "b1", "w2", "b2"]
-
-
-def test_netlabs_form_holds_no_other(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"net.mat: got a network with hidden layers of relu, exp"):
-        write_network(tmp_path / "net.mat", random((3, 4, 2), ("relu",)))
 
 
 @pytest.mark.parametrize(
@@ -205,14 +190,6 @@ def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
     assert np.abs(found.process(x) - expected).max() < 1e-6
 
 
-def test_an_activation_at_the_end_is_followed_by_a_layer_that_changes_nothing(tmp_path) -> None:
-    nodes = [node("Gemm", "x w1 b1", "a"), node("Sigmoid", "a", "b"), node("Mul", "b six", "y")]
-    path = graph(tmp_path, nodes, numbers())
-    x = np.random.default_rng(2).normal(0, 2, (50, 3))
-    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
-    assert np.abs(load_network(path, (3, 4, 4)).process(x) - expected).max() < 1e-12
-
-
 REFUSED = {
     "two activations": (
         chain([("Relu", "", {}), ("Tanh", "", {})], []),
@@ -320,27 +297,6 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     assert (off <= error_bounds(network, 9, network.shape[0])).all()
 
 
-@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
-def test_several_networks_of_several_layers(arrangement: str) -> None:
-    more = arrangement == "cascade"
-    several = [
-        random((3, 4, 3, 1), ("relu", "sigmoid"), 1, 0.5),
-        random((3 + more, 4, 1), ("tanh",), 2, 0.5),
-        random((3 + 2 * more, 3, 4, 1), ("leaky_relu", "relu"), 3, 0.5),
-    ]
-    codes = random_codes(3, 200)
-    samples = SIGNAL.to_real(codes)
-    real = process_real(arrangement, several, samples, tanh)
-    assert np.abs(real).max() < 1
-    engine = Engine.of(several, arrangement=arrangement)
-    found = engine.process(codes)
-    assert np.array_equal(found, exact(engine, codes))
-    assert np.abs(SIGNAL.to_real(found) - real).max() < 4 * 2.0**-SIGNAL.frac
-    names = [neuron.name for neuron in engine.graph.neurons if neuron.relu]
-    assert "network 1 layer 1 node 1" in names
-    assert "network 3 layer 1 node 1 relu" in names
-
-
 @pytest.mark.parametrize("kind", ["relu", "linear", "leaky_relu"])
 def test_no_sum_saturates_and_a_bit_more_would(kind: str) -> None:
     """Frames of rails drive each sum of the first layer to its ends."""
@@ -359,16 +315,6 @@ def test_no_sum_saturates_and_a_bit_more_would(kind: str) -> None:
     assert np.abs(sums).max() * 2**first.layer.result.frac <= RESULT.high + 1
     assert np.abs(sums).max() * 2**first.layer.result.frac > 0.9 * reach
     assert second.layer.result.frac <= first.layer.result.frac
-
-
-def test_sums_that_no_format_holds_are_refused() -> None:
-    network = random((3, 4, 2), ("relu",))
-    first, last = network.layers
-    wide = network_of([Dense(first.weights * 1e6, first.biases, "relu"), last])
-    with pytest.raises(
-        InputError, match=r"layer 1: got sums that reach .*, expected 131071 at most"
-    ):
-        Engine.of([wide])
 
 
 @pytest.mark.parametrize(
@@ -405,19 +351,6 @@ def test_nodes_that_no_output_uses_are_left_out_layer_by_layer() -> None:
 
 def scene_of(tmp_path: Path, network: Trained, design: str = "engine") -> Path:
     return write_scene(tmp_path, "several", "exact", [network], activation="precise", design=design)
-
-
-def test_a_scene_of_several_layers(tmp_path: Path) -> None:
-    network = random((3, 4, 5, 2), ("relu", "sigmoid"))
-    path = scene_of(tmp_path, network)
-    scene = load_scene(str(path))
-    assert scene.describe() == "3:4:5:2"
-    codes = random_codes(3, 20)
-    assert np.array_equal(scene.twin().process(codes), Engine.of([network]).process(codes))
-    samples = SIGNAL.to_real(codes)
-    assert np.array_equal(scene.process_real(samples), network.process(samples))
-    with pytest.raises(InputError, match=r"several.npz: got hidden layers of relu, sigmoid, expec"):
-        scene.mlps()
 
 
 def test_a_scene_may_name_activations_or_leave_them_to_the_file(tmp_path: Path) -> None:

@@ -36,11 +36,6 @@ def pair(shared: Shared) -> Callable[[str], Pair]:
     return both
 
 
-@pytest.mark.parametrize("block", BENCHES)
-def test_the_record_is_of_this_source(pair: Callable[[str], Pair], block: str) -> None:
-    assert check_record(pair(block)) == []
-
-
 @pytest.mark.parametrize("block", QUICK)
 def test_equal(pair: Callable[[str], Pair], block: str) -> None:
     (result,) = settle([pair(block)])

@@ -8,15 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.input_error import InputError
 from golden.networks.constants import constants_of
 from golden.numbers.signed_digits import signed_digits
 from golden.trained.mlp import Mlp
 from tactus.cli import train as command
 from tactus.network_files.network_file import provenance_path
-from tactus.scene import Scene, load_scene
+from tactus.scene import Scene
 from tactus.train.descent import few_digits
-from tactus.train.descent.few_digits import FewDigits, at_most, count_digits, grid_of, priced
+from tactus.train.descent.few_digits import FewDigits, grid_of
 from tactus.train.descent.objective import pack, unpack
 from tactus.train.descent.search import train
 from tactus.train.descent.stages import Stages
@@ -82,38 +81,6 @@ def test_a_network_of_a_cascade_sees_what_few_digits_make_of_the_earlier_ones(
     assert np.array_equal(codes[:, 3:], first)
 
 
-def test_digits_that_a_network_has_are_left_to_it(small_scene: Scene) -> None:
-    few = few_of(small_scene, 1000)
-    mlp = few.on_training_rows()
-    grid = grid_of(few.chosen, 18)
-    assert np.array_equal(pack(mlp), grid.rounded(pack(few.chosen)))
-    assert count_digits(mlp, 18) == digits_in_hardware(small_scene, mlp)
-
-
-def test_the_rest_makes_up_for_what_is_taken_away(small_scene: Scene) -> None:
-    """The error is compared with that of weights that are just rounded to two digits."""
-    few = few_of(small_scene, 50)
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-    start, grid = pack(few.chosen), aim.grid
-    plain = grid.rounded(start)
-    codes = plain[grid.weights] / grid.lsb[grid.weights]
-    plain[grid.weights] = few_digits.nearest_with(codes, 2)[2] * grid.lsb[grid.weights]
-    fitted, _ = at_most(aim, start, grid.digits(plain), np.random.default_rng(1))
-    assert grid.digits(fitted) <= grid.digits(plain)
-    before = aim.value(start)
-    assert aim.value(fitted) - before < (aim.value(plain) - before) / 2
-
-
-def test_a_dearer_digit_leaves_fewer(small_scene: Scene) -> None:
-    few = few_of(small_scene, 50)
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-    found = [
-        aim.grid.digits(priced(aim, pack(few.chosen), price, np.random.default_rng(1)))
-        for price in (1e-12, 1e-5, 1e12)
-    ]
-    assert found[0] > found[1] > found[2] == 0
-
-
 def test_validation_rows_decide_between_the_starts(
     small_scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -147,17 +114,6 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     assert counts[1] < full
 
 
-def test_fewest_asks_for_as_many_of_what_has_seen_more_rows(small_scene: Scene) -> None:
-    scene = asking(small_scene, "fewest", digits_tolerance=1.0, refit=True)
-    stages = Stages(scene)
-    stages.add(5, 0)
-    chosen, *others = (
-        digits_in_hardware(scene, mlps[0])
-        for mlps in (stages.chosen, stages.tested, stages.written)
-    )
-    assert max(others) <= chosen
-
-
 def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """If their readings and targets are replaced, only the written network may change."""
     scene = asking(small_scene, 30, refit=True)
@@ -179,38 +135,6 @@ def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.Monk
         for name in ("chosen", "tested", "written")
     }
     assert same == {"chosen": True, "tested": True, "written": False}
-
-
-def test_what_no_price_leads_to_is_refused(
-    small_scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(few_digits, "PRICES", (1e-9, 1e-8))
-    few = few_of(small_scene, 3)
-    with pytest.raises(InputError, match=r"small.toml: training.digits: got 3, expected at least"):
-        few.on_training_rows()
-
-
-def test_a_teacher_stands_between_rows(small_scene: Scene) -> None:
-    few = few_of(small_scene, 30)
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-    rows = aim.objective.training
-    count = len(few.task.training.inputs)
-    taught = rows.inputs[count:]
-    assert len(taught) == few_digits.TEACHER_FRAMES
-    activation = few.task.scene.scheme.real
-    assert np.array_equal(rows.targets[count:], few.chosen.process(taught, activation))
-    distances = np.abs(taught[:, np.newaxis] - rows.inputs[:count]).max(axis=2)
-    assert distances.min() > 0
-    assert np.abs(taught).max() <= 1
-
-
-def test_normalised_weights_are_refused(tmp_path: Path) -> None:
-    scene = load_scene("digit-single-thesis")
-    text = scene.path.read_text().replace("../data", str(scene.data_path.parent))
-    path = tmp_path / "mine.toml"
-    path.write_text(text.replace("[training]", "[training]\ndigits = 100"))
-    with pytest.raises(InputError, match=r"digits: got 100 with precision 'thesis', .*'exact'"):
-        load_scene(str(path))
 
 
 def test_a_grid_holds_what_the_hardware_holds(small_scene: Scene) -> None:

@@ -81,6 +81,7 @@ def test_the_json_says_what_took_part(written) -> None:
     assert len(data["sources"]) == 64
 
 
+@pytest.mark.all_only
 def test_the_same_seed_gives_the_same_bytes(written, tmp_path: Path) -> None:
     folder, _, names = written
     assert run("--build", str(tmp_path), "--seed", "3", *names).returncode == 0
@@ -134,50 +135,6 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
             assert float(shown[2 * n + 1]) == printed[f"swing-{form}-thesis", output]
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["clokcs"], "error: TABLE=clokcs: no such table, expected one of adder_errors, "),
-        (["clokcs"], "did you mean 'clocks'?"),
-        (["--seed", "-1", "beam"], "error: SEED=-1: expected a whole number, 0 to 4294967295"),
-    ],
-)
-def test_bad_input_leaves_what_was_there(tmp_path: Path, words: list[str], message: str) -> None:
-    (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "old").touch()
-    result = run("--build", str(tmp_path), *words)
-    assert result.returncode == 2
-    assert message in result.stderr
-    assert [p.name for p in (tmp_path / "figures").iterdir()] == ["old"]
-
-
-def test_the_page_shows_the_parallel_networks(tables) -> None:
-    """With each activation of the thesis they are better than section 5.2.2 prints."""
-    table = tables["parallel"]
-    at = [
-        list(table.columns).index(f"{kind} largest %") for kind in ("float", "bit-true", "printed")
-    ]
-    found: dict[str, list[float]] = {}
-    for row in table.rows:
-        found.setdefault(str(row[0]), []).extend(float(row[c]) for c in at)
-    assert set(found) == {"gradient", "lut", "pade", "polynomial"}
-    page = section("figures", "parallel")
-    for name, figures in found.items():
-        for text, figure in zip(cells(page, name), figures, strict=True):
-            assert shows(text, figure, ROUNDING), name
-        assert figures[1] < figures[2]
-        assert figures[4] < figures[5]
-
-
-def test_the_profile_keeps_its_bound(tables) -> None:
-    table = columns(tables, "profile", "frames", "largest units")
-    assert len(table) == 12
-    bound = max(units for frames, units in table if frames == "every quotient")
-    assert bound < 1.81
-    assert all(units <= bound for _, units in table)
-    assert all(units < 1.2 for frames, units in table if frames.startswith("load"))
-
-
 def test_a_table_as_text() -> None:
     table = Table("t", ["name", "value"], [["long name", 1.23456], ["x", None], ["y", 12]], "Why.")
     body = ["name       value", "long name  1.235", "x              -", "y             12"]
@@ -192,74 +149,12 @@ def test_a_page_rounds_a_column_alike_unless_it_has_several_units() -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("row", "message"),
-    [
-        (["only one"], "table t: row 1 has 1 cells, expected 2"),
-        (["x", float("nan")], "table t: row 1, value: got nan, expected a finite number"),
-        (["x", float("inf")], "got inf, expected a finite number, or None"),
-    ],
-)
-def test_a_table_refuses_what_is_no_figure(row, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Table("t", ["name", "value"], [row], "")
-
-
 def test_the_limits_of_the_page_are_those_measured(tables) -> None:
     page = section("limits", "The digit at 2 mV")
     for noise, output, said, *figures in tables["bounds"].rows:
         if noise == "2 mV":
             for text, figure in zip(cells(page, output, said), figures, strict=True):
                 assert (text == "none") if figure is None else shows(text, figure, ROUNDING)
-
-
-def test_who_knows_more_is_off_by_less(tables) -> None:
-    """The scene has learnt the existing loads, so it is not better than an estimator that knows
-    them.
-
-    If no reading depends on the width, the scene is better than an estimator that does not know
-    them.
-    """
-    names = ("noise", "output", "in the readings", "bound %", "digit %", "any load %")
-    rows = columns(tables, "bounds", *names, "known loads %")
-    assert len(rows) == 4 * 5
-    for noise, output, said, bound, reached, any_load, known_loads in rows:
-        assert (bound is None) == (said == "no")
-        assert said == "yes" or output not in ("load", "position")
-        assert known_loads <= any_load
-        if noise != "as recorded":
-            assert known_loads < reached
-        if (output, said) == ("width", "no"):
-            assert reached < any_load
-
-
-def test_corrections_that_would_harm_are_not_written(tables) -> None:
-    """No written correction does harm, but some others would."""
-    assert len(tables["recalibration_noise"].rows) == 8
-    names = ("drift %", "times", "written", "of these worse", "worse")
-    for drift, times, written, harmful, would in columns(tables, "recalibration_noise", *names):
-        assert harmful == 0
-        if drift == 0:
-            assert written == 0
-            assert would == 5
-        elif times > 1:
-            assert written == 5
-
-
-def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
-    names = ("placements", "chosen", "noise mV", "mean %")
-    rows = {tuple(row[:3]): row[3] for row in columns(tables, "recalibration", *names)}
-    own, drifted = rows[0, "not drifted", None], rows[0, "drifted", None]
-    assert drifted > 20 * own
-    for noise in (0.0, 2.0):
-        for few, many in ((3, 20), (4, 40)):
-            assert rows[many, "telling most", noise] < rows[few, "telling most", noise]
-        few = (3, 4, 6, 8, 10)
-        chosen, drawn = (
-            sum(rows[count, how, noise] for count in few) for how in ("telling most", "at random")
-        )
-        assert chosen < drawn
-    assert rows[20, "at random", 0.0] < 1.5 * own
 
 
 def test_the_gauges_of_the_page_are_those_found(tables) -> None:

@@ -7,16 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from golden.input_error import InputError, MissingFileError
+from golden.input_error import InputError
 from tactus.core.files import (
     check_writable,
-    read_json,
     read_kept,
     replace_file,
     replace_files,
     replace_folder,
     same_file,
-    write_json,
     write_kept,
 )
 
@@ -104,12 +102,6 @@ def test_what_can_be_written_is_found_out_without_writing(tmp_path: Path) -> Non
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
 
 
-def test_other_faults_in_the_block_are_what_they_were(tmp_path: Path) -> None:
-    for replace in (replace_file, replace_folder):
-        with pytest.raises(FileNotFoundError), replace(tmp_path / "a"):
-            (tmp_path / "nowhere").read_text(encoding="utf-8")
-
-
 def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a").touch()
     (tmp_path / "link").symlink_to("a")
@@ -125,21 +117,6 @@ def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         Path, "samefile", lambda p, q: str(p).lower() == str(q).lower() or samefile(p, q)
     )
     assert same_file(tmp_path / "new.npz", tmp_path / "NEW.npz")
-
-
-def test_a_record_is_read_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / "new" / "record.json"
-    with pytest.raises(MissingFileError, match="nothing was recorded"):
-        read_json(path, "a record", "nothing was recorded")
-    write_json(path, {"b": "µm", "a": [1, 2]})
-    assert read_json(path, "a record", make=lambda found: found["b"]) == "µm"
-    with pytest.raises(InputError, match=r"record\.json: not a record: 'c'"):
-        read_json(path, "a record", make=lambda found: found["c"])
-    with pytest.raises(ValueError, match="JSON"):
-        write_json(path, float("nan"))
-    assert list(read_json(path, "a record")) == ["b", "a"]
-    write_json(path, {"b": 1, "a": 2}, sort_keys=True)
-    assert list(read_json(path, "a record")) == ["a", "b"]
 
 
 def test_what_is_kept_and_damaged_is_not_there(tmp_path: Path) -> None:

@@ -1,14 +1,11 @@
 """Tests the front end: the patterns of the thesis, ranges, and the keys of a scene."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from golden.input_error import InputError
-from golden.instruments.instrument import Instrument
-from golden.instruments.readout import Readout
 from golden.numbers.fixed import Fix
 from golden.sensing.scan_sequencer import ScanSequencer
 from tactus.rig import check
@@ -52,24 +49,6 @@ def test_a_pause_behind_the_slots_takes_nothing() -> None:
     assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [107, 115, 123, 131, 139]]
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"inputs": 0}, r"got inputs=0 and slots=4, expected 1 <= inputs <= slots"),
-        ({"inputs": 5}, r"got inputs=5 and slots=4"),
-        ({"slots": 7, "counter_width": 3}, r"got counter_width=3, expected 4 to 24 for 7 slots"),
-        ({"counter_width": 25}, r"got counter_width=25, expected 3 to 24"),
-        ({"sample_clock": 0}, r"got sample_clock=0, expected 1 to 1023"),
-        ({"sample_clock": 1024}, r"got sample_clock=1024, expected 1 to 1023"),
-        ({"pause": -1}, r"got pause=-1, expected 0 to 1073737728"),
-        ({"pause": 1 << 30}, r"got pause=1073741824, expected 0 to 1073737728"),
-    ],
-)
-def test_parameters_out_of_range_are_refused(parameters, message) -> None:
-    with pytest.raises(InputError, match=f"scan_sequencer: {message}"):
-        sequencer(**parameters)
-
-
 def scene_with(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
     mlp = random_mlp(shape, 1.0, 1)
     path = write_scene(tmp_path, "rig", "exact", [mlp], design=design, sections=section)
@@ -78,14 +57,6 @@ def scene_with(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
 
 def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
     assert scene_with(tmp_path, "").twin().block == "hybrid"
-
-
-def test_the_section_may_be_empty(tmp_path) -> None:
-    design = scene_with(tmp_path, FRONT_END).twin()
-    assert isinstance(design, Instrument)
-    assert design.readout.load_profile is None
-    assert design.scan_sequencer == ScanSequencer(FMT, 2, 2, 12, 1843)
-    assert design.interval == 4096
 
 
 @pytest.mark.parametrize(
@@ -166,16 +137,3 @@ def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> N
     hasty = replace(slow, sections=scan.replace("4", "3"))
     with pytest.raises(InputError, match="a scan of 8 clocks, expected 11 or more"):
         hasty.scene(tmp_path, "hasty").twin()
-
-
-def test_the_parallel_design_has_no_front_end(tmp_path) -> None:
-    with pytest.raises(
-        InputError,
-        match=re.escape("got 'parallel' with a section [front_end], expected engine or hybr"),
-    ):
-        scene_with(tmp_path, FRONT_END, design="parallel")
-
-
-def test_results_without_a_profile_are_refused(small_scene) -> None:
-    with pytest.raises(InputError, match="expected none without a load_profile"):
-        Readout(small_scene.twin(), None, (0, 1))

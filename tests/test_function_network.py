@@ -10,13 +10,11 @@ from golden.engine.bounds import error_bounds
 from golden.engine.graph import Kind
 from golden.engine.integer_network import evaluate
 from golden.input_error import InputError
-from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
-from golden.trained.function import ITSELF, Function
+from golden.trained.function import Function
 from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
@@ -66,11 +64,6 @@ def by_definition(network: FunctionNetwork, x: np.ndarray) -> np.ndarray:
 def test_layers_are_what_the_sums_say(network: FunctionNetwork) -> None:
     x = codes(len(network.first[0])) / 2.0**SIGNAL.frac
     assert np.allclose(network.layers().process(x), by_definition(network, x), atol=1e-12)
-
-
-def test_a_function_that_is_itself() -> None:
-    q = np.linspace(-9, 9, 1000)
-    assert np.allclose(ITSELF.value(q), np.clip(q, -8, 8), atol=2.0**-13)
 
 
 @pytest.mark.parametrize("options", FORMS, ids=str)
@@ -127,19 +120,6 @@ def test_a_function_that_is_larger_than_a_word(
     assert np.array_equal(found, evaluate(engine.integers, frames))
     real = by_definition(network, frames / 2.0**SIGNAL.frac)
     assert np.abs(found / 2.0**SIGNAL.frac - real).max() < 0.01
-
-
-def test_an_edge_is_two_steps_and_a_straight_one_is_one() -> None:
-    network = three_kinds()
-    engine = Engine.of([network.layers()], Settings(options=WIDE))
-    terms = [term for neuron in engine.graph.neurons for term in neuron.terms]
-    edges = [edge for row in (*network.first, *network.second) for edge in row]
-    curved = sum(isinstance(edge, tuple) for edge in edges)
-    assert sum(term.kind is Kind.INTERCEPT for term in terms) == curved
-    assert sum(term.kind is Kind.DISTANCE for term in terms) == curved
-    assert sum(term.kind is Kind.WORD for term in terms) == sum(isinstance(e, float) for e in edges)
-    # A sum is computed once, whatever outputs take it.
-    assert len(engine.graph.neurons) == len(network.first) + len(network.second)
 
 
 def test_a_later_network_takes_the_output_of_an_earlier_one() -> None:
@@ -200,11 +180,3 @@ def test_a_file_holds_the_functions(tmp_path: Path) -> None:
 def test_a_spline_that_is_none_is_refused(spline: tuple[float, ...]) -> None:
     with pytest.raises(InputError, match="got a spline of"):
         Function("bent", spline=spline)
-
-
-def test_designs_without_tables_of_functions() -> None:
-    network = three_kinds().layers()
-    with pytest.raises(InputError, match="network: got sums of functions with design 'lanes'"):
-        Lanes.of([network])
-    with pytest.raises(InputError, match="got 'adder_graph' with the functions f1_"):
-        AdderGraph.of([network], Settings(activation="bipartite"))

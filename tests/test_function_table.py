@@ -12,29 +12,19 @@ from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
 from golden.engine.image import Image, Sizes
-from golden.engine.listing import listing
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Dense, DenseNetwork, Trained, layers_of, network_of
-from golden.trained.function import TANH, Function
-from tactus.network_files.network_file import write_network
+from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
+from golden.trained.function import Function
 from tactus.scene import load_scene
 from tactus.scene.codes import saturating
 from tb.common.cases import random_network, write_scene
-from tb.common.images import (
-    images_with_room,
-    longest_image,
-    networks_of_other_depth,
-    networks_of_other_functions,
-)
-from tb.networks import tb_engine
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 SOFTSIGN = Function("softsign", "x / (1 + abs(x))")
@@ -90,35 +80,6 @@ def test_corners_between_segments_are_exact(places: list[int], heights: list[int
     table = table_of(function, 9)
     # A result and an intercept are rounded by half a unit, and a slope by a 128th of one at most.
     assert table.error <= 1.01 * 2.0**-table.result.frac
-
-
-def test_a_function_keeps_its_value_beyond_the_ends_of_the_sum() -> None:
-    q = np.array([-20.0, -8.0, HIDDEN.to_real(HIDDEN.high), 9.0])
-    assert np.array_equal(GELU.value(q)[[0, 3]], GELU.value(q)[[1, 2]])
-    assert GELU.slope(q[[0, 3]]).tolist() == [0, 0]
-
-
-def test_the_format_has_room_for_values_and_slopes() -> None:
-    assert format_of(TANH) == format_of(WAVE) == RESULT
-    assert format_of(GELU).frac == 14
-    assert format_of(Function("steep", "sin(3 * x)")).frac < RESULT.frac
-    with pytest.raises(InputError, match="function huge: got values that reach 8e"):
-        format_of(Function("huge", "1e6 * x"))
-
-
-def test_two_blocks_come_first_and_a_pair_begins_at_an_even_one() -> None:
-    codes = codes_of((SOFTSIGN, BELL, TANH, SIGMOID))
-    assert codes == {BELL: 1, SIGMOID: 5, SOFTSIGN: 8, TANH: 10}
-    lines = joined((SOFTSIGN, BELL, TANH, SIGMOID), 9)
-    assert lines.blocks == 6
-    assert lines.segments == 256
-    last = lines.slopes[5 * 256 :]
-    assert last == tanh_table(9).slopes + tanh_table(9).slopes[-1:] * 96
-
-
-def test_tanh_alone_has_the_table_that_it_had() -> None:
-    assert joined((TANH,), 9) is tanh_table(9)
-    assert joined((Function("tanh", "tanh(x)"),), 9) is tanh_table(9)
 
 
 def test_a_table_is_cut_to_what_sums_reach() -> None:
@@ -181,24 +142,6 @@ def test_one_odd_function_is_the_hardware_of_tanh() -> None:
     assert Engine.of([network(shape, ("table:gaussian",))], Settings()).names_blocks
 
 
-def test_functions_of_nodes_that_are_not_built_take_no_memory() -> None:
-    # The weights behind the last node are 0.
-    engine = Engine.of([network((2, 3, 1), ("table:softsign,sine,gelu",))], Settings())
-    assert engine.graph.functions == (SOFTSIGN, WAVE)
-    whole = Engine.of([network((2, 3, 1), ("table:softsign,sine,gelu",))], Settings(lean=False))
-    assert GELU in whole.graph.functions
-
-
-def test_the_listing_and_the_exported_file_tell_the_errors() -> None:
-    engine = Engine.of([network((2, 3, 1), ("table:softsign,gaussian,sine",), 20.0)], Settings())
-    heads = listing(engine.graph, engine.program)[:2]
-    assert heads == [
-        "words 0 to 511: gaussian in segments of 0.03125; error 0.00013 at most",
-        "words 512 to 767: softsign in segments of 0.03125; error 0.00012 at most",
-    ]
-    assert engine.facts()[-1] == "largest errors of functions: softsign 0.00012, gaussian 0.00013"
-
-
 def test_tables_that_take_too_much_memory_are_refused() -> None:
     """Nine functions with two blocks of 1024 words each."""
     functions = tuple(Function(f"f{n}", f"exp(-x * x) * 0.{n}") for n in range(1, 10))
@@ -224,32 +167,6 @@ HARDWARE = {
     "table:softsign": {},
     "tanh": {"table_blocks": 4},
 }
-
-
-def test_a_bench_loads_what_there_is_room_for() -> None:
-    """There is room in one block of a table for two of the networks."""
-    roomy = reloadable("table:softsign")
-    assert len(images_with_room(roomy, networks_of_other_functions())) == 2
-    tight = reloadable("tanh", program_words=256)
-    image = longest_image(tight, 2, 40, 1, seed=0)
-    assert 230 <= len(image.words) <= 256
-    assert images_with_room(tight, [network((2, 40, 1), ("tanh",))]) == [tight.loaded]
-    with pytest.raises(InputError, match=r"program words, there are 256 "):
-        longest_image(tight, 60, 40, 60, seed=0)
-
-
-@pytest.mark.parametrize("name", [n for n, c in tb_engine.CASES.items() if "reload" in c.hardware])
-def test_the_benches_of_the_cases_load_all_images(name: str, tmp_path: Path) -> None:
-    hardware = tb_engine.CASES[name].scene(tmp_path, name).twin().core
-    assert isinstance(hardware, Engine)
-    assert hardware.loaded is not None
-    networks = tb_engine.samples_of_every_bit(hardware)
-    if hardware.rectifies:
-        quantiser = layers_of(tb_engine.CASES[name].networks()[0])[0].quantiser
-        networks += networks_of_other_depth(quantiser)
-    if hardware.loaded.sizes.table_blocks:
-        networks += networks_of_other_functions()
-    assert len(images_with_room(hardware, networks)) == len(networks)
 
 
 @pytest.mark.parametrize("kind", HARDWARE)
@@ -298,14 +215,6 @@ def test_tables_that_an_engine_has_no_room_for_are_refused() -> None:
     assert len(starts) == 65
 
 
-def test_the_listing_names_the_tables_of_an_image() -> None:
-    engine = reloadable("tanh", table_blocks=2)
-    assert listing(engine.graph, engine.program)[0].startswith("words 0 to 255: tanh in segments")
-    assert engine.loaded is not None
-    assert engine.loaded.notes[256] == "unused 0, slope 0"
-    assert engine.loaded.sizes.text().endswith("segment_width 9, 2 blocks of tables")
-
-
 # In files and scenes.
 
 
@@ -332,16 +241,6 @@ def test_a_scene_defines_what_its_network_names(tmp_path: Path) -> None:
     assert np.array_equal(
         read.process(SIGNAL.to_real(codes)), scene.process_real(SIGNAL.to_real(codes))
     )
-
-
-def test_points_are_read(tmp_path: Path) -> None:
-    path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
-    text = path.read_text()
-    given = "bell = { x = [-1, 0, 2], y = [0.5, 1.25, 0] }"
-    path.write_text(re.sub(r"gaussian = .*", given, text))
-    (member,) = load_scene(str(path)).members
-    assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
-    assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]
 
 
 def test_points_come_from_a_file(tmp_path: Path) -> None:
@@ -436,9 +335,3 @@ def test_a_file_that_names_a_function_needs_a_scene_that_defines_it(tmp_path: Pa
     path.write_text(re.sub(r"softsign = .*", "", path.read_text()))
     with pytest.raises(InputError, match=r"own.npz: layer 1: 'table:softsign': no function 'soft"):
         load_scene(str(path)).twin()
-
-
-@pytest.mark.parametrize("form", ["onnx", "mat"])
-def test_other_forms_of_files_hold_no_function(tmp_path: Path, form: str) -> None:
-    with pytest.raises(InputError, match=rf"net.{form}: got .*table:softsign"):
-        write_network(tmp_path / f"net.{form}", network((2, 3, 1), ("table:softsign",)))

@@ -14,8 +14,6 @@ from shared import Shared
 
 from tactus.core.fingerprint import fingerprint
 from tactus.export.exporter import compile_order
-from tactus.export.exporter import export as export_here
-from tactus.export.handover.ports import header
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.simulate import QUICK
@@ -24,22 +22,37 @@ from tb.common.cases import random_mlp, write_scene
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 ROOT = Path(__file__).parents[1]
-SHIPPED = ("digit", "digit-parallel")
-WINNERS = ("winner", "winner-axis", "winner-past", "winner-uart")
-# These are left to ALL=1. ``rails-reload`` loads an engine and ``winner`` has the same ports of the
-# largest output; ``winner-uart`` is an instrument with them too.
-MORE_WINNERS = ("winner-reload", "winner-instrument")
-# These have a profile beside the outputs; single values; frames further apart than their length;
-# networks of different depth; slots; slots behind AXI4-Stream; an engine that is loaded first;
-# frames without outputs, which are the past of others; a converter on an SPI; a converter with a
-# serial line over which the engine is loaded; and the largest output behind each of these kinds.
-OTHERS = (
-    *("drawn", "least", "wide", "pade-parallel", "three", "chain"),
-    *("axis", "axis-chain", "one-sensor", "rails-reload"),
-    *("past", "past-instrument", "converter", "uart"),
-    *WINNERS,
+# Values of several networks at once; frames further apart than their length; networks of different
+# depth; AXI4-Stream; frames without outputs, which are the past of others; the largest output.
+EVERY_RUN = ("digit-parallel", "wide", "chain", "axis", "past", "winner")
+# A profile beside the outputs; single values; slots, also behind AXI4-Stream; an engine that is
+# loaded first; converters on an SPI and a serial line; the largest output behind each of these.
+EXPORTED = tiered(
+    EVERY_RUN,
+    [
+        *("digit", "drawn", "least", "pade-parallel", "three", "axis-chain", "one-sensor"),
+        *("rails-reload", "past-instrument", "converter", "uart", "winner-axis", "winner-past"),
+        *("winner-uart", "winner-reload", "winner-instrument"),
+    ],
 )
-EXPORTED = tiered([*SHIPPED, *OTHERS], MORE_WINNERS)
+FAULTS = [
+    ("wide", "hybrid.vhd", r"out_last => out_last", "out_last => open"),
+    ("pade-parallel", "parallel.vhd", r"in_data_1 => in_data_1", "in_data_1 => in_data_0"),
+    ("chain", "cascade.vhd", r"in_data_0 => gathered_0", "in_data_0 => gathered_1"),
+    ("axis", "axis_network.vhd", r"credit0_used = (\d+)", "credit0_used = 7"),
+    ("axis-chain", "axis_network.vhd", r"s_axis_tready <= gate0_ready", "s_axis_tready <= '0'"),
+    ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
+    ("winner", "readout.vhd", r"out_index => winner_index", "out_index => open"),
+    ("winner-past", "argmax.vhd", r"low < \w*margin", "low <= 0"),
+    (
+        "winner-uart",
+        "uart_instrument.vhd",
+        r"winner_index <= \w+",
+        "winner_index <= (others => '0')",
+    ),
+    # The results are right, but frames are refused or flagged.
+    ("wide", "input_controller_of_2_every_5.vhd", r"frame_error <= broken", "frame_error <= done"),
+]
 
 
 class Exported(dict[str, Scene]):
@@ -117,9 +130,7 @@ def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
     return [(int(matched), int(frames)) for matched, frames in found]
 
 
-# The benches of every run play the recorded frames of ``digit``. Here ``winner`` has the test bench
-# of an engine, and ``chain`` that of a cascade.
-@pytest.mark.parametrize("name", tiered(["digit-parallel", *OTHERS], ["digit", *MORE_WINNERS]))
+@pytest.mark.parametrize("name", EXPORTED)
 def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
     scene = scenes[name]
     result = simulate(library, scene.twin().entity)
@@ -133,34 +144,8 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "file", "pattern", "text"),
     [
-        ("wide", "hybrid.vhd", r"in_r_1 => r_1", "in_r_1 => r_0"),
-        ("wide", "hybrid.vhd", r"out_last => out_last", "out_last => open"),
-        ("pade-parallel", "parallel.vhd", r"in_data_1 => in_data_1", "in_data_1 => in_data_0"),
-        ("three", "multiple.vhd", r"in_data_1 => aligned_1", "in_data_1 => aligned_0"),
-        ("chain", "cascade.vhd", r"in_data_0 => gathered_0", "in_data_0 => gathered_1"),
-        ("axis", "axis_network.vhd", r"credit0_used = (\d+)", "credit0_used = 7"),
-        pytest.param(
-            *("axis-chain", "axis_network.vhd", r"s_axis_tready <= gate0_ready"),
-            "s_axis_tready <= '0'",
-            marks=pytest.mark.all_only,
-        ),
-        ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
-        ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
-        ("winner", "readout.vhd", r"out_index => winner_index", "out_index => open"),
-        ("winner-past", "argmax.vhd", r"low < \w*margin", "low <= 0"),
-        (
-            "winner-uart",
-            "uart_instrument.vhd",
-            r"winner_index <= \w+",
-            "winner_index <= (others => '0')",
-        ),
-        # The results are right, but frames are refused or flagged.
-        (
-            "wide",
-            "input_controller_of_2_every_5.vhd",
-            r"frame_error <= broken",
-            "frame_error <= done",
-        ),
+        pytest.param(*fault, marks=[] if fault[0] in EVERY_RUN else [pytest.mark.all_only])
+        for fault in FAULTS
     ],
 )
 def test_a_fault_in_an_entity_fails(
@@ -217,17 +202,6 @@ def test_the_examples_compile(scenes, build, library: Path, tmp_path: Path, name
     assert f"{top}_example.v" not in result.stderr
 
 
-@pytest.mark.parametrize("name", ["digit", "digit-parallel"])
-def test_both_languages_have_the_same_ports(scenes, build, name: str) -> None:
-    found = []
-    top = scenes[name].twin().entity
-    for language, suffix in (("vhdl", ".vhd"), ("verilog", ".v")):
-        file = build / name / language / f"{top}{suffix}"
-        found.append(sorted(header(file.read_text(), language)))
-    assert found[0] == found[1]
-    assert len(found[0]) == 9
-
-
 def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "slow", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     path.write_text(path.read_text().replace("[hardware]", "[hardware]\nclock_mhz = 12.5"))
@@ -238,13 +212,6 @@ def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
     # This is the oscillator of the board, whatever the clock of the scene.
     assert "create_clock -name clk -period 10.000" in board
     assert "PACKAGE_PIN E3" in board
-
-
-def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("tactus.export.handover.write.FRAMES", 5)
-    export_here(scenes["least"], "vhdl", tmp_path / "vhdl")
-    result = run(tmp_path / "vhdl", tmp_path, "hybrid")
-    assert counts(result) == [(5, 5)] * 2
 
 
 def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:

@@ -11,15 +11,13 @@ from test_classes import write_hand
 from test_layer_training import scene_of
 
 from golden.engine.quantise import integer_networks
-from golden.networks.engine import Engine
 from golden.numbers.signed_digits import signed_digits
 from golden.trained.dense import packed
 from tactus.cli import train
 from tactus.network_files.network_file import read_provenance
 from tactus.scene import load_scene
-from tactus.train import layer_digits
 from tactus.train.descent import few_digits
-from tactus.train.descent.few_digits import grid_of, priced
+from tactus.train.descent.few_digits import grid_of
 from tactus.train.layer_digits import ClassDigits
 from tactus.train.layer_training import LayerStages
 
@@ -103,52 +101,3 @@ def test_the_teacher_of_classes_is_the_trained_network(tmp_path: Path) -> None:
     assert aim.value(packed(few.chosen)) == 0
     # Without any weight a network errs by about the whole spread of the logits.
     assert 0.5 < aim.value(np.zeros(len(packed(few.chosen)))) < 1.5
-
-
-def test_the_hessian_is_the_product_of_the_derivatives(tmp_path: Path) -> None:
-    few = few_of(write_hand(tmp_path, more="digits = 24\n"))
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-    start = packed(few.chosen)
-    moved = start + 0.1 * np.random.default_rng(1).normal(size=len(start))
-    value, gradient, hessian = aim.value_gradient_hessian(moved)
-    residuals = aim.objective.residuals(moved)
-    jacobian = aim.objective.jacobian(moved)
-    assert value == pytest.approx(residuals @ residuals)
-    assert np.allclose(gradient, jacobian.T @ residuals, rtol=1e-9, atol=1e-12)
-    assert np.allclose(hessian, jacobian.T @ jacobian, rtol=1e-9, atol=1e-12)
-
-
-def test_weights_that_are_rounded_together_make_up_for_each_other(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    few = few_of(write_hand(tmp_path, more="digits = 24\n"))
-    start, found = packed(few.chosen), []
-    for together in (512, 9):
-        monkeypatch.setattr(layer_digits, "ONE_BY_ONE", together)
-        aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-        points = [priced(aim, start, price, np.random.default_rng(1)) for price in (1e-4, 1e-3)]
-        found.append([(aim.grid.digits(point), aim.value(point)) for point in points])
-    assert found[0] != found[1]
-    for one, several in zip(*found, strict=True):
-        assert 0 < several[0] < 1.5 * one[0]
-        assert several[1] < 3 * one[1]
-
-
-def test_a_scene_on_the_engine_takes_them(tmp_path: Path) -> None:
-    """Digits cost nothing there, but the key is the same for every design."""
-    scene = load_scene(str(write_hand(tmp_path, more="digits = 24\n")))
-    stages = LayerStages(scene)
-    stages.add((4,), 0)
-    assert isinstance(scene.build(stages.written[0]), Engine)
-
-
-def test_a_search_for_layers_ends_with_few_digits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Also where the network that is found has no hidden layer."""
-    path = write_hand(tmp_path, more="digits = 20\nlayers = [0, 0]\n")
-    text = path.read_text().replace("hidden = 4\n", "").replace('activations = ["relu"]\n', "")
-    path.write_text(text)
-    story = trained(path, monkeypatch)
-    assert story["network"] == "2:3"
-    assert story["digits"] <= 20 < story["digits_before"]

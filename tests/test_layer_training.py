@@ -11,20 +11,17 @@ from derivatives import check_derivatives
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed, unpacked
+from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed
 from golden.trained.function import Function
-from golden.trained.mlp import tanh
 from tactus.cli.train import main
 from tactus.errors.scene_errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import load_scene
 from tactus.train import candidate_runs, layer_training
-from tactus.train.descent.objective import Objective, Rows
-from tactus.train.descent.objective import pack as pack_of_two
+from tactus.train.descent.objective import Rows
 from tactus.train.descent.task import task_for
 from tactus.train.layer_objective import LayeredObjective
-from tactus.train.layer_training import widths
 from tb.common.cases import random_network, write_scene
 
 
@@ -62,24 +59,6 @@ def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
     check_derivatives(aim, point)
     slopes = aim.jacobian(point)
     assert np.allclose(aim.curvature(point), 2 * slopes.T @ slopes)
-
-
-def test_a_hidden_layer_of_tanh_is_measured_as_before() -> None:
-    network = NETWORKS[0]
-    aim = objective(network)
-    two = Objective(network.shape, tanh, aim.training, aim.validation, aim.weight_decay, 9)
-    point = packed(network)
-    assert np.array_equal(point, pack_of_two(network))
-    assert np.allclose(aim.residuals(point), two.residuals(point))
-    assert np.allclose(aim.evaluate(point)[1], two.evaluate(point)[1])
-
-
-@pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
-def test_weights_in_a_vector_and_back(network: Trained) -> None:
-    found = unpacked(packed(network), network)
-    for one, other in zip(layers_of(found), layers_of(network), strict=True):
-        assert np.array_equal(one.weights, other.weights)
-        assert one.activation_text == other.activation_text
 
 
 def scene_of(tmp_path: Path, more: str = "") -> Path:
@@ -125,23 +104,6 @@ def test_a_scene_of_several_layers_is_trained(tmp_path: Path, monkeypatch) -> No
     before = (tmp_path / "deep.npz").read_bytes()
     trained(path, monkeypatch)
     assert (tmp_path / "deep.npz").read_bytes() == before
-
-
-def test_training_takes_tanh_where_nothing_is_said_and_may_be_refitted(
-    tmp_path: Path, monkeypatch
-) -> None:
-    path = scene_of(tmp_path, 'refit = true\noptimiser = "scg"\n')
-    trained(path, monkeypatch)
-    scene = load_scene(str(path))
-    assert scene.networks()[0].activations == ("tanh", "tanh")
-    assert held_out_rows(scene) is None
-
-
-def test_activations_without_nodes_are_not_trained(tmp_path: Path, monkeypatch) -> None:
-    path = scene_of(tmp_path)
-    path.write_text(path.read_text().replace("[4, 4]", '0\nactivations = ["relu"]'))
-    with pytest.raises(InputError, match=r"deep.toml: network.hidden: got 0 with activations, exp"):
-        trained(path, monkeypatch)
 
 
 def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -> None:
@@ -204,12 +166,6 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
         assert abs(story["validation_rms_percent"] - best.validation) < 1e-3
 
 
-def test_the_nodes_that_a_search_tries() -> None:
-    assert widths(4, 16) == [4, 6, 9, 13, 16]
-    assert widths(1, 4) == [1, 2, 3, 4]
-    assert widths(5, 5) == [5]
-
-
 @pytest.mark.parametrize(
     ("layers", "more", "message"),
     [
@@ -233,14 +189,6 @@ def test_a_search_beside_what_fixes_the_layers(
         load_scene(str(path))
 
 
-def test_a_search_is_for_one_network(tmp_path: Path) -> None:
-    path = scene_of(tmp_path, "layers = [1, 2]\n")
-    text = path.read_text().replace("hidden = [4, 4]", "").replace('"single"', '"multiple"')
-    path.write_text(text.replace('weights = "deep.npz"', 'weights = ["a.npz", "b.npz"]'))
-    with pytest.raises(InputError, match=r"layers: got .1, 2. with arrangement 'multiple', expect"):
-        load_scene(str(path))
-
-
 @pytest.mark.parametrize(("least", "verdict"), [(1, "warning"), (2, "fault")])
 def test_a_search_is_checked_before_it_begins(tmp_path: Path, least: int, verdict: str) -> None:
     """A hybrid has one hidden layer, so two are too many for it."""
@@ -251,12 +199,3 @@ def test_a_search_is_checked_before_it_begins(tmp_path: Path, least: int, verdic
     assert [finding.verdict for finding in found] == [verdict]
     nodes = "4:4" if verdict == "fault" else "25:25"
     assert found[0].text.startswith(f"with {nodes} hidden nodes: ")
-
-
-def test_what_is_right_stays_right_beside_a_fault(tmp_path: Path) -> None:
-    path = scene_of(tmp_path, "layers = [2, 2]\n")
-    text = path.read_text().replace("hidden = [4, 4]", "").replace('"engine"', '"hybrid"')
-    path.write_text(text + '[front_end]\nconverter = "mcp3208"\n')
-    found = design(load_scene(str(path)), trained=False)
-    assert [(one.verdict, one.subject) for one in found][1:] == [("ok", "front_end")]
-    assert found[0].verdict == "fault"

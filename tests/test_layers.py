@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.common.block import Block
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
@@ -60,11 +59,6 @@ def test_a_neuron_is_the_rounded_exact_sum_times_its_factor(pairs, bias, shift, 
     assert -(1 << (twin.scaled_width - 1)) <= acc < 1 << (twin.scaled_width - 1)
     rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
     assert int(twin.process(np.array(x))) == min(max(rounded, SIGNAL.low), SIGNAL.high)
-
-
-def test_a_factor_below_1_is_refused() -> None:
-    with pytest.raises(InputError, match="neuron: got factor=0, expected 1 or more"):
-        Neuron(SIGNAL, COEFF, SIGNAL, 0, (1,), 0, 0)
 
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
@@ -123,13 +117,6 @@ def test_wrong_shapes_and_codes_are_refused() -> None:
         layer([[1], [2]], [0])
 
 
-def test_nodes_share_the_accumulator_of_the_widest_sum() -> None:
-    wide, narrow = ([COEFF.low, COEFF.low], COEFF.high), ([1, 1], 0)
-    twin = layer(*zip(narrow, wide, strict=True))
-    assert twin.acc_width == one_sum(*wide).acc_width > one_sum(*narrow).acc_width
-    assert set(twin.parts()) == {twin.node}
-
-
 def test_a_sum_beyond_the_accumulator_is_refused() -> None:
     """It is refused even if a later sample brings the sum back."""
     node = InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, 0, 20)
@@ -162,33 +149,3 @@ def test_a_long_frame_is_one_error_and_dropped_up_to_its_last() -> None:
     assert np.flatnonzero(found.error).tolist() == [2]
     assert found.accept.tolist() == [True] * 3 + [False] * 4 + [True] * 3
     assert np.flatnonzero(found.done).tolist() == [9]
-
-
-def test_a_frame_that_comes_too_early_is_an_error() -> None:
-    flags = [0, 1] * 3
-    assert np.flatnonzero(scan(2, 4, flags).error).tolist() == [3]
-    assert not scan(2, 4, flags, clock=[0, 1, 4, 5, 8, 9]).error.any()
-
-
-@pytest.mark.parametrize(("inputs", "spacing"), [(0, 0), (3, -1)])
-def test_controller_parameters_are_checked(inputs, spacing) -> None:
-    with pytest.raises(InputError, match=f"got inputs={inputs}, spacing={spacing}"):
-        InputController(inputs, spacing)
-
-
-@pytest.mark.parametrize("what", ["latency", "ports"])
-def test_a_twin_that_does_not_publish_itself_is_named(what: str) -> None:
-    class Novelty(Block):
-        block = "novelty"
-
-    with pytest.raises(NotImplementedError, match=f"novelty: its twin publishes no {what}"):
-        getattr(Novelty(), what)
-
-
-def test_a_port_says_what_it_carries_in_one_line() -> None:
-    twin = OutputIntegral(SIGNAL, COEFF, SIGNAL, 0, ((1, 2), (3, 4), (5, 6)), (0, 0, 0), None)
-    ports = {port.name: port for port in twin.ports}
-    assert ports["in_r_1"].row == "in_r_*"
-    assert ports["in_r_1"].comment == "signed Fix(14,13): r of hidden node 1"
-    assert ports["in_addr"].comment == "2 bits: row, 0 to outputs - 1"
-    assert ports["out_valid"].comment == "out_data holds an output"

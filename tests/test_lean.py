@@ -10,17 +10,14 @@ import numpy as np
 import pytest
 
 from golden.activation.left_out import left_out as left_out_of
-from golden.input_error import InputError
 from golden.networks.left_out import left_out
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.export.exporter import MANIFEST, export
-from tactus.report.measure.left_out import words
 from tactus.report.page import left_out as page
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import lean
 from tactus.synth.budget import read_budget, write_budget
-from tactus.synth.recorded import LEAN, is_recorded
 from tactus.synth.timing import read_timing, write_timing
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
 
@@ -77,14 +74,6 @@ def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
     assert len(re.findall(node, text)) == 3
 
 
-def test_a_network_of_zeros_keeps_a_node(tmp_path: Path) -> None:
-    mlp = random_mlp((2, 3, 1), 1.0, 3)
-    mlp.w2[:] = 0
-    scene = load_scene(str(write_scene(tmp_path, "none", "exact", [mlp])))
-    same_results(scene)
-    assert len(scene.twin().activations) == 1
-
-
 def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "zeros", "exact", [with_zeros()], design="parallel")
     scene = load_scene(str(path))
@@ -123,17 +112,6 @@ def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> N
     assert (found["bare"][1] == found["full"][1]).all()
 
 
-def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
-    """The scan of a cascade has slots for earlier outputs. Independent networks need none."""
-    for arrangement, more, slots in (("cascade", 1, 4), ("multiple", 0, 2)):
-        mlps = [random_mlp((2 + more * i, 2, 1), 1.0, i) for i in range(3)]
-        path = write_scene(tmp_path, arrangement, "exact", mlps, arrangement, sections=FRONT_END)
-        scene = load_scene(str(path))
-        assert scene.twin().scan_sequencer.slots == slots
-        _, text = exported(scene, tmp_path)
-        assert f"slot < {slots}" in text
-
-
 @pytest.mark.parametrize("name", scene_names())
 def test_what_a_scene_saves_is_recorded_of_its_hardware(name: str) -> None:
     scene = load_scene(name)
@@ -153,21 +131,6 @@ def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
     assert not lean.is_stale(scene)
     write_timing(path, timing, "another")
     assert lean.is_stale(scene)
-
-
-def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "mine", "exact", [random_mlp((2, 2, 1), 1.0, 1)])
-    with pytest.raises(InputError, match=r"mine\.toml: no recorded budget; make synth RECORD=1"):
-        lean.record(load_scene(str(path)))
-    assert not is_recorded(path, LEAN)
-
-
-def test_words_are_counted_as_often_as_they_stand_there() -> None:
-    """The words that hybrid states as left out are those that it has less than the complete one."""
-    scene = load_scene("digit-hybrid")
-    texts = re.findall(r"(\d+) ROM words of segments", " ".join(left_out(scene.twin())))
-    missing = words(scene.twin(lean=False)) - words(scene.twin())
-    assert missing == sum(map(int, texts)) > 0
 
 
 def test_a_leaner_program_takes_fewer_words_and_clocks() -> None:

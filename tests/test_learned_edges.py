@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.networks.function_sums import learned
 from golden.trained.dense import DenseNetwork
 from golden.trained.function_network import Edge, FunctionNetwork
 from tactus.report.draw.pictures import pictures
@@ -15,12 +14,11 @@ from tactus.report.measure.learned_edges import (
     INPUT,
     SUM,
     VALUES,
-    form_of,
     nodes_of,
     scene_edges,
 )
 from tactus.scene import load_scene
-from tb.common.cases import random_mlp, write_scene
+from tb.common.cases import write_scene
 
 BENT: Edge = (-1.0, 1.0, 0.9, 0.3, -0.2, 0.1, 0.5)
 STEEP: Edge = (-3.0, 3.0, 0.6, -0.3, -0.2, 0.1, 0.3)
@@ -46,25 +44,6 @@ def test_sums_and_outputs_are_those_of_the_network() -> None:
         # What is left is the constant of the sum.
         assert np.ptp(sums - inner) < 1e-12
     np.testing.assert_allclose(outputs, model.process(inputs), atol=1e-12)
-
-
-def test_every_edge_has_its_form() -> None:
-    forms = [
-        [form_of(edge) for _, _, edge, _ in found]
-        for found in nodes_of(network(), np.zeros((2, 3)))
-    ]
-    assert forms == [
-        ["curved", "straight", "flat", "curved", "flat"],
-        ["flat", "curved", "straight", "straight", "curved"],
-    ]
-
-
-def test_other_networks_have_no_such_edges(tmp_path: Path) -> None:
-    assert not learned(random_mlp((2, 3, 1), 1.0, 1))
-    path = write_scene(tmp_path, "plain", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
-    scene = load_scene(str(path))
-    assert scene_edges(scene) is None
-    assert "functions" not in {one.name for one in pictures(scene) if isinstance(one, Picture)}
 
 
 @pytest.mark.parametrize("arrangement", ["single", "cascade"])

@@ -7,18 +7,15 @@ import pytest
 from conftest import tiered
 from pages import cells, section
 
-from golden.engine.finish import word_of
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
-from golden.input_error import InputError
 from golden.learning import steps
 from golden.learning.corrected import THETA, Corrected
-from golden.learning.gradient import STEP, Gradient, constants
+from golden.learning.gradient import STEP, Gradient
 from golden.learning.lesson import ROW, Lesson, bounded, equation, start
-from golden.learning.unit import Unit, coefficient
+from golden.learning.unit import Unit
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.mlp import Mlp
 from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import load_scene
 
@@ -64,15 +61,6 @@ def test_a_correction_is_gain_and_offset(taught: Corrected) -> None:
     x = SIGNAL.to_real(samples)
     expected = x * (1 + recorded.gain * by_gain) + recorded.offset * by_offset
     np.testing.assert_allclose(z, expected, atol=8e-5)
-
-
-def test_a_word_is_that_of_an_engine() -> None:
-    sums = np.random.default_rng(1).integers(-(1 << 33), 1 << 33, (1, 1000))
-    unit = Unit(1)
-    words = unit.word("some", sums, 3)
-    np.testing.assert_array_equal(words, word_of(sums + (1 << 13), 0))
-    assert unit.saturated["some"] == np.sum((sums + (1 << 13) >> 14) != words) > 0
-    assert (unit.steps, unit.clocks, unit.words["some"]) == (3000, 3008, 1000)
 
 
 @pytest.mark.parametrize("output", range(4))
@@ -195,21 +183,6 @@ def drifted(drifts: int, placements: int) -> tuple[Lesson, Codes]:
     return Lesson(np.take_along_axis(codes, rows[..., np.newaxis], 1), TARGETS[rows]), codes
 
 
-def test_what_placements_do_not_tell_is_not_learned(taught: Corrected) -> None:
-    """Theta stays near a drift of -2 % however often two placements are shown that are alike.
-
-    The networks have errors of their own here, of about 1 %, which no drift explains.
-    """
-    wrong = 0.01 * np.random.default_rng(1).standard_normal(TARGETS.shape)
-    known = SIGNAL.quantise(VECTORS.targets + wrong)[0]
-    rule = Gradient(taught, constants(taught, VECTORS.codes, known))
-    apart = np.abs(VECTORS.inputs[:, np.newaxis] - VECTORS.inputs).sum(axis=-1)
-    rows = apart.argsort(axis=1)[::4, :2]
-    lesson = Lesson(SIGNAL.quantise(0.98 * VECTORS.inputs)[0][rows], known[rows])
-    few, many = (np.abs(rule.learn(lesson, n, Unit(len(rows)))).max() for n in (50, 150))
-    assert many < 1.1 * few < THETA.quantise(1.0)[0]
-
-
 def errors(outputs: Sequence[Codes]) -> float:
     """The mean error of outputs of the whole recording, in percent."""
     return float(np.mean([VECTORS.percent_errors(SIGNAL.to_real(one)) for one in outputs]))
@@ -224,14 +197,3 @@ def test_a_rule_takes_most_of_a_drift_away(taught: Corrected) -> None:
         for one, rows in zip(theta, codes, strict=True)
     ]
     assert errors(outputs) < 0.4 * before
-
-
-def test_a_network_that_is_not_studied_is_refused(taught: Corrected) -> None:
-    one = Mlp(np.ones((2, 4)), np.zeros(2), np.ones((2, 2)) / 4, np.zeros(2))
-    with pytest.raises(InputError, match=r"network 1: got 2 layers and 2 outputs, expected one"):
-        Corrected.of([one], np.ones(4) / 20, np.ones(4) / 50)
-
-
-def test_short_words_are_exact_for_samples() -> None:
-    codes = np.arange(SIGNAL.low, SIGNAL.high + 1)
-    np.testing.assert_array_equal(coefficient(codes << SAMPLE_SHIFT), codes)

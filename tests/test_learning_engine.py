@@ -4,29 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pages import section
 
-from golden.engine.fields import get
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
-from golden.engine.program import STORE
 from golden.input_error import InputError
 from golden.learning import steps
 from golden.learning.lesson import Lesson
-from golden.learning.places import Places
-from golden.learning.program import EQUATIONS, FRAME, KEEP, ends, jumps
-from golden.learning.timeline import INPUTS, OUTPUTS, Timeline
+from golden.learning.program import EQUATIONS, KEEP
+from golden.learning.timeline import OUTPUTS, Timeline
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.cli import listing
 from tactus.scene import Scene, load_scene
-from tactus.scene.building import taught_of, with_learning_engine
+from tactus.scene.building import taught_of
 from tb.common.case_library import LESSONS
-from tb.common.lessons import Player, refusals
 
 SCENE = replace(load_scene("digit"), learning="lms")
 VECTORS = SCENE.vectors()
@@ -146,25 +139,6 @@ def test_outputs_are_those_of_the_corrected_networks(twin: LearningEngine) -> No
     assert outputs != twin.process(lesson.samples[0, :1])[0].tolist()
 
 
-def test_frames_come_in_the_same_clocks_whether_it_learns_or_not(small: Scene) -> None:
-    """As close as they may be, nothing is learned; with room between them, it is."""
-    twin = small.twin()
-    assert isinstance(twin, LearningEngine)
-    rng = np.random.default_rng(1)
-    frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (12, 2))
-    for room in (0, 3 * twin.longest_equation):
-        clocks = []
-        for learn in (0, 1):
-            desk = Desk(twin)
-            desk.show(frames[0], frames[1])
-            rows = sent(frames, before=twin.interval - twin.inputs + room)
-            seen = desk.play(rows, learn=learn, clocks=len(rows) + twin.busy)
-            clocks.append([n for n, row in enumerate(seen) if row[0]])
-            assert not any(row[3] for row in seen)
-            assert (desk.timeline.met["steps taken"] > 0) == bool(learn and room)
-        assert clocks[0] == clocks[1]
-
-
 def read_behind(desk: Desk, frame: Codes) -> list[int]:
     """The codes of theta that leave behind a frame."""
     seen = desk.play(sent(frame[np.newaxis]), clocks=desk.twin.interval + 2 * desk.twin.inputs + 3)
@@ -196,30 +170,6 @@ def test_what_was_learned_is_read_and_put_in_again(twin: LearningEngine) -> None
     assert not second.timeline.met["placements"]
 
 
-@pytest.mark.parametrize("count", [4, 7, 9])
-def test_theta_of_the_wrong_length_is_not_put_in(twin: LearningEngine, count: int) -> None:
-    desk = Desk(twin)
-    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
-    seen = desk.play([], sent(np.full((1, count), 500)), clocks=60, theta=1)
-    assert sum(row[OUTPUTS.index("target_error")] for row in seen) == 1
-    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
-
-
-def test_no_equation_comes_between_words_of_theta(small: Scene) -> None:
-    """An equation writes where they come in, so a board that learns all the time waits for them."""
-    twin = small.twin()
-    assert isinstance(twin, LearningEngine)
-    desk = Desk(twin)
-    desk.show(np.array([1000, -2000]), np.array([300, 400]))
-    codes = [100, -200, 300, -400]
-    for k, code in enumerate(codes):
-        desk.play([], [(1, code, int(k == 3))], learn=1, clocks=2 * twin.longest_equation, theta=1)
-        if k < 3:
-            assert desk.timeline.met["steps taken"] == 0
-    assert desk.timeline.met["theta put in"] == 1
-    assert desk.timeline.met["steps taken"] > 0
-
-
 def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
     lesson, desk = drifted(1), Desk(twin)
     desk.show(lesson.samples[0, 0], lesson.targets[0, 0])
@@ -233,21 +183,6 @@ def test_a_reset_brings_back_what_was_shipped(twin: LearningEngine) -> None:
     outputs = [row[1] for row in seen if row[0]]
     np.testing.assert_array_equal(outputs, twin.process(frames).ravel())
     assert not any(desk.timeline.theta)
-
-
-def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small: Scene) -> None:
-    twin = small.twin()
-    assert isinstance(twin, LearningEngine)
-    frame = np.array([[1000, -2000]])
-    for known, framed in (([5], True), ([5, 6, 7], True), ([5, 6], False)):
-        desk = Desk(twin)
-        if framed:
-            desk.play(sent(frame), clocks=twin.interval)
-        seen = desk.play([], sent(np.array([known])), clocks=60)
-        assert sum(row[5] for row in seen) == 1
-        desk.play([], learn=1, clocks=5 * twin.longest_equation)
-        assert not desk.timeline.met["placements"]
-        assert not desk.timeline.met["steps taken"]
 
 
 @pytest.mark.parametrize("kind", ["random", "dead", "ends"])
@@ -351,67 +286,6 @@ def test_every_sum_fits_whatever_the_words_are(twin: LearningEngine) -> None:
     assert most < 1 << (twin.acc_width - 1)
 
 
-def test_places_do_not_overlap() -> None:
-    for sensors, outputs, scratch in ((1, 1, 9), (2, 3, 40), (4, 4, 62), (9, 2, 100)):
-        places = Places(sensors, outputs, scratch, 7)
-        quarter = 1 << (places.addr_width - 2)
-        incoming = [
-            *range(places.samples, places.samples + (1 << places.sample_width)),
-            *range(places.targets, places.targets + (1 << places.target_width)),
-        ]
-        assert len(set(incoming)) == len(incoming)
-        assert scratch <= min(incoming)
-        assert max(incoming) < quarter
-        assert not places.samples % (1 << places.sample_width)
-        assert not places.targets % (1 << places.target_width)
-        banks = {
-            places.mapped(places.theta + k, bank, 0)
-            for k in range(places.unknowns)
-            for bank in (0, 1)
-        }
-        assert len(banks) == 2 * places.unknowns
-        assert min(banks) >= quarter
-        assert max(banks) < 2 * quarter
-        kept = {
-            places.mapped(places.placement + k, 0, number)
-            for k in range(sensors + outputs)
-            for number in range(1 << places.number_width)
-        }
-        assert len(kept) == (sensors + outputs) << places.number_width
-        assert (min(kept), max(kept) < 4 * quarter) == (2 * quarter, True)
-
-
-def test_the_digit_keeps_20_placements(twin: LearningEngine) -> None:
-    assert twin.placements >= 20
-    # 400 passes over 20 placements within a second at 64 MHz.
-    assert 400 * 20 * sum(twin.equation_clocks) < 64_000_000
-
-
-def test_the_program_of_the_digit_fits_in_two_block_rams(twin: LearningEngine) -> None:
-    assert len(twin.contents) == 1024
-
-
-@pytest.mark.parametrize("shapes", [[(1, 2, 1), (2, 1, 1)], [(2, 3, 1)], [(5, 2, 1), (6, 2, 1)]])
-def test_no_mark_stands_where_another_part_would_take_it(
-    tmp_path: Path, shapes: list[tuple[int, ...]]
-) -> None:
-    """Behind the end of an equation nothing is stored, and a jump is no end."""
-    case = replace(
-        LESSONS["lesson"],
-        shapes=shapes,
-        arrangement="cascade" if len(shapes) > 1 else "single",
-    )
-    twin = case.scene(tmp_path, "shared").twin()
-    assert isinstance(twin, LearningEngine)
-    program = twin.program
-    words = (*program.words, 0, 0)
-    assert sum(map(jumps, words)) == 1
-    assert sum(map(ends, words)) == len(program.parts)
-    for n, word in enumerate(words):
-        if ends(word):
-            assert not any(get(behind, STORE) for behind in words[n + 1 : n + 3])
-
-
 REFUSED = {
     'design = "hybrid"': "hardware.design: got 'hybrid' with learning 'lms', expected 'engine'",
     'multiplier = "serial"': "hardware.multiplier: got 'serial' with learning 'lms', expected",
@@ -433,68 +307,25 @@ def test_what_does_not_learn_is_refused(tmp_path: Path, keys: str) -> None:
         case.scene(tmp_path, "refused")
 
 
-def test_other_arrangements_and_rules_are_refused(tmp_path: Path) -> None:
-    case = replace(LESSONS["lesson"], shapes=[(2, 2, 1), (2, 1, 1)], arrangement="multiple")
-    with pytest.raises(InputError, match=r"network.arrangement: got 'multiple' of 2 outputs with"):
-        case.scene(tmp_path, "multiple")
-    case = replace(LESSONS["lesson"], hardware='learning = "kaczmarz"')
-    with pytest.raises(InputError, match=r"hardware.learning: got 'kaczmarz', expected one of lms"):
-        case.scene(tmp_path, "other")
+@pytest.mark.parametrize("count", [4, 7, 9])
+def test_theta_of_the_wrong_length_is_not_put_in(twin: LearningEngine, count: int) -> None:
+    desk = Desk(twin)
+    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
+    seen = desk.play([], sent(np.full((1, count), 500)), clocks=60, theta=1)
+    assert sum(row[OUTPUTS.index("target_error")] for row in seen) == 1
+    assert read_behind(desk, VECTORS.codes[0]) == [0] * 8
 
 
-def test_other_layers_are_refused(tmp_path: Path) -> None:
-    case = replace(
-        LESSONS["least-lesson"], shapes=[(2, 3, 1)], activations=("relu",), arrangement="single"
-    )
-    with pytest.raises(InputError, match="expected one hidden layer of tanh"):
-        case.scene(tmp_path, "relu").twin()
-
-
-def test_without_the_key_nothing_is_changed() -> None:
-    scene = load_scene("digit")
-    assert with_learning_engine(scene, scene.twin()) is scene.twin()
-    assert set(INPUTS) & {port.name for port in scene.twin().ports} == {
-        *("in_valid", "in_data", "in_last", "rst")
-    }
-    assert SAMPLE_SHIFT == 3
-
-
-def test_the_listing_has_a_line_for_every_word(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scene = LESSONS["lesson"].scene(tmp_path, "lesson")
-    program = scene.twin().program  # type: ignore[attr-defined]
-    monkeypatch.setattr("sys.argv", ["listing", str(scene.path)])
-    listing.main()
-    lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 1 + len(program.words) + len(program.starts)
-    begun = [n for n, line in enumerate(lines) if line.endswith(":")]
-    places = [int(lines[n + 1].split()[0]) for n in begun]
-    assert places == list(program.starts)
-    assert lines[begun[0]] == f"frame, {program.lengths[FRAME]} steps:"
-
-
-@pytest.mark.pages
-def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None:
-    page, program = section("learning", "As a program of an engine"), twin.program
-    frame, keep, *equations = program.lengths
-    assert f"| frame | {frame} |" in page
-    assert f"| keep | {keep} |" in page
-    assert f"| equations | {', '.join(map(str, equations))} |" in page
-    *most, last = twin.equation_clocks
-    assert f"{', '.join(map(str, most))} or {last} clocks" in page
-    clocks = 400 * 20 * sum(twin.equation_clocks)
-    assert f"take {clocks:,} clocks, {clocks / 64e3:.0f} ms" in page
-    assert f"{len(program.table) + len(program.words):,} words with the table" in page
-    assert f"{program.acc_width} bits" in page
-    assert f"{twin.placements}\n  placements" in page
-    assert f"the first {program.begun_alike} steps" in page
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_bench_reaches_a_refused_step_whatever_the_frames_are(small: Scene, seed: int) -> None:
-    engine, rng = small.twin(), np.random.default_rng(seed)
-    given = SimpleNamespace(codes=rng.integers(SIGNAL.low, SIGNAL.high + 1, (1, engine.inputs)))
-    player = Player(SimpleNamespace(twin=engine, rng=rng, given=given))
-    refusals(player)
-    assert player.timeline.met["steps refused"]
+def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small: Scene) -> None:
+    twin = small.twin()
+    assert isinstance(twin, LearningEngine)
+    frame = np.array([[1000, -2000]])
+    for known, framed in (([5], True), ([5, 6, 7], True), ([5, 6], False)):
+        desk = Desk(twin)
+        if framed:
+            desk.play(sent(frame), clocks=twin.interval)
+        seen = desk.play([], sent(np.array([known])), clocks=60)
+        assert sum(row[5] for row in seen) == 1
+        desk.play([], learn=1, clocks=5 * twin.longest_equation)
+        assert not desk.timeline.met["placements"]
+        assert not desk.timeline.met["steps taken"]

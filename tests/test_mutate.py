@@ -3,8 +3,6 @@
 import json
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -14,44 +12,27 @@ from shared import Shared
 
 from golden.input_error import InputError
 from tactus.core import store
-from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
 from tactus.report.page.sign_off import mutation, percent
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, Outcome, run_job
-from tactus.verify.sign_off.current import of_this_verilog
 from tactus.verify.sign_off.mutate import flat, score
 from tactus.verify.sign_off.mutate.explained import explain, explanations
 from tactus.verify.sign_off.mutate.mutants import make_mutants, write_netlists
 from tactus.verify.sign_off.mutate.population import population
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
-from tactus.verify.sign_off.mutate.score import COUNT, Subject, first_test, prepare, run_bench
+from tactus.verify.sign_off.mutate.score import COUNT, Subject, prepare, run_bench
 from tactus.verify.sign_off.mutate.words import describe
-from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.record import read_record, records
-from tactus.verify.sign_off.source import verilog
 from tactus.verify.sign_off.subject import recorded_cases
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 LEAST = 0.99
 SCORED = sorted(records("mutation"))
-CASES_RECORDED = {n: case for block in BENCHES for n, case in recorded_cases(block).items()}
 # A few mutants of a small block, because this tests the method and not the block.
 FEW = 12
-
-
-def test_every_block_has_a_score() -> None:
-    assert sorted(CASES_RECORDED) == SCORED
-
-
-@pytest.mark.parametrize("name", SCORED)
-def test_the_score_is_of_this_verilog(shared: Shared, name: str) -> None:
-    record = read_record("mutation", name)
-    job = shared.subject(name.partition(".")[0], case=CASES_RECORDED[name])
-    assert (record["entity"], record["scene"]) == (job.entity, job.scene.name)
-    assert not of_this_verilog("mutation", name, verilog(job))
 
 
 @pytest.mark.parametrize("name", SCORED)
@@ -112,8 +93,9 @@ def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
     return [bool(replay(trace, small.sources(n))) for n in range(FEW + 1)]
 
 
+@pytest.mark.all_only
 def test_about_as_many_mutants_are_possible_as_can_be_made(small: Subject, tmp_path: Path) -> None:
-    count = population(["abs_unit"], 3, small.folder)
+    count = population("abs_unit", 3, small.folder)
     shutil.copy(small.folder / "abs_unit.v", tmp_path)
     every = make_mutants(["abs_unit.v"], "abs_unit", count + 1, 3, tmp_path)
     # By which other bit a bit is made wrong is drawn.
@@ -121,6 +103,7 @@ def test_about_as_many_mutants_are_possible_as_can_be_made(small: Subject, tmp_p
     assert count > FEW
 
 
+@pytest.mark.all_only
 def test_what_the_replay_finds_the_bench_finds(
     small: Subject, recorded: str, tmp_path: Path
 ) -> None:
@@ -143,36 +126,6 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return asked
 
 
-def test_the_shortest_test_runs_first_and_alone_if_it_detects_a_mutant(
-    small: Subject, recorded: str, tmp_path: Path, runs: list[str]
-) -> None:
-    mutant = found(small, recorded, tmp_path).index(True)
-    assert run_job(small.job).passed
-    # The other tests of abs_unit play every code, and more idle clocks.
-    first = first_test(small)
-    assert first == "what_recorded_frames_bring"
-    assert run_bench(small, mutant, first)
-    assert not run_bench(small, 0, first)
-    assert runs == [first, first, first, ""]
-
-
-def test_a_test_that_fails_alone_on_the_sound_hardware_never_runs_first(
-    small: Subject, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(score, "shortest_test", lambda _: "sweep")
-    assert first_test(small) == "sweep"
-    monkeypatch.setattr(score, "run_job", lambda job: Outcome(job, False, 0, 0.0))
-    assert first_test(small) == ""
-
-
-def test_a_single_test_does_not_run_twice(
-    small: Subject, monkeypatch: pytest.MonkeyPatch, runs: list[str]
-) -> None:
-    assert run_job(replace(small.job, test="sweep")).passed
-    assert first_test(small) == ""
-    assert runs == []
-
-
 def test_a_verdict_of_the_bench_is_of_all_that_enters_it(
     small: Subject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -185,6 +138,7 @@ def test_a_verdict_of_the_bench_is_of_all_that_enters_it(
     assert {"bench", "twin", "twins", "simulated", "tools"} <= asked[0].parts.keys()
 
 
+@pytest.mark.all_only
 def test_what_the_bench_does_not_look_at_survives(
     small: Subject, recorded: str, tmp_path: Path
 ) -> None:
@@ -226,6 +180,7 @@ endmodule
 """
 
 
+@pytest.mark.all_only
 def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None:
     (tmp_path / "counter.v").write_text(CHANGES)
     commands = make_mutants(["counter.v"], "counter", 200, 1, tmp_path)
@@ -251,6 +206,7 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
 
 
+@pytest.mark.all_only
 def test_a_selection_that_yosys_takes_out_is_an_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -260,20 +216,6 @@ def test_a_selection_that_yosys_takes_out_is_an_error(
     monkeypatch.setattr(flat, "NARROWEST", 1)
     with pytest.raises(InputError, match="0 elements instead of the asserted 1"):
         proved(commands, "counter", tmp_path, {})
-
-
-def test_the_processor_time_is_that_of_what_was_started_too() -> None:
-    before = processor_minutes()
-    subprocess.run([sys.executable, "-c", "sum(range(10**7))"], check=True)
-    assert processor_minutes() > before
-    assert "30.0 minutes, without" in processor_line(30)
-    assert "at least 15.0 minutes on 2 processors" in processor_line(30)
-
-
-def test_scores_are_found_every_night() -> None:
-    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text()
-    assert "- run: make mutate ALL=1 RECORD=1\n" in workflow
-    assert "- run: make mutate SEED=${{ github.run_number }}\n" in workflow
 
 
 def test_the_page_tells_how_sure_a_score_is() -> None:

@@ -1,8 +1,6 @@
 """Tests whole networks: bit-true against float, extreme weights, and figures of the thesis."""
 
-import hashlib
 import re
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
-from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.arrangement import arrange, beside
 from golden.networks.designs import DESIGNS
@@ -23,11 +20,9 @@ from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalis
 from golden.trained.mlp import Mlp
 from tactus.errors.scene_errors import held_out_means
 from tactus.report.measure.networks import scenes
-from tactus.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from tactus.scene import Scene, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import percent_errors, summarise
 from tb.common.cases import random_mlp, random_network
-
-SCENES = scene_names()
 
 
 def largest_means(scene, results):
@@ -221,29 +216,6 @@ def test_networks_together_are_folded(arrangement: str) -> None:
         arrange(arrangement, mlps, Parallel, Settings(EXACT, "gradient"))
 
 
-def test_shapes_and_chunks_change_nothing() -> None:
-    design = Hybrid.of([random_mlp((3, 4, 2), 1.0, 1)], Settings(EXACT, "gradient"))
-    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (3, 3001, 3))
-    results = design.process(frames)
-    assert results.shape == (3, 3001, 2)
-    assert np.array_equal(results[2, 3000], design.process(frames[2, 3000]))
-    assert design.process(np.empty((0, 3), dtype=np.int64)).shape == (0, 2)
-    with pytest.raises(InputError, match=r"hybrid frames: got shape \(4,\), expected \(..., 3\)"):
-        design.process([1, 2, 3, 4])
-    with pytest.raises(InputError, match="got dtype float64, expected integer codes"):
-        design.process([0.0, 0.1, 0.2])
-
-
-def test_huge_weights_still_build() -> None:
-    """Q_j is several hundred, and the weights leave few of 18 bits for the fraction."""
-    rng = np.random.default_rng(0)
-    mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
-    for precision in (THESIS, EXACT):
-        design = Hybrid.of([mlp], Settings(precision, "gradient"))
-        frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, 4))
-        assert np.abs(design.process(frames)).max() <= -SIGNAL.low
-
-
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     with pytest.raises(InputError, match="layer 1 weights: largest magnitude 200000 does not fit"):
@@ -254,50 +226,6 @@ def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(InputError, match="hidden node 0: its normalised sum needs 15 bits"):
         Hybrid.of([mlp], Settings(THESIS, "gradient"))
-
-
-def test_an_input_that_no_weight_reads_changes_nothing() -> None:
-    mlp = random_mlp((3, 4, 2), 1.0, 2)
-    mlp.w1[:, 1] = 0
-    design = Hybrid.of([mlp], Settings(THESIS, "gradient"))
-    frames = np.zeros((2, 3), dtype=np.int64)
-    frames[1, 1] = SIGNAL.low
-    assert np.array_equal(*design.process(frames))
-
-
-def test_entity_names_are_unique() -> None:
-    for name in SCENES:
-        entities = [block.entity for block in walk(load_scene(name).twin())]
-        assert len(set(entities)) == len(entities)
-
-
-def test_recorded_vectors_are_those_of_their_provenance() -> None:
-    folder = FOLDER / "data"
-    provenance = tomllib.loads((folder / "appendix2.toml").read_text())
-    content = (folder / "appendix2.csv").read_bytes()
-    assert hashlib.sha256(content).hexdigest() == provenance["sha256"]
-    assert content.count(b"\n") == provenance["rows"] + 1
-
-
-def test_metrics_on_numbers_done_by_hand() -> None:
-    targets = np.array([[0.5, 0.2], [0.5, 0.4], [0.25, 0.4]])
-    results = np.array([[0.6, 0.29], [0.5, 0.4], [0.25, 0.58]])
-    errors = percent_errors(results, targets, ["load", "position"], {"position": 0.9})
-    assert errors == pytest.approx(np.array([[20, 10], [0, 0], [0, 20]]))
-    load, position = summarise(errors, [1, 2, 2])
-    assert (load.largest_mean, load.worst) == pytest.approx((20, 20))
-    assert (position.mean, position.largest_mean) == pytest.approx((10, 10))
-
-
-def test_a_layer_without_weights_still_builds() -> None:
-    """Its accumulators have fewer bits than the half LSB that rounding adds."""
-    mlp = random_mlp((2, 3, 1), 0.3, 1)
-    mlp.w1[:] = 0
-    mlp.b1[:] = 0
-    design = Hybrid.of([mlp], Settings(EXACT, "gradient"))
-    node = design.input_integral.node
-    assert node.acc_width < node.out_shift
-    assert not design.input_integral.process([[SIGNAL.low, SIGNAL.high]]).any()
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")

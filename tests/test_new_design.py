@@ -39,6 +39,10 @@ assert {"2 x", "5 q", "5 r", "2 y"} <= shown, shown
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
+# Every run types in a block (test_new_block.py).
+pytestmark = pytest.mark.all_only
+
+
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project with the four files."""
@@ -92,7 +96,7 @@ def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
     ("arrangement", "block"),
     [
         ("single", "rowwise"),
-        pytest.param("cascade", "cascade", marks=pytest.mark.all_only),
+        ("cascade", "cascade"),
     ],
 )
 def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:

@@ -13,18 +13,14 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.trained.window import Window
 from tactus.cli.predict import main as predict
-from tactus.cli.recalibrate import main as recalibrate
 from tactus.cli.train import train_scene
 from tactus.core.table import read_table, write_table
-from tactus.errors.scene_errors import disturbed_rows, held_out_rows, provenances, scene_errors
-from tactus.rig.check import data
-from tactus.scene import Scene, load_scene, scene_names
+from tactus.errors.scene_errors import held_out_rows, provenances
+from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.vectors import read_recorded
-from tactus.train.descent.search import train
-from tactus.train.descent.split import Split, apart, split_of
+from tactus.train.descent.split import split_of
 from tactus.train.descent.task import task_for
-from tb.common.cases import random_mlp
 
 WINDOW = Window(((0, 2, 3), (0,), (1, 5)))
 ROWS = (60, 47)
@@ -92,36 +88,6 @@ def test_inputs_are_the_samples_of_each_frame_and_of_those_before(past: Scene) -
     assert vectors.targets[ROWS[0] - 5, 0] == read_table(past.data_paths[1], ["y"])[5, 0]
 
 
-def test_rows_without_a_whole_past_are_counted(past: Scene) -> None:
-    recorded = read_recorded(past)
-    assert recorded.without_past == 10
-    assert recorded.numbers[[0, ROWS[0] - 6, ROWS[0] - 5]].tolist() == [5, ROWS[0] - 1, 5]
-    texts = [finding.text for finding in data(past)]
-    assert "97 rows; 10 without a whole past are not used" in texts
-    border = 97 - split_of(past).count
-    assert border
-    assert f"{border} rows share samples with rows of another part and are in none" in texts
-
-
-def test_a_window_of_one_changes_nothing(small_scene: Scene) -> None:
-    text = small_scene.path.read_text()
-    small_scene.path.write_text(text.replace("group_by", "window = [0]\ngroup_by"))
-    one = load_scene(str(small_scene.path))
-    assert one.window.plain
-    assert one.inputs == one.sensors
-    assert not one.window_text
-    assert np.array_equal(one.vectors().codes, small_scene.vectors().codes)
-    assert np.array_equal(*one.vectors().recordings, small_scene.vectors().codes)
-    assert one.twin() == small_scene.twin()
-
-
-def test_a_window_of_one_past_sample(past: Scene) -> None:
-    scene = edited(past, "window = { a = [0, 2, 3], c = [1, 5] }", "window = [4]")
-    one, two = (read_table(path, past.sensors)[:-4] for path in past.data_paths)
-    assert np.array_equal(scene.vectors().inputs, np.concatenate([one, two]))
-    assert scene.window_text == "4"
-
-
 @pytest.mark.parametrize("split", ["blocks", "groups"])
 def test_parts_share_no_sample(past: Scene, split: str) -> None:
     if split == "groups":
@@ -143,20 +109,6 @@ def test_parts_share_no_sample(past: Scene, split: str) -> None:
         assert not (frames[1] & frames[2])
         # Only rows at borders are left out.
         assert found.count >= 97 - reach * 15
-
-
-def test_a_part_of_which_nothing_is_left_is_refused() -> None:
-    rows = np.arange(12)
-    split = Split(rows[:4], rows[4:8], rows[8:])
-    kept = apart(split, np.zeros(12, int), 3)
-    assert [part.tolist() for part in (kept.training, kept.validation, kept.test)] == [
-        [0, 1, 2, 3],
-        [7],
-        [11],
-    ]
-    assert apart(split, rows // 4, 9).count == 12, "recordings of their own share nothing"
-    with pytest.raises(InputError, match=r"no validation rows that share none .* more than 4 rows"):
-        apart(split, np.zeros(12, int), 4)
 
 
 def test_drift_is_one_for_all_samples_of_a_sensor(past: Scene) -> None:
@@ -193,14 +145,6 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
     assert provenances(other) is None, "trained on other samples"
 
 
-def test_errors_are_of_the_rows_with_a_whole_past(trained: Scene) -> None:
-    vectors = trained.vectors()
-    errors = scene_errors(trained)["bit-true"][0]
-    results = SIGNAL.to_real(trained.twin().core.process(vectors.codes))
-    assert errors.mean == pytest.approx(np.abs(results - vectors.targets).mean() * 100)
-    assert np.array_equal(disturbed_rows(trained, Disturbance()), vectors.percent_errors(results))
-
-
 def test_predictions_of_rows_without_a_whole_past_are_empty(
     trained: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
@@ -220,26 +164,6 @@ def test_predictions_of_rows_without_a_whole_past_are_empty(
     write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
     with pytest.raises(InputError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
         predict()
-
-
-def test_a_sensor_that_stops_moving_is_still_used(past: Scene) -> None:
-    """In half of a recording nothing moves, so rows are equal, but nothing is refused."""
-    path = past.data_paths[0]
-    table = read_table(path, COLUMNS)
-    table[30:, 0] = table[30, 0]
-    write_table(path, COLUMNS, table, 4)
-    scene = load_scene(str(past.path))
-    task = task_for(scene, scene.vectors(), [])
-    mlp = train(task, 3, 0)
-    assert np.isfinite(task.bit_true(mlp, task.recorded)).all()
-
-
-def test_the_digit_has_no_past() -> None:
-    for name in scene_names():
-        if name.startswith("digit"):
-            scene = load_scene(name)
-            assert scene.window.plain
-            assert scene.inputs == scene.sensors
 
 
 REFUSED = {
@@ -314,17 +238,3 @@ def test_a_window_as_long_as_a_recording_is_refused(past: Scene, longest: int) -
     message = r"two.csv: got 47 rows, expected more than the 47 that data.window of .* reaches back"
     with pytest.raises(InputError, match=message):
         scene.vectors()
-
-
-def test_placements_are_no_past(past: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sys.argv", ["recalibrate", str(past.path)])
-    with pytest.raises(
-        InputError, match=r"data.window: got one that reaches 5 frames back, expect"
-    ):
-        recalibrate()
-
-
-def test_the_bench_of_the_core_gets_what_the_network_takes(past: Scene) -> None:
-    """The network takes six inputs from three sensors."""
-    mlp = random_mlp((6, 3, 1), 1.0, 1)
-    assert past.build(mlp).inputs == 6 == past.members[0].inputs

@@ -9,7 +9,6 @@ from shared import Shared
 
 from golden.input_error import InputError
 from tactus.scene import load_scene
-from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, jobs
 from tactus.verify.benches.runner import export as run_export
 from tactus.verify.sign_off import record
@@ -48,17 +47,6 @@ def proved(job: Job, item: Property, folder: Path) -> Answer:
     return Inquiry(job, item, folder).prove()
 
 
-def test_properties_are_of_blocks() -> None:
-    parts = {part for proofs in PROOFS.values() for part in getattr(proofs, "PARTS", {})}
-    assert set(PROOFS) <= set(BENCHES)
-    assert not parts & set(BENCHES)
-
-
-@pytest.mark.parametrize("block", PROOFS)
-def test_the_record_is_of_this_source(export: Callable[[str, str], Job], block: str) -> None:
-    assert check_record(entities(block, export)) == []
-
-
 @pytest.mark.parametrize("block", PROOFS)
 def test_every_property_can_fail(export: Callable[[str, str], Job], block: str) -> None:
     for job in entities(block, export):
@@ -74,6 +62,7 @@ def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, b
             assert settle(job, item, tmp_path / "work").faults == [], item.name
 
 
+@pytest.mark.all_only
 def test_a_row_that_is_a_constant_is_proved_too(shared: Shared, tmp_path: Path) -> None:
     """Its register holds anything in the first clock, so nothing is said of the result behind."""
     jobs = {job.entity: job for job in shared.jobs("rails-graph", "icarus")}
@@ -83,6 +72,7 @@ def test_a_row_that_is_a_constant_is_proved_too(shared: Shared, tmp_path: Path) 
     assert settle(job, item, tmp_path).faults == []
 
 
+@pytest.mark.all_only
 def test_sums_that_all_take_over_last_bits_are_proved_too(tmp_path: Path) -> None:
     """With adders of three operands, a list of sums can hold no other."""
     path = write_scene(

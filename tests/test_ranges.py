@@ -14,13 +14,12 @@ from golden.engine.bounds import error_bounds
 from golden.engine.formats import WIDTH
 from golden.engine.integer_network import sample_words
 from golden.engine.ranges import ENOUGH, MARGIN, frac_of, hidden_peaks
-from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import Dense, DenseNetwork, network_of
+from golden.trained.dense import Dense, DenseNetwork
 from tactus.cli.predict import main as predict_main
 from tactus.core.finding import OK, WARNING
 from tactus.report.page.summary import built
@@ -57,11 +56,6 @@ def test_a_range_from_the_data_holds_the_margin_and_no_bit_more(met: float) -> N
     frac = frac_of(met, WIDTH)
     assert MARGIN * met * 2**frac < 2 ** (WIDTH - 1)
     assert frac == WIDTH - 1 or met * 2**frac >= 2**ENOUGH
-
-
-def test_what_no_format_holds_has_no_fraction_bits() -> None:
-    assert frac_of(70_000, WIDTH) == -1
-    assert frac_of(float("inf"), WIDTH) == frac_of(float("nan"), WIDTH) == -1
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -148,28 +142,6 @@ def test_the_bounds_of_the_error_hold_where_nothing_saturates(seed: int, kinds: 
     assert (off[sound] <= error_bounds(network, 9, 24, met)).all()
 
 
-def test_frames_in_which_no_node_is_awake_give_bounds() -> None:
-    """Nodes that are 0 on every recorded frame tell nothing about their range."""
-    first, second, last = wide().layers
-    dead = network_of([Dense(first.weights, first.biases - 1e3, "relu"), second, last])
-    assert isinstance(dead, DenseNetwork)
-    engine = of_frames(dead, quiet(24, 20))
-    assert (engine.graph.ranges[0].met, engine.graph.ranges[0].from_data) == (0.0, False)
-
-
-def test_the_data_may_fit_where_no_bound_does() -> None:
-    first, second, last = wide().layers
-    # What the first layer enlarges the last one makes small again, so that its weights fit.
-    small = Dense(last.weights / 2e4, last.biases)
-    huge = DenseNetwork((Dense(first.weights * 2e4, first.biases, "relu"), second, small))
-    with pytest.raises(InputError, match=r"layer 1: got sums that reach .*, expected 131071 at mo"):
-        Engine.of([huge])
-    codes = quiet(24, 20)
-    engine = of_frames(huge, codes)
-    assert engine.graph.ranges[0].from_data
-    assert np.array_equal(engine.process(codes), exact(engine, codes))
-
-
 # In scenes.
 
 
@@ -202,14 +174,6 @@ def test_a_scene_takes_its_ranges_from_all_recorded_frames(tmp_path: Path) -> No
     assert not [f for f in found if f.verdict == WARNING and "saturate" in f.text]
     sentences = built(scene, engine)
     assert any("from the data" in sentence and sentence[0] == "L" for sentence in sentences)
-
-
-def test_the_ranges_of_bounds_are_said_too(tmp_path: Path) -> None:
-    codes = np.random.default_rng(1).choice([SIGNAL.low, SIGNAL.high], (40, 3))
-    scene = scene_of(tmp_path, random_network((3, 4, 4, 2), ("relu", "tanh"), 1.0, 2), codes)
-    (line,) = range_lines(scene, hidden_saturations(scene, codes))
-    assert "from bounds: no sum exceeds" in line
-    assert "saturate" not in line
 
 
 def test_hidden_sums_that_saturate_in_recorded_frames_are_warned_of(

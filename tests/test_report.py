@@ -15,12 +15,7 @@ import pytest
 from shared import Shared
 
 from tactus.core.fingerprint import ROOT
-from tactus.core.store import VARIABLE
-from tactus.errors.scene_errors import UNKNOWN
-from tactus.report.draw.plots import Plot
-from tactus.report.draw.titled_picture import Picture
 from tactus.report.measure.clocks import clocks_per_frame
-from tactus.report.measure.store import cached, part_key
 from tactus.report.measure.table import Table
 from tactus.report.page import build
 from tactus.report.page.content import content
@@ -85,14 +80,6 @@ def test_what_was_verified_stands_before_what_is_left_out(own_data: dict) -> Non
     assert names[:4] == ["verified", "outputs", "sensors", "left-out"]
     left_out = own_data["sections"]["left-out"]
     assert "the load profile: the scene has no visualisation" in left_out
-
-
-def test_held_out_is_not_claimed_for_a_network_from_elsewhere(own: Path, own_data: dict) -> None:
-    table = own_data["tables"]["errors"]
-    at = table["columns"].index("held out %")
-    assert {row[at] for row in table["rows"]} == {UNKNOWN}
-    assert not any("held out" in row[1] for row in own_data["tables"]["confidence"]["rows"])
-    assert UNKNOWN in own_data["pictures"]["predicted_0"]["says"]
 
 
 def test_the_worst_rows_are_those_of_the_file(own_data: dict) -> None:
@@ -174,21 +161,6 @@ def test_a_second_report_measures_nothing(shared: Shared, own: Path) -> None:
     assert [name for name, kept in told if not kept] == []
 
 
-def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(VARIABLE, str(tmp_path))
-    told: list[bool] = []
-    for state in ("old", "old", "new"):
-        asked = part_key("part", [], state=state)
-        found = cached(asked, lambda _, __, kept: told.append(kept), lambda s=state: [s])
-        assert found == [state]
-    assert told == [False, True, False]
-
-
-def test_a_plot_of_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="plot empty: no points for b"):
-        Plot("empty", "t", "x", "y", {"a": [(1, 1)], "b": []}, "s.", [])
-
-
 def test_text_of_a_table_cannot_become_markup() -> None:
     table = Table("errors", ["<b>", "n"], [["<script>x</script>", 1]], "a & b")
     page = Page("t", [], table, table, [Section("s", "S", ["<i>"], ["<b>"])])
@@ -259,24 +231,8 @@ def test_the_page_fits_and_reads_well(own: Path, width: int, tmp_path: Path) -> 
     assert seen["width"] <= width
     assert seen["figures"] > 5
     assert seen["smallest"] >= 7.5, "letters too small to read"
-
-
-@pytest.mark.parametrize("width", [*WIDTHS.values(), 1000, 2000])
-def test_pictures_that_scroll_have_a_hint(own: Path, width: int, tmp_path: Path) -> None:
-    seen = look(own, width, tmp_path)
     assert seen["hinted"] == seen["scrolled"]
     assert ("picture-datapath" in seen["hinted"]) == (width < 1000)
-
-
-def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
-    table = Table("errors", ["a"], [["x" * 400]], "a note")
-    # This is not an SVG, because the page would shrink it.
-    wide = Picture("p", "P", '<div style="width:800px">wide</div>', "s.")
-    page = tmp_path / "wide.html"
-    page.write_text(Page("t", [], table, table, [Section("s", "S", pictures=[wide])]).render())
-    seen = look(page, WIDTHS["phone"], tmp_path)
-    assert seen["beyond"] == ["DIV wide"]
-    assert seen["width"] > WIDTHS["phone"]
 
 
 def test_it_prints(own: Path, tmp_path: Path) -> None:

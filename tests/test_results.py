@@ -15,7 +15,7 @@ from golden.networks.network import Network
 from tactus.core import store
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches import kept_results, results
-from tactus.verify.benches.runner import Job, Outcome, scene_argument
+from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
 
 FILE = "exported.v"
@@ -82,11 +82,6 @@ def test_recorded_frames_that_are_not_played_are_told(
     if said:
         assert f"3 of {count} recorded frames are played" in text
         assert text.endswith(f"BLOCK={scene.twin().block} FRAMES={count} plays all.")
-
-
-@pytest.mark.parametrize("name", ["digit", "classes/digits"])
-def test_a_shipped_scene_is_named_by_its_folder(name: str) -> None:
-    assert scene_argument(load_scene(name)) == name
 
 
 @pytest.fixture
@@ -167,16 +162,6 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
     assert len(asked) < len(planned)
 
 
-def test_what_is_around_networks_plays_recorded_frames() -> None:
-    scene = load_scene("thesis")
-    planned = [Job(scene, p.entity, p.block, p.area, (), "ghdl") for p in walk(scene.twin())]
-    tests = {job.entity: job.test for job in results.chosen(planned)}
-    fewer = {entity for entity, test in tests.items() if test}
-    assert fewer == {"cascade", "readout", "instrument"}
-    assert tests["hybrid_0"] == tests["hybrid_3"] == ""
-    assert not any(job.test for job in results.chosen(planned, full=True))
-
-
 def test_recorded_frames_alone_do_not_stand_for_a_whole_bench(benches: Benches) -> None:
     job = benches.planned[0]
     fewer = replace(job, test="recorded")
@@ -220,10 +205,3 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
     assert (everything["kept"], everything["left"]) == (len(asked), 0)
     assert len(benches.ran) == left
     assert results.stored_results(benches.scene) == everything | {"kept": len(benches.planned)}
-
-
-def test_of_what_is_left_a_failure_hides_nothing(benches: Benches) -> None:
-    """All chosen entities must have passed, whatever the results of the others."""
-    benches.simulate()
-    benches.forget(results.chosen(benches.planned)[0])
-    assert results.stored_results(benches.scene) is None

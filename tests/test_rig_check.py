@@ -1,7 +1,6 @@
 """Tests make check: it finds every fault at once, and no search begins with a fault."""
 
 import re
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,12 +8,11 @@ import numpy as np
 import pytest
 from refused import Desk
 
-from golden.layers import constant_matrix
-from tactus.core.finding import FAULT, NOTE, OK, WARNING, Finding, faults
+from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
 from tactus.core.table import read_table, write_table
-from tactus.rig.check import before_training, everything
+from tactus.rig.check import everything
 from tactus.scene import load_scene, scene_names
-from tactus.verify.check import check, tools
+from tactus.verify.check import check
 from tb.common.cases import random_mlp, write_scene
 
 NAMES = ["x0", "x1", "x2", "y0", "y1"]
@@ -42,17 +40,6 @@ def change(path: Path, old: str, new: str) -> None:
     text = path.read_text()
     assert re.search(old, text)
     path.write_text(re.sub(old, new, text, count=1))
-
-
-def test_nothing_is_wrong(path: Path) -> None:
-    before = sorted(path.parent.iterdir())
-    assert {finding.verdict for finding in findings_of(path)} == {OK}
-    assert sorted(path.parent.iterdir()) == before
-    lines = "\n".join(map(str, findings_of(path)))
-    assert "3 sensors, 2 outputs, 2 networks, cascade; design engine" in lines
-    assert "rig-1.npz: a 4:4:1 network" in lines
-    clocks = load_scene(str(path)).twin().core.facts()[1]
-    assert f"hardware.design engine: one multiplier; {clocks}" in lines
 
 
 @pytest.mark.parametrize("name", [n for n in scene_names() if not n.startswith("swing")])
@@ -181,25 +168,6 @@ def untrained(path: Path) -> None:
         network.unlink()
 
 
-def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
-    untrained(path)
-    found = findings_of(path)
-    assert not faults(found)
-    assert [f.text for f in found if f.verdict == NOTE] == [
-        "not there yet; make train writes it"
-    ] * 2
-    assert any("with 4, 4 hidden nodes: one multiplier" in f.text for f in found)
-
-
-def test_a_fault_of_a_network_that_is_not_there_yet_names_its_file(path: Path) -> None:
-    """What is tried in its place is in a folder of its own, which nobody knows."""
-    untrained(path)
-    change(path, r"\[network\]", '[network]\nquantised = "nearest"')
-    (found,) = faults(findings_of(path))
-    network = load_scene(str(path)).weights_paths[0]
-    assert found.startswith(f"{network}: got a network without quantisers, expected a quantised")
-
-
 def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path) -> None:
     """The memories of a reloadable engine have a fixed size, whatever training finds."""
     untrained(path)
@@ -211,16 +179,6 @@ def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path)
         change(path, r"hidden = \[\d+, \d+\]", f"hidden = {span}")
         found = [f for f in findings_of(path) if "hidden nodes" in f.text or "operand" in f.text]
         assert [f.verdict for f in found] == [verdict], (span, found)
-
-
-def test_graphs_of_random_weights_are_searched_once(path: Path, monkeypatch) -> None:
-    untrained(path)
-    change(path, '"cascade"', '"multiple"')
-    change(path, 'activation = "precise"', "search_runs = 10000")
-    change(path, '"engine"', '"adder_graph"')
-    runs, old = set(), constant_matrix.graph_of
-    monkeypatch.setattr(constant_matrix, "graph_of", lambda *a: runs.add(a[-1]) or old(*a[:-1], 1))
-    assert (faults(findings_of(path)), runs) == ([], {1})
 
 
 def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:
@@ -235,36 +193,9 @@ def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:
     assert -8192 <= codes[0] < -4000 < 4000 < codes[1] <= 8191
 
 
-def test_the_name_of_a_shipped_scene_shares_its_folder(path: Path) -> None:
-    other = path.with_name("digit.toml")
-    shutil.copy(path, other)
-    assert any("shipped scene digit" in f.text for f in findings_of(other) if f.verdict == WARNING)
-    own = everything(load_scene("digit"), path.parent / "build")
-    assert not any("shipped scene" in f.text for f in own)
-
-
-def test_missing_tools_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    assert {finding.verdict for finding in tools()} == {OK}
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert [f.subject for f in tools() if f.verdict == WARNING] == ["ghdl", "iverilog"]
-
-
 def test_the_command_ends_with_2_where_there_is_a_fault(desk: Desk, path: Path) -> None:
     assert desk.call("check", str(path)) == (0, "")
     no_network(path)
     folder_for_a_file(path)
     count = len(faults(findings_of(path)))
     assert desk.call("check", str(path)) == (2, f"error: {path}: {count} faults, listed above\n")
-
-
-def test_no_search_begins_with_a_fault(desk: Desk, path: Path) -> None:
-    """Both faults are reported, and nothing is changed, neither a network nor a folder."""
-    folder_for_a_file(path)
-    column(path, "x1", lambda x: 0 * x)
-    desk.refuses("train", str(path), says="in every row", faults=2)
-    assert "rig-1.npz: cannot be written: got a folder" in desk.call("train", str(path))[1]
-
-
-def test_training_does_not_ask_for_the_networks_that_it_writes(path: Path) -> None:
-    no_network(path)
-    assert not faults(before_training(load_scene(str(path)), path.parent / "build"))

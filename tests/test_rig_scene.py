@@ -1,6 +1,5 @@
 """Tests make scene: what it says of readings, and the scene that it writes."""
 
-import json
 import re
 import subprocess
 import sys
@@ -11,30 +10,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from jsonschema import Draft7Validator
-from onnx import TensorProto, helper, numpy_helper
 
 from golden.input_error import InputError
-from golden.trained.dense import Quantiser, layers_of, network_of
+from golden.trained.dense import layers_of, network_of
 from golden.trained.function import Function
 from tactus.core.finding import FAULT
 from tactus.core.table import read_csv_file, read_table
 from tactus.network_files.network_file import write_network
-from tactus.network_files.parsed import ParsedNetwork
 from tactus.rig import readings
-from tactus.rig.draft import draft, weights
-from tactus.rig.network_of_others import Brought, brought
+from tactus.rig.draft import draft
+from tactus.rig.network_of_others import brought
 from tactus.rig.survey import Survey, survey
 from tactus.rig.write_scene import names_of, write_scene
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import saturating as scene_saturating
-from tactus.scene.reading import EDITOR_SCHEMA
 from tactus.train.descent.scaling import scaled
 from tb.common.cases import random_network
 
 ROOT = Path(__file__).parents[1]
 BELL = Function("bell", "exp(-x * x)")
-node = helper.make_node
 RNG = np.random.default_rng(3)
 PLACE = RNG.uniform(0.1, 0.9, 60)
 FORCE = RNG.choice([0.2, 0.4, 0.6], 60)
@@ -98,31 +92,6 @@ def test_a_scene_for_a_network_from_elsewhere(tmp_path: Path, name: str, times: 
     assert np.abs(bit_true - results).max() < 0.02
 
 
-def test_functions_of_the_file_are_not_named(tmp_path: Path) -> None:
-    made = [node("MatMul", ["x", "w1"], ["a"]), node("Gelu", ["a"], ["b"])]
-    made.append(node("MatMul", ["b", "w2"], ["y"]))
-    weights_ = {"w1": np.eye(3, 4), "w2": np.full((4, 2), 0.1)}
-    ends = [[helper.make_tensor_value_info(n, TensorProto.DOUBLE, [None, 3])] for n in "xy"]
-    tensors = [numpy_helper.from_array(v, k) for k, v in weights_.items()]
-    file = tmp_path / "gelu.onnx"
-    graph = helper.make_graph(made, "test", *ends, tensors)
-    file.write_bytes(helper.make_model(graph).SerializeToString())
-    found = look(tmp_path)
-    scene = write_scene(found, tmp_path / "mine.toml", network=brought(file, found))
-    (network,) = scene.networks()
-    assert layers_of(network)[0].activation == "table:gelu"
-    assert "activations" not in (tmp_path / "mine.toml").read_text()
-
-
-def test_the_range_of_a_quantised_network_is_a_power_of_two() -> None:
-    held = ParsedNetwork({}, ("relu",), quantisers=(Quantiser(0.25, 0, 0, 15),))
-    network = Brought(Path("net.onnx"), held)
-    for values, factor in (([-3.0, 1.0], 4.0), ([0.0, 4.0], 8.0), ([-0.3, 0.2], 0.5)):
-        assert network.range_of(np.array(values)) == (0.0, factor)
-    offset, factor = replace(network, held=ParsedNetwork({})).range_of(np.array([100.0, 1000.0]))
-    assert (offset, factor) == (550.0, 500.0)
-
-
 @pytest.mark.parametrize(
     ("shape", "outputs", "message"),
     [
@@ -139,15 +108,6 @@ def test_a_network_for_other_columns_is_refused(tmp_path: Path, shape, outputs, 
         brought(file, found)
 
 
-def test_a_scene_that_cannot_name_the_network_is_not_written(tmp_path: Path) -> None:
-    file = tmp_path / "bell.npz"
-    write_network(file, NETWORKS["bell.npz"])
-    found = look(tmp_path)
-    with pytest.raises(InputError, match=r"no function 'bell', expected it in \[network"):
-        write_scene(found, tmp_path / "mine.toml", network=brought(file, found))
-    assert not (tmp_path / "mine.toml").exists()
-
-
 def look(folder: Path, outputs: str = "force,place", **changed: object) -> Survey:
     """The survey of the readings, with some columns changed or added."""
     path = folder / "rig.csv"
@@ -157,18 +117,6 @@ def look(folder: Path, outputs: str = "force,place", **changed: object) -> Surve
 
 def texts(found: Survey) -> str:
     return "\n".join(map(str, found.findings))
-
-
-def test_nothing_is_said_of_good_readings(tmp_path: Path) -> None:
-    found = look(tmp_path)
-    assert not found.findings
-    assert not found.left_out
-    assert list(found.sensors) == ["s1", "s2", "s3"]
-    assert np.array_equal(found.outputs["place"], PLACE.round(4))
-    assert found.lines()[0] == (
-        f"  s1     sensor    {found.sensors['s1'].min():g} to {found.sensors['s1'].max():g}, "
-        f"{len(set(found.sensors['s1']))} different values"
-    )
 
 
 def clipped() -> np.ndarray:
@@ -231,12 +179,6 @@ def test_sessions_that_have_names_are_held_out_whole(
     assert ('split = "groups"\nsplit_by = ["day"]' in text) == split
 
 
-def test_a_column_without_a_name_is_left_out_and_holds_no_classes(tmp_path: Path) -> None:
-    found = look(tmp_path, **{"": np.arange(60.0)})
-    assert found.left_out == {"column 6": "has no name"}
-    assert "classes" not in "".join(found.lines())
-
-
 def with_cell(text: str) -> list[str]:
     cells = [f"{value:.4f}" for value in TABLE["s1"]]
     cells[4] = text
@@ -261,21 +203,6 @@ def with_cell(text: str) -> list[str]:
 def test_faults(tmp_path: Path, outputs: str, changed: dict[str, object], fault: str) -> None:
     found = look(tmp_path, outputs, **changed)
     assert fault in "\n".join(str(f) for f in found.findings if f.verdict == FAULT), texts(found)
-
-
-def test_several_bad_cells_are_counted(tmp_path: Path) -> None:
-    cells = with_cell("")
-    cells[10] = "-"
-    assert "; 2 cells of the column are none" in texts(look(tmp_path, s1=cells))
-
-
-def test_too_few_rows(tmp_path: Path) -> None:
-    few = {name: values[:7] for name, values in TABLE.items()}
-    assert "fault    " in texts(look(tmp_path, **few))
-    assert "got 7 rows, expected at least 8" in texts(look(tmp_path, **few))
-    some = {name: values[:30] for name, values in TABLE.items()}
-    assert "warning  " in texts(look(tmp_path, **some))
-    assert "30 rows: 15 train, 7 choose" in texts(look(tmp_path, **some))
 
 
 @pytest.mark.parametrize(
@@ -323,14 +250,6 @@ def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, poi
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
 
 
-@pytest.mark.parametrize("mark", ["\ufeff", "\n\n"])
-def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
-    (tmp_path / "rig.csv").write_text(mark + text_of(TABLE) + "\n,,,,\n", encoding="utf-8")
-    recording = read_csv_file(tmp_path / "rig.csv")
-    assert recording.names == tuple(TABLE)
-    assert len(recording.rows) == 60
-
-
 def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     """Every second row of sensors 1 to 3 was interpolated. Sensor 4 was read in every row."""
     scene = load_scene("digit")
@@ -339,12 +258,6 @@ def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     assert "`62 of 143 rows are exact means of the rows beside them`" in page
     noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
     assert len(readings.on_lines(noisy)) < 5
-
-
-def test_readings_that_stay_are_no_lines() -> None:
-    steps = np.repeat(np.random.default_rng(2).uniform(-1, 1, (6, 3)).round(4), 10, axis=0)
-    assert not len(readings.on_lines(steps))
-    assert len(readings.on_lines(np.linspace([0, 0, 0], [1, 2, -3], 11))) == 9
 
 
 # --- the scene
@@ -366,29 +279,6 @@ def test_the_scene_is_what_the_readings_ask_for(tmp_path: Path) -> None:
     text = scene.path.read_text()
     assert "# Left out: number, counts the rows.\n" in text
     assert "no target is 0" in text
-
-
-def test_measured_values_of_which_some_repeat_are_no_positions(tmp_path: Path) -> None:
-    force = np.append(np.repeat(np.linspace(0.1, 0.9, 29), 2), [0.01, 0.99])
-    assert scene_of(tmp_path, "force,place", force=force.round(2)).group_by == ""
-
-
-def test_one_output_is_one_network(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, "place")
-    assert scene.arrangement == "single"
-    assert scene.group_by == ""
-    assert scene.sensors == ("s1", "s2", "s3", "force")
-    assert [path.name for path in scene.weights_paths] == ["my-rig.npz"]
-
-
-def test_targets_of_zero_have_a_full_scale(tmp_path: Path) -> None:
-    assert scene_of(tmp_path, place=PLACE - PLACE[0]).vectors().targets.shape == (60, 2)
-
-
-def test_interpolated_rows_are_held_out_in_blocks(tmp_path: Path) -> None:
-    assert scene_of(tmp_path).training.split == "random"
-    (tmp_path / "own").mkdir()
-    assert scene_of(tmp_path / "own", **halves()).training.split == "blocks"
 
 
 def test_raw_units_are_scaled(tmp_path: Path) -> None:
@@ -417,14 +307,6 @@ def test_the_noise_that_it_names_is_one_of_such_readings(
     assert load_scene(str(path)).training.disturbance.noise == noise
 
 
-def test_units_are_taken_from_the_names(tmp_path: Path) -> None:
-    named = {"load [g]": FORCE, "x (mm)": PLACE, "s4 [m V]": TABLE["s1"] ** 2, "[g]": PLACE**2}
-    scene = scene_of(tmp_path, "load [g],x (mm)", **named)
-    assert scene.units == {"load [g]": "g", "x (mm)": "mm", "s4 [m V]": "m V"}
-    (tmp_path / "plain").mkdir()
-    assert "units" not in scene_of(tmp_path / "plain").path.read_text()
-
-
 AWKWARD = ["Kraft, N", "a'b", "läge (mm)", "a\\b", "# no comment", "]", "a = 1", "日本"]
 
 
@@ -440,13 +322,6 @@ def test_awkward_names_stay_what_they_are(tmp_path: Path) -> None:
     assert all(path.name.isascii() for path in scene.weights_paths)
 
 
-def test_names_of_networks_do_not_collide() -> None:
-    path = Path("rig.toml")
-    assert weights(["a b", "c"], path) == ["rig-a-b.npz", "rig-c.npz"]
-    assert weights(["a b", "a-b"], path) == ["rig-1.npz", "rig-2.npz"]
-    assert weights(["ä", "ö"], path) == ["rig-1.npz", "rig-2.npz"]
-
-
 @pytest.mark.parametrize(
     "there", ["my-rig.toml", "my-rig-force.npz", "my-rig-place.provenance.toml"]
 )
@@ -456,14 +331,6 @@ def test_nothing_is_overwritten(tmp_path: Path, there: str) -> None:
         scene_of(tmp_path)
     assert (tmp_path / there).read_text() == "mine"
     assert {path.name for path in tmp_path.iterdir()} == {"rig.csv", there}
-
-
-def test_the_csv_may_stand_elsewhere(tmp_path: Path) -> None:
-    (tmp_path / "data").mkdir()
-    (tmp_path / "scenes").mkdir()
-    scene = write_scene(look(tmp_path / "data"), tmp_path / "scenes" / "my.toml")
-    assert tomllib.loads(scene.path.read_text())["data"]["file"] == "../data/rig.csv"
-    assert len(scene.vectors().codes) == 60
 
 
 # --- the command
@@ -485,21 +352,9 @@ def test_the_command_says_what_it_saw_and_writes(tmp_path: Path) -> None:
     assert read_table(path, ["s1"]).shape == (60, 1)
 
 
-def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
-    path = tmp_path / "rig.csv"
-    path.write_text(text_of(TABLE | {"s1": with_cell(""), "s2": with_cell("x")}))
-    done = run(str(path), "force,place,width")
-    assert done.returncode == 2
-    assert [line.partition(": ")[0] for line in done.stderr.splitlines()] == ["error"] * 3
-    assert not path.with_suffix(".toml").exists()
-
-
-def test_an_editor_finds_the_schema_of_what_is_written(tmp_path: Path) -> None:
-    """The first line names the schema relative to the scene, which has no marked faults."""
-    path = tmp_path / "rig.toml"
-    write_scene(look(tmp_path), path)
-    text = path.read_text()
-    named = text.splitlines()[0].removeprefix("#:schema ")
-    assert (tmp_path / named).samefile(EDITOR_SCHEMA)
-    judge = Draft7Validator(json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8")))
-    assert judge.is_valid(tomllib.loads(text))
+@pytest.mark.parametrize("mark", ["\ufeff", "\n\n"])
+def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
+    (tmp_path / "rig.csv").write_text(mark + text_of(TABLE) + "\n,,,,\n", encoding="utf-8")
+    recording = read_csv_file(tmp_path / "rig.csv")
+    assert recording.names == tuple(TABLE)
+    assert len(recording.rows) == 60

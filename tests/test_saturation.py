@@ -1,6 +1,5 @@
 """Tests that make check and make vhdl warn of outputs that saturate."""
 
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,20 +62,5 @@ def test_an_export_warns_of_them(tmp_path: Path) -> None:
         export_scene(scene, "verilog", tmp_path / "verilog")
 
 
-def test_an_output_within_the_codes_does_not_saturate(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, RIGHT)
-    assert not warned(scene, tmp_path / "build")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)
-        export_scene(scene, "verilog", tmp_path / "verilog")
-
-
 def test_no_shipped_scene_saturates() -> None:
     assert not [text for name in scene_names() for text in saturating(load_scene(name))]
-
-
-def test_networks_that_are_not_there_yet_do_not_saturate(tmp_path: Path) -> None:
-    """Networks with random weights take their place, and must not cause a warning."""
-    scene = scene_of(tmp_path, RIGHT)
-    scene.weights_paths[0].unlink()
-    assert not warned(load_scene(str(scene.path)), tmp_path / "build")

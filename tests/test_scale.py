@@ -1,7 +1,6 @@
 """Tests raw units: what codes stand for, the scale "auto", and readings outside the codes."""
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,7 @@ from tactus.cli.demo import length_lines
 from tactus.errors.scene_errors import scene_errors, unit_errors
 from tactus.export import __main__ as export
 from tactus.network_files.network_file import load_network, provenance_path, save_network
-from tactus.scene import Scene, comparison_names, load_scene, scene_names
-from tactus.scene.codes import ranges
+from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
 from tactus.train.descent import search
@@ -86,16 +84,6 @@ def test_auto_leaves_a_quarter_of_the_range_at_either_end(
     assert float(f"{scale.factor:.2e}") == scale.factor
 
 
-@pytest.mark.parametrize("column", [[2.5, 2.5], [-1.7e308, np.nextafter(np.inf, 0)]])
-def test_readings_that_give_no_range(column: list[float]) -> None:
-    if column[0] == column[1]:
-        with pytest.raises(InputError, match=r"got 2.5 in every row"):
-            range_scale(np.array(column))
-    else:
-        with pytest.raises(InputError, match="expected a range"):
-            range_scale(np.array(column))
-
-
 def test_a_scene_in_units_is_the_scene_without(tmp_path: Path) -> None:
     raw, plain = in_units(tmp_path), signal_scene(tmp_path)
     assert np.array_equal(raw.vectors().codes, plain.vectors().codes)
@@ -126,16 +114,6 @@ def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, monkeypatch, 
     assert "sensor x0: code -8192 is 0 V, 8191 is 4.99969 V, one code 0.000305176 V" in printed
     assert "output y1: code -8192 is -10, 8191 is 129.991, one code 0.00854492" in printed
     assert not any("x1" in line for line in printed)
-
-
-def test_neighbours_of_equal_scale_share_a_line(tmp_path: Path) -> None:
-    scene = in_units(tmp_path)
-    known = dict.fromkeys(scene.sensors, Scale(2.0, 1.0))
-    alike = replace(scene, scale=known, units={scene.sensors[-1]: "V"})
-    assert ranges(alike) == [
-        "sensors x0 to x1: code -8192 is 1, 8191 is 2.99988, one code 0.00012207",
-        "sensor x2: code -8192 is 1 V, 8191 is 2.99988 V, one code 0.00012207 V",
-    ]
 
 
 def trained(scene: Scene, build: Path) -> Scene:
@@ -237,23 +215,6 @@ def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
         load_scene(str(scene.path)).vectors()
 
 
-def test_networks_of_a_cascade_have_one_scale(small_cascade: Scene, tmp_path: Path) -> None:
-    text = small_cascade.path.read_text()
-    small_cascade.path.write_text(text.replace('group_by = "y0"\n', 'scale = "auto"\n'))
-    scene = load_scene(str(small_cascade.path))
-    with pytest.raises(InputError, match=r"chain.provenance.toml has no scale"):
-        scene.twin()
-    again = trained(scene, tmp_path / "build")
-    assert again.columns_of(2) == ["x0", "x1", "x2", "y0", "y1", "y2"]
-    assert again.twin().outputs == 3
-    other = provenance_path(again.weights_paths[1])
-    told = other.read_text()
-    assert '"x1" = { "offset" = ' in told
-    other.write_text(told.replace('"x1" = { "offset" = ', '"x1" = { "offset" = 1'))
-    with pytest.raises(InputError, match=r"x1: .*chain-1.provenance.toml has another scale than"):
-        load_scene(str(scene.path)).vectors()
-
-
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -307,13 +268,6 @@ def test_a_reading_outside_the_codes_is_warned_of(
         (command if run == "train" else export).main()
 
 
-def test_the_ends_of_the_range_are_inside_it(small_scene: Scene, recwarn) -> None:
-    scene = with_readings(small_scene, 1, ["1", "-1", "1", "1"])
-    warn_outside(scene)
-    assert not recwarn.list
-    assert scene.vectors().saturated == 3
-
-
 def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
     scene = with_readings(small_scene, 2, ["0.5", "120", "-70"])
     message = (
@@ -330,58 +284,3 @@ def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
     assert (
         "outside -100 to 100, the furthest 120" in load_scene(str(scene.path)).vectors().outside[0]
     )
-
-
-def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, recwarn) -> None:
-    text = small_scene.path.read_text()
-    for scale, message in (
-        (
-            "x0 = { factor = 1e308 }",
-            r"small.npz, with data.scale of .*small.toml: layer 1: weights: got NaN or",
-        ),
-        (
-            "y0 = { factor = 1e-309 }",
-            r"small.npz, with data.scale of .*small.toml: layer 2: weights: got NaN or",
-        ),
-    ):
-        small_scene.path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
-        save_network(small_scene.weights_paths[0], random_mlp((3, 5, 2), 40.0, 1), {})
-        with pytest.raises(InputError, match=message):
-            load_scene(str(small_scene.path)).twin()
-    scale = "scale = { x0 = { factor = 1e-308 } }"
-    small_scene.path.write_text(text.replace("[network]", f"{scale}\n[network]"))
-    scene = with_readings(load_scene(str(small_scene.path)), 0, ["9"])
-    with pytest.raises(InputError, match=r"small.csv: column 'x0': got 12 of 12 readings outside"):
-        scene.vectors()
-    assert not recwarn.list
-
-
-def test_a_target_outside_the_codes_names_its_unit(tmp_path: Path) -> None:
-    scene = with_readings(in_units(tmp_path), 4, ["129", "-11"])
-    message = r"'y1': got a target of -11 in row 2, expected -10 to 130, .* give y1 a data.scale"
-    with pytest.raises(InputError, match=message):
-        scene.vectors()
-
-
-@pytest.mark.parametrize("name", [*scene_names(), *comparison_names()])
-def test_no_shipped_recording_is_outside(name: str) -> None:
-    """One wine that does not train has a reading beyond those that do, as its scene says."""
-    outside = load_scene(name).vectors().outside
-    assert len(outside) == (name == "comparison/wine-tables")
-
-
-def test_a_constant_sensor_has_no_range(tmp_path: Path) -> None:
-    scene = with_readings(in_units(tmp_path, keys=AUTO), 0, ["2.5"] * 12)
-    with pytest.raises(InputError, match=r"column 'x0': got 2.5 in every row, .* data.scale.x0"):
-        scaled(scene)
-
-
-def test_a_profile_is_drawn_from_signals(tmp_path: Path) -> None:
-    from tb.common.cases import VISUALISATION
-
-    mlp = random_mlp((3, 4, 4), 1.0, 1)
-    path = write_scene(tmp_path, "drawn", "exact", [mlp], sections=VISUALISATION)
-    load_scene(str(path))
-    path.write_text(path.read_text().replace("[network]", "scale = { y1 = 'auto' }\n[network]"))
-    with pytest.raises(InputError, match=r"visualisation.position: got 'y1', which has a data.sc"):
-        load_scene(str(path))

@@ -3,12 +3,10 @@
 import tomllib
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from golden.input_error import InputError, MissingFileError
-from golden.numbers.precision import SIGNAL
-from tactus.network_files.network_file import load_network, provenance_path, save_network
+from golden.input_error import InputError
+from tactus.network_files.network_file import provenance_path
 from tactus.report.page.summary import built
 from tactus.scene import Scene, comparison_names, load_scene, scene_names
 from tactus.scene.reading import class_names
@@ -48,13 +46,6 @@ def test_a_report_names_the_activation_of_the_networks(name: str, text: str) -> 
     assert f", activation {text}, exact precision" in built(scene, scene.twin())[0]
 
 
-def test_an_unknown_scene_lists_the_known_ones() -> None:
-    with pytest.raises(MissingFileError, match=r"did you mean 'digit-lanes1'\?"):
-        load_scene("digit-lane1")
-    with pytest.raises(MissingFileError, match="no such scene"):
-        load_scene("nowhere/my.toml")
-
-
 def test_rows_are_chosen_by_the_values_of_columns(small_scene: Scene) -> None:
     lines = small_scene.data_path.read_text().splitlines()
     lines[3] = "0.25,0.5,0.1,0.5,0.5"
@@ -72,25 +63,6 @@ def test_rows_are_chosen_by_the_values_of_columns(small_scene: Scene) -> None:
     edited(small_scene, "x1 = 3", "z = 3")
     with pytest.raises(InputError, match=r"small.csv: no column 'z', got x0, x1"):
         load_scene(path).vectors()
-
-
-def test_values_outside_the_signal_are_counted(small_scene: Scene) -> None:
-    lines = small_scene.data_path.read_text().splitlines()
-    lines[1] = "1.5,-1.5,0.1,0.5,0.5"
-    small_scene.data_path.write_text("\n".join(lines))
-    vectors = small_scene.vectors()
-    assert vectors.saturated == 2
-    assert vectors.codes[0, :2].tolist() == [SIGNAL.high, SIGNAL.low]
-
-
-def test_a_network_survives_the_disk(small_scene: Scene, tmp_path: Path) -> None:
-    mlp = small_scene.mlps()[0]
-    path = tmp_path / "copy.npz"
-    save_network(path, mlp, {"seed": 3, "scene": "x"})
-    again = load_network(path, mlp.shape)
-    assert all(np.array_equal(getattr(mlp, n), getattr(again, n)) for n in ("w1", "b1", "w2", "b2"))
-    assert tomllib.loads(provenance_path(path).read_text()) == {"seed": 3, "scene": "x"}
-    assert sorted(p.name for p in tmp_path.glob("*copy*")) == ["copy.npz", "copy.provenance.toml"]
 
 
 def test_every_shipped_scene_builds() -> None:

@@ -7,12 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.cli.demo import error_table
 from tactus.errors.scene_errors import (
     HELD_OUT,
-    NOISE,
     UNKNOWN,
     disturbed_errors,
     held_out_means,
@@ -66,18 +64,6 @@ def test_the_held_out_rows_of_every_shipped_scene_are_known(scene: Scene) -> Non
     if rows is not None:
         assert rows.tolist() == split_of(scene).test.tolist()
         assert means == [error.mean for error in scene_errors(scene)[HELD_OUT]]
-
-
-def test_what_was_trained_on_with_all_rows_tells_the_error_from_before(scene: Path) -> None:
-    means = {"load": 0.5, "position": 1.5, "width": 2.5, "shape": 3.5}
-    told = ", ".join(f"{name} = {mean}" for name, mean in means.items())
-    with provenance(scene).open("a") as handle:
-        handle.write(f"refit = true\ntest_mean_percent = {{ {told} }}\n")
-    refitted = load_scene(str(scene))
-    assert held_out_rows(refitted) is None
-    assert HELD_OUT not in scene_errors(refitted)
-    assert held_out_means(refitted) == list(means.values())
-    assert "load 0.50, position 1.50, width 2.50, shape 3.50" in held_out_text(refitted)
 
 
 def elsewhere(scene: Path) -> None:
@@ -145,25 +131,6 @@ def test_it_is_said_which_rows_are_held_out(scene: Path, keys: str, words: str) 
     assert held_out_text(loaded) == f"{count} that neither trained nor chose the network{words}"
 
 
-def test_provenance_from_before_the_split_was_a_choice_counts(scene: Path) -> None:
-    write_provenance(scene, "split", "split_by", "block_rows", "rows")
-    assert held_out_rows(load_scene(str(scene))) is not None
-    scene.write_text(scene.read_text() + "split = 'blocks'\n")
-    assert held_out_rows(load_scene(str(scene))) is None
-
-
-def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
-    provenance(scene).write_text("data = ")
-    with pytest.raises(InputError, match=r"digit-single\.provenance\.toml: not TOML"):
-        held_out_rows(load_scene(str(scene)))
-
-
-def test_without_a_disturbance_the_errors_are_those_recorded() -> None:
-    scene = load_scene("digit")
-    recorded = [error.mean for error in scene_errors(scene)["bit-true"]]
-    np.testing.assert_allclose(disturbed_errors(scene, Disturbance()), recorded, rtol=1e-12)
-
-
 @pytest.mark.parametrize(
     "disturbance",
     [Disturbance(noise=0.008), Disturbance(gain=0.01), Disturbance(offset=0.01)],
@@ -182,25 +149,6 @@ def test_the_errors_are_the_mean_of_whole_recordings(disturbance: Disturbance) -
     miss = np.abs(np.mean(means, axis=0) - disturbed_errors(scene, disturbance))
     assert (miss < 5 * deviation).all()
     assert (deviation < 0.1 * np.mean(means, axis=0)).all()
-
-
-def test_another_seed_moves_the_errors_as_little_as_the_page_says() -> None:
-    scene = load_scene("digit-thesis")
-    for disturbance in (Disturbance(noise=0.008), Disturbance(offset=0.02)):
-        first, *others = (disturbed_errors(scene, disturbance, seed) for seed in range(1, 6))
-        for other in others:
-            assert other != first
-            np.testing.assert_allclose(other, first, rtol=0.03)
-
-
-def test_a_scene_may_state_its_noise(scene: Path) -> None:
-    assert noises_of(load_scene(str(scene))) == [NOISE]
-    scene.write_text(scene.read_text() + "noise = 0.004\n")
-    stated = load_scene(str(scene))
-    assert noises_of(stated) == [NOISE, 0.004]
-    (line,) = (line for line in error_table(stated) if line.startswith("load"))
-    shown = [f"{disturbed_errors(stated, Disturbance(n))[0]:.2f}" for n in (NOISE, 0.004)]
-    assert line.split()[-3:-1] == shown
 
 
 def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None:

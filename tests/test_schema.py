@@ -4,12 +4,12 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
 from jsonschema import Draft7Validator
-from refused import Desk
 
 from golden.input_error import InputError
 from tactus.boards import load_board
@@ -107,23 +107,22 @@ def test_an_editor_sees_what_the_check_refuses(
         load_scene(str(path))
 
 
-@pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
-def test_schema_and_check_agree(name: str, key: Key) -> None:
+def test_schema_and_check_agree() -> None:
     """They agree on every value: the schema marks just the values that the check refuses."""
-    judge = Draft7Validator(key.kind.schema())
-    for value in VALUES:
+    for (name, key), value in product(KEYS, VALUES):
+        judge = Draft7Validator(key.kind.schema())
         found = list(key.kind.unknown_keys(value, name)) or list(key.kind.faults(value, name))
         found = found or list(key.kind.range_errors(value, name))
         assert judge.is_valid(value) == (not found), (value, found)
         assert all(fault.startswith(name) for fault in found), found
 
 
-@pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
-def test_a_default_is_what_may_stand_there(name: str, key: Key) -> None:
+def test_a_default_is_what_may_stand_there() -> None:
     """Values that stand for a missing key are an exception."""
-    if key.default in (REQUIRED, None, "", [], {}) or (key.kind.absent and not key.default):
-        return
-    assert not [*key.kind.faults(key.default, name), *key.kind.range_errors(key.default, name)]
+    for name, key in KEYS:
+        if key.default not in (REQUIRED, None, "", [], {}) and (key.default or not key.kind.absent):
+            found = *key.kind.faults(key.default, name), *key.kind.range_errors(key.default, name)
+            assert not found
 
 
 def test_the_schema_is_that_of_the_declaration() -> None:
@@ -188,20 +187,6 @@ def test_all_faults_of_a_file_are_told_at_once(
     for line, message in zip(said, messages, strict=True):
         pattern = re.escape(f"{path}: {message}").replace(r"\.\*", ".*")
         assert re.fullmatch(pattern, line), line
-
-
-def test_misspelt_names_are_told_at_once(desk: Desk) -> None:
-    desk.edit("[training]", "[traning]")
-    desk.edit("hidden =", "hiden =")
-    desk.refuses("bench", "mine.toml", says="section 'traning' is not known", faults=2)
-
-
-def test_numbers_outside_are_told_with_what_does_not_go_together(desk: Desk) -> None:
-    """An invalid clock is reported once, and no rate is computed from it."""
-    sections = "[front_end]\nrate_hz = 5\n[uart]\n[training]\npatience = 0\nseed = -1"
-    desk.edit("[training]", sections)
-    desk.edit('interface = "stream"', 'interface = "axi_stream"\nclock_mhz = nan')
-    desk.refuses("bench", "mine.toml", says="hardware.clock_mhz: got nan, expected", faults=4)
 
 
 @pytest.mark.parametrize(

@@ -67,13 +67,6 @@ def test_what_a_network_misses_tells_something(tmp_path: Path) -> None:
     assert not measured(recording_of(scene), split_of(scene), scene.sensors).nothing
 
 
-def test_what_can_be_taken_out_together_is_said(tmp_path: Path) -> None:
-    scene = rail(tmp_path, dead=noise(1), hum=noise(2))
-    warned = {f.subject: f.text for f in findings(scene) if f.verdict == WARNING}
-    assert sorted(warned) == ["'dead', 'hum'", "dead", "hum"]
-    assert warned["'dead', 'hum'"].startswith("can be taken out together: without them force ")
-
-
 @pytest.mark.parametrize("count", [6, 16])
 def test_sensors_that_each_tell_a_little_are_not_taken_out_together(count: int) -> None:
     """The class is the sign of their sum. One of six is missed, and some of sixteen together."""
@@ -85,13 +78,6 @@ def test_sensors_that_each_tell_a_little_are_not_taken_out_together(count: int) 
         assert not found.nothing
     else:
         assert 0 < len(found.together) < len(found.nothing) < count
-
-
-def test_the_page_shows_what_is_said_of_it(tmp_path: Path) -> None:
-    scene = rail(tmp_path, s6=noise(1))
-    (said,) = [str(finding) for finding in findings(scene) if finding.subject == "s6"]
-    page = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    assert f"\n{said.replace(str(scene.path), 'path/to/rig.toml')}\n" in page
 
 
 def with_noise(scene: Scene, seed: int) -> Telling:
@@ -116,13 +102,6 @@ def test_of_the_shipped_scenes_no_sensor_is_named_but_one_of_noise(name: str) ->
     assert with_noise(scene, 1).nothing == ["dead"]
 
 
-def test_past_samples_belong_to_their_sensor() -> None:
-    found = telling_of(load_scene("swing-window"))
-    assert found
-    assert list(found.without) == ["sensor1", "sensor2", "sensor3"]
-    assert not found.nothing
-
-
 def test_a_sensor_that_corrects_others_is_not_named(tmp_path: Path) -> None:
     """The example is a temperature that changes every gain but depends on no output."""
     warm = np.random.default_rng(4).uniform(-1, 1, 85)
@@ -145,24 +124,6 @@ def test_where_sensors_tell_nothing_at_all_that_is_said(tmp_path: Path) -> None:
     told = findings(load_scene(str(scene.path)))
     assert [finding.verdict for finding in told] == [OK, WARNING]
     assert told[1].text.startswith("nothing: with all of them")
-
-
-def test_of_few_rows_nothing_is_said(tmp_path: Path) -> None:
-    assert not findings(rail(tmp_path, slice(0, 85, 6)))
-
-
-def test_a_single_sensor_is_compared_with_none() -> None:
-    scene = load_scene("digit-load")
-    recording = recording_of(scene)
-    one = Recording(
-        recording.readings[:, :1],
-        recording.targets,
-        recording.scale,
-        ("sensor1",),
-        recording.outputs,
-    )
-    found = measured(one, split_of(scene))
-    assert np.array_equal(found.without["sensor1"], found.constant)
 
 
 def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None:

@@ -107,52 +107,6 @@ def test_cells_are_those_that_were_recorded(
     assert cells[0] == (f"{expected[kind]:,.0f}" if kind in expected else "-")
 
 
-def test_it_fits_a_screen(scenes: list[Scene]) -> None:
-    lines = side_by_side(scenes, {scene.name: found(scene) for scene in scenes})
-    assert max(map(len, lines)) <= 120
-    assert len(lines) <= 36
-
-
-def test_scenes_that_are_no_match_are_refused(scenes: list[Scene]) -> None:
-    with pytest.raises(InputError, match=r"swing-single\.toml: got sensors, outputs and reference"):
-        side_by_side([scenes[0], load_scene("swing-single")])
-
-
-@pytest.fixture
-def ran(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, bool]]:
-    """Lists the scenes that a demo would simulate, and whether completely."""
-    asked: list[tuple[str, bool]] = []
-
-    def simulate(scene: Scene, full: bool) -> dict[str, Any]:
-        asked.append((scene.name, full))
-        return found(scene, left=0 if full else 5)
-
-    monkeypatch.setattr(demo, "simulate", simulate)
-    monkeypatch.setattr(demo, "build_report", lambda *_, **__: None)
-    monkeypatch.setattr(demo, "twin_speed", lambda _: 1.0)
-    monkeypatch.setattr(demo, "proof_line", lambda *_, **__: "proved")
-    return asked
-
-
-def test_without_a_scene_the_demo_takes_the_default_ones(
-    desk: Desk, ran: list[tuple[str, bool]], capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert desk.call("demo")[0] == 0
-    assert ran == [(name, False) for name in DEFAULT_SCENES]
-
-
-def test_with_a_scene_it_takes_that_one(desk: Desk, ran: list[tuple[str, bool]]) -> None:
-    assert desk.call("demo", "digit-load", "--full")[0] == 0
-    assert ran == [("digit-load", True)]
-
-
-def test_what_is_left_to_full_is_said(scenes: list[Scene]) -> None:
-    around = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
-    assert "To cascade and readout" in " ".join(around.split())
-    assert "FULL=1" in demo.bench_table(scenes[0], found(scenes[0], left=5))
-    assert "FULL=1" not in demo.bench_table(scenes[0], found(scenes[0]))
-
-
 def test_the_demo_says_what_it_does_from_the_start(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:

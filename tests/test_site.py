@@ -85,13 +85,12 @@ def sphinx(builder: str, source: Path, folder: Path, *more: str) -> CompletedPro
     return run(*command, *more, *map(str, places))
 
 
-@pytest.mark.parametrize("builder", ["dummy", "html"])
-def test_a_broken_link_in_a_guide_stops_the_build(tmp_path: Path, builder: str) -> None:
+def test_a_broken_link_in_a_guide_stops_the_build(tmp_path: Path) -> None:
     broken = ["../golden/no_such_file.py", "no_such_page.md", "#no-such-heading"]
     (tmp_path / "docs").mkdir()
     page = "# Page\n\n" + "\n".join(f"[link]({link})" for link in broken)
     (tmp_path / "docs" / "index.md").write_text(page)
-    result = sphinx(builder, tmp_path / "docs", tmp_path)
+    result = sphinx("dummy", tmp_path / "docs", tmp_path)
     assert result.returncode == 1
     for link in broken:
         assert f"'{link.removeprefix('#')}'" in result.stderr

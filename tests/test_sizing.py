@@ -8,25 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import Desk
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from golden.networks.lanes import Lanes
 from golden.numbers.precision import SIGNAL
-from tactus.report.draw.designs import spots
-from tactus.report.measure.designs import FAMILIES, FRONT, designs, refused_lines
+from tactus.report.measure.designs import FAMILIES, FRONT, designs
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.choice import compared
 from tactus.sizing.candidates import Sized, front
 from tactus.sizing.exact import block_rams, multipliers
-from tactus.sizing.features import columns, tree_bits
 from tactus.sizing.model import Held, held_out, recorded, size_of
 from tactus.sizing.price import Price, shares_of
 from tactus.sizing.routed import clock_of, placed
-from tactus.sizing.table_luts import bit_columns, luts_of
+from tactus.sizing.table_luts import luts_of
 from tactus.synth.sizing import EXTRAS, networks, rows_of
 from tactus.synth.timing import read_timing
 from tb.common.case_library import TABLE_GRAPHS
@@ -34,7 +30,6 @@ from tb.common.cases import random_mlp, write_scene
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0
-DESIGNS = {"engine", "engine serial", "lanes", "hybrid", "parallel", "adder_graph", "table_graph"}
 
 
 @pytest.fixture(scope="module")
@@ -100,15 +95,6 @@ def test_estimates_of_networks_that_were_held_out(one: Held) -> None:
     assert abs(one.percent) <= MOST, one
 
 
-def test_every_design_was_held_out() -> None:
-    assert {one.design for one in held_out()} == DESIGNS
-
-
-def test_tables_in_luts_share_equal_columns() -> None:
-    # Of the columns 0011, 0101, 0110 and 1111, two are bits of the address and one is constant.
-    assert columns([0b1000, 0b1101, 0b1011, 0b1110], 4, 2) == 1
-
-
 def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
     """A function of the bits of an address, from the highest one, at each address."""
     return tuple(function(*bits) for bits in product((0, 1), repeat=inputs))
@@ -132,15 +118,6 @@ def test_luts_of_a_table_are_counted_from_its_bits(
     assert luts_of(column_of(function, inputs)) == luts
 
 
-def test_equal_and_constant_bits_of_a_table_take_nothing() -> None:
-    assert len(bit_columns([0b1001, 0b1111, 0b1001, 0b1000], 4)) == 2
-
-
-def test_an_adder_tree_adds_a_constant_for_nothing() -> None:
-    assert tree_bits([8, 8, 8], 10, constant=False) == (9 + 10, 9 + 8 + 10)
-    assert tree_bits([8, 8, 8], 10, constant=True) == (9, 9 + 10)
-
-
 def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[Sized]]) -> None:
     scene, rows = found
     by_name = {row.candidate.name: row for row in rows}
@@ -156,15 +133,6 @@ def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[S
     serial, engine = (row for row in rows[:2])
     assert (serial.multipliers, engine.multipliers) == (0, 1)
     assert serial.clocks > engine.clocks
-
-
-def test_a_design_that_would_be_built_as_another_stands_once(tmp_path: Path) -> None:
-    """Hidden layers of 5 nodes fill 5 lanes, and 16 lanes would not be more."""
-    rows, _ = compared(auto(tmp_path, "", shape=(4, 5, 2)))
-    found = [row for row in rows if isinstance(row.network, Lanes) and not row.network.loops]
-    names = [row.candidate.name for row in found]
-    assert names == ["lanes, lanes 1", "lanes, lanes 2", "lanes, lanes 4", "lanes, lanes 5"]
-    assert [row.multipliers for row in found] == [1, 2, 4, 5]
 
 
 def test_the_front_has_no_design_that_another_one_beats(found: tuple[Scene, list[Sized]]) -> None:
@@ -197,15 +165,6 @@ def test_a_clock_is_estimated_between_recorded_ones_alone() -> None:
     one = [row for row in rows if row.network == "digit-fast"]
     assert clock_of(one, 5) == pytest.approx(one[0].clock_mhz)
     assert clock_of(one, 1) is None
-
-
-def test_the_picture_has_every_design_and_those_that_the_thesis_prints(
-    found: tuple[Scene, list[Sized]],
-) -> None:
-    scene, rows = found
-    names = {spot.name for spot in spots(scene, rows, "xc2v")}
-    assert names == {row.candidate.name for row in rows} | {"thesis, cascade", "thesis, single"}
-    assert {spot.name for spot in spots(scene, rows, "ecp5")} == {r.candidate.name for r in rows}
 
 
 def test_auto_takes_the_cheapest_that_is_fast_enough(tmp_path: Path) -> None:
@@ -246,13 +205,6 @@ def test_a_rate_is_an_interval_at_the_clock(tmp_path: Path) -> None:
     scene = auto(tmp_path, "clock_mhz = 10\nframes_a_second = 1000000")
     assert scene.demand.interval == 10
     assert scene.twin().interval <= 10
-
-
-def test_auto_takes_the_clocks_that_a_scan_leaves(tmp_path: Path) -> None:
-    scene = auto(tmp_path, "", "\n[front_end]\ncounter_width = 8\n")
-    assert scene.choice is not None
-    assert scene.choice.demand.clocks == (1 << 8) // 2 - 1
-    assert scene.choice.row.network.stream == "serial"
 
 
 def test_prices_change_the_choice(tmp_path: Path) -> None:
@@ -317,17 +269,6 @@ def test_auto_takes_small_tables_where_nothing_else_is_fast_enough(tmp_path: Pat
     assert "is further from the networks: errors of 2^-13 times" in smaller
 
 
-def test_the_scene_that_is_chosen_builds_the_same(tmp_path: Path) -> None:
-    scene = auto(tmp_path, "interval = 30")
-    assert scene.chosen.design != "auto"
-    assert scene.chosen.twin() == scene.twin()
-
-
-def loops(rows: list[Sized]) -> list[Sized]:
-    """The rows in which frames overlap."""
-    return [row for row in rows if isinstance(row.network, Lanes) and row.network.loops]
-
-
 def test_auto_takes_lanes_whose_frames_overlap(tmp_path: Path) -> None:
     """Fewer lanes do in a loop, and a scene that names it builds the same."""
     shape = 4, 16, 4
@@ -353,25 +294,6 @@ def test_auto_takes_lanes_whose_frames_overlap(tmp_path: Path) -> None:
         tmp_path, "named", "exact", networks, "single", "precise", design="lanes", hardware=lines
     )
     assert load_scene(str(path)).twin() == scene.twin()
-
-
-def test_lanes_are_compared_in_their_shortest_loop_and_in_that_which_is_demanded(
-    tmp_path: Path,
-) -> None:
-    shape = 4, 16, 4
-    rows, _ = compared(auto(tmp_path, "", shape=shape))
-    few = {row.candidate.options["lanes"]: row.interval for row in loops(rows)}
-    assert len(few) == len(loops(rows)) >= 4
-    wanted = few[4] + 3
-    more = loops(compared(auto(tmp_path, f"interval = {wanted}", shape=shape))[0])
-    found = [row.interval for row in more if row.candidate.options["lanes"] == 4]
-    assert found == [few[4], wanted]
-
-
-def test_frames_do_not_overlap_behind_a_front_end(tmp_path: Path) -> None:
-    rows, _ = compared(auto(tmp_path, "", "\n[front_end]\ncounter_width = 8\n", (4, 16, 4)))
-    assert "lanes, lanes 4" in {row.candidate.name for row in rows}
-    assert not loops(rows)
 
 
 FASTEST = "expected .* or more, which the nearest design, .*, takes from the last sample"
@@ -421,31 +343,3 @@ def test_a_design_that_is_too_slow_is_refused(tmp_path: Path, lines: str, says: 
     path = write_scene(tmp_path, "fixed", "exact", networks, activation="precise", hardware=lines)
     with pytest.raises(InputError, match=rf"fixed\.toml: {says}"):
         load_scene(str(path)).twin()
-
-
-def test_limits_that_are_met_change_nothing(tmp_path: Path) -> None:
-    networks = [random_mlp((2, 3, 3), 1.0, 4)]
-    scenes = [
-        load_scene(
-            str(write_scene(tmp_path, "s", "exact", networks, activation="precise", hardware=lines))
-        ).twin()
-        for lines in ("", "clocks = 1000\ninterval = 1000")
-    ]
-    assert scenes[0] == scenes[1]
-
-
-def test_the_command_refuses(desk: Desk) -> None:
-    desk.refuses("designs", "mine.toml", "--family=xc7", says="FAMILY=xc7: no such family")
-    desk.refuses("designs", "mine.toml", "--picture=a.png", says="PICTURE=a.png: expected a name")
-    desk.refuses("designs", "no", says="scene 'no': no such scene")
-
-
-def test_a_reason_that_all_options_share_is_told_once() -> None:
-    _, refused = compared(load_scene("digit"))
-    assert refused_lines(refused) == [
-        "parallel: not possible: network.arrangement: got 'cascade', expected single",
-        "adder_graph: not possible: network.arrangement: got 'cascade', expected single or "
-        "multiple",
-        "table_graph: not possible: network.arrangement: got 'cascade', expected single or "
-        "multiple",
-    ]

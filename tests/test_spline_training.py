@@ -7,12 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.input_error import InputError
-from golden.networks.designs import DESIGNS
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import forward_passes
-from golden.trained.function import HIGH
-from golden.trained.function_network import SAMPLE_SCALE
 from tactus.cli import train as command
 from tactus.errors.decisions import decisions_of
 from tactus.network_files.network_file import provenance_path
@@ -20,19 +15,15 @@ from tactus.scene import Scene, load_scene
 from tactus.train import spline_training
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.search import bit_true_error
-from tactus.train.spline_layers import FILLED_WORD, LARGER, function_network
+from tactus.train.spline_layers import function_network
 from tactus.train.spline_training import (
     SplineStages,
-    as_layers,
-    candidates,
-    choices,
     measure,
     train,
 )
 from tactus.train.splines import training as splines
 from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT
 from tactus.train.splines.training import Learned, SplineSettings
-from tactus.train.task_errors import as_read
 
 ROWS = 60
 
@@ -127,28 +118,6 @@ def test_a_descent_is_that_of_the_scene(scene: Scene, key: str, value: float) ->
     assert not np.array_equal(*found)
 
 
-def test_functions_behind_inexact_words_are_flatter(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    task = SplineStages(scene).task([], 0)
-    steepness = []
-    for word_error in (0.0, 0.3):
-        monkeypatch.setattr(DESIGNS["engine"], "word_error", lambda *_, error=word_error: error)
-        network = train(task, 2, 0).network
-        sums = network.sums(network.spread(task.training.inputs))
-        slopes = np.einsum("rhk,ohk->roh", network.hidden.at(sums)[1], network.second)
-        steepness.append(float(((slopes * np.ptp(sums, axis=0)) ** 2).sum()))
-    assert steepness[1] < 0.8 * steepness[0]
-
-
-def test_candidates_are_every_choice_of_every_size(scene: Scene) -> None:
-    training = replace(scene.training, hidden=(2, 3), intervals=(2, 4), restarts=2)
-    scene = replace(scene, training=training)
-    found = candidates(SplineStages(scene).task([], 0))
-    assert len(choices(scene)) == 12
-    assert found == [(hidden, number) for hidden in (2, 3) for number in range(12)]
-
-
 @pytest.mark.parametrize("intervals", [0, 2])
 def test_what_hardware_gets_is_what_was_trained(intervals: int) -> None:
     """Within the range of training, the layers are the trained functions; beyond, they are held."""
@@ -162,36 +131,6 @@ def test_what_hardware_gets_is_what_was_trained(intervals: int) -> None:
     assert np.abs(network.process(inputs) - learned.process(inputs)).max() < 1e-9
     far = network.process(rng.uniform(-1, 1, (500, 3)))
     assert np.abs(far).max() < 3
-
-
-def test_hidden_sums_fill_their_words() -> None:
-    """Weighted sums in both directions; nothing is left for functions that are curved."""
-    rng = np.random.default_rng(3)
-    inputs = rng.uniform(-0.4, 0.6, (200, 3))
-    target = np.tanh(4 * inputs[:, :1] - inputs[:, 1:2]) + 0.1 * inputs[:, 2:]
-    rows = Rows(inputs, target, np.ones_like(target))
-    learned = splines.trained(SplineSettings(2, 0, 4, 0.01), rng, rows, rows)
-    network = function_network(learned, inputs, 0).layers()
-    words = [*forward_passes(network, inputs)][1].sums
-    assert np.abs(words.max(axis=0) - FILLED_WORD * HIGH).max() < 1e-9
-    assert np.abs(words.min(axis=0) + FILLED_WORD * HIGH).max() < 1e-9
-
-
-def test_a_sum_of_products_that_cancel_does_not_fill_its_word() -> None:
-    """Its weights would take very many steps."""
-    rng = np.random.default_rng(3)
-    inputs = np.repeat(rng.uniform(-0.5, 0.5, (200, 1)), 2, axis=1)
-    inputs[:, 1] += 1e-5 * rng.normal(size=200)
-    rows = Rows(inputs, inputs[:, :1], np.ones((200, 1)))
-    learned = splines.trained(SplineSettings(1, 0, 4, 0.01, steps=2), rng, rows, rows)
-    centres = np.array([basis.centres for basis in learned.network.bases])
-    first = (centres * [[100.0], [-100.0]])[np.newaxis]
-    learned = replace(learned, network=replace(learned.network, first=first))
-    network = function_network(learned, inputs, 0).layers()
-    sums = [*forward_passes(network, inputs)][1]
-    products = np.abs(sums.layer.weights * np.abs(inputs).max())
-    assert HIGH < products.max() < LARGER * HIGH / SAMPLE_SCALE
-    assert 0 < np.ptp(sums.sums) < 0.01 * HIGH
 
 
 def test_sums_with_straight_functions_behind_them_become_one() -> None:
@@ -214,47 +153,8 @@ def test_sums_with_straight_functions_behind_them_become_one() -> None:
     assert np.abs(splines.refitted(found, rows).process(inputs) - target).max() < 0.2
 
 
-def test_sums_that_two_outputs_read_stay_apart() -> None:
-    rng = np.random.default_rng(4)
-    inputs = rng.uniform(-0.4, 0.6, (100, 2))
-    rows = Rows(inputs, inputs**2, np.ones_like(inputs))
-    learned = splines.trained(SplineSettings(2, 0, 4, 0.01, steps=3), rng, rows, rows)
-    learned = replace(learned, edges=replace(learned.edges, second=np.full((2, 2), STRAIGHT)))
-    assert splines.merged(learned) is learned
-
-
 def _rms(learned: Learned, rows: Rows) -> float:
     return float(np.sqrt(((learned.process(rows.inputs) - rows.targets) ** 2).mean()))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('weights = ["u.npz", "v.npz"]', 'weights = ["u.mat", "v.npz"]', "expected an NPZ file"),
-        (
-            "restarts = 1",
-            "restarts = 1\ndigits = 30",
-            "got 'spline' with training.digits, expected",
-        ),
-        (
-            "restarts = 1",
-            'restarts = 1\noptimiser = "scg"',
-            "with training.optimiser 'scg', expected levenberg-marquardt",
-        ),
-        (
-            '"cascade"',
-            '"single"\nactivations = ["relu"]',
-            "with network.activations, expected none",
-        ),
-    ],
-)
-def test_scenes_that_have_no_learned_functions(
-    scene: Scene, old: str, new: str, message: str
-) -> None:
-    text = scene.path.read_text()
-    scene.path.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError, match=message):
-        load_scene(str(scene.path))
 
 
 RINGS = """
@@ -318,16 +218,6 @@ def test_it_learns_classes(tmp_path: Path, hardware: str) -> None:
     codes = scene.vectors().codes
     assert 0.4 < np.abs(network.process(SIGNAL.to_real(codes))).max() < 1
     assert story["curved_edges"] > 0
-
-
-def test_candidates_for_classes_are_chosen_by_decisions(tmp_path: Path) -> None:
-    scene = rings(tmp_path, TABLES)
-    task = SplineStages(scene).task([], 0)
-    found = measure(task, 1, 0)
-    _, network = as_read(task, as_layers(task, train(task, 1, 0), task.training))
-    for frames, error in ((task.validation, found.validation), (task.test, found.test)):
-        decided = task.bit_true(network, frames).argmax(axis=1)
-        assert error == 100 * (decided != frames.targets.argmax(axis=1)).mean()
 
 
 def test_what_hardware_cannot_compute_is_a_refused_candidate(tmp_path: Path) -> None:

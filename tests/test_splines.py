@@ -10,7 +10,7 @@ from golden.numbers.real import Real
 from golden.trained.spline_basis import Basis
 from tactus.train.descent.objective import Rows
 from tactus.train.splines.descent import descend, stopped_early
-from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
+from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges
 from tactus.train.splines.loss import CrossEntropy, Squares
 from tactus.train.splines.network import SplineNetwork, starting
 from tactus.train.splines.objective import Penalty, SplineObjective
@@ -52,21 +52,6 @@ def test_the_splines_are_those_of_scipy() -> None:
     np.testing.assert_allclose(BASIS.bends(x), expected.derivative(2)(x), atol=1e-11)
 
 
-def test_a_function_goes_on_straight_beyond_its_range() -> None:
-    coefficients = np.random.default_rng(1).normal(size=BASIS.count)
-    for end, way in ((BASIS.low, -1), (BASIS.high, 1)):
-        values, slopes = (part @ coefficients for part in BASIS.at(end + way * np.arange(3.0)))
-        np.testing.assert_allclose(np.diff(values), way * slopes[0], atol=1e-12)
-        np.testing.assert_allclose(slopes, slopes[0])
-        assert not BASIS.bends(end + way * np.arange(1.0, 3.0)).any()
-
-
-def test_straight_coefficients_give_a_straight_function() -> None:
-    x = np.linspace(-3, 4, 30)
-    np.testing.assert_allclose(BASIS.at(x)[0] @ BASIS.centres, x, atol=1e-12)
-    np.testing.assert_allclose(BASIS.at(x)[0].sum(axis=-1), 1)
-
-
 @pytest.mark.parametrize(
     ("given", "message"),
     [((1.0, 1.0, 4), "expected low < high"), ((0.0, 1.0, 0), "intervals: got 0")],
@@ -74,13 +59,6 @@ def test_straight_coefficients_give_a_straight_function() -> None:
 def test_an_impossible_basis_is_refused(given, message: str) -> None:
     with pytest.raises(InputError, match=message):
         Basis(*given)
-
-
-def test_packed_and_unpacked_are_inverse() -> None:
-    one = network()
-    again = one.unpacked(one.packed())
-    given = rows().inputs
-    np.testing.assert_array_equal(one.process(given), again.process(given))
 
 
 @pytest.mark.parametrize("word_error", [0.0, 0.3])
@@ -128,12 +106,6 @@ def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
     np.testing.assert_allclose(hessian, expected, atol=1e-6)
 
 
-def test_a_class_without_any_probability_has_a_gradient() -> None:
-    given = Rows(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]]), np.ones((1, 3)))
-    misses, roots = CrossEntropy().value_gradient_hessian(np.array([[2000.0, 0.0, 0.0]]), given)
-    np.testing.assert_allclose(np.einsum("rq,rqo->ro", misses, roots), [[0.5, -0.5, 0.0]])
-
-
 def test_classes_are_learned_and_pruned() -> None:
     """A class is decided by one input of three, of which the others tell nothing."""
     rng = np.random.default_rng(4)
@@ -156,36 +128,6 @@ def test_classes_are_learned_and_pruned() -> None:
     assert less.error(parts[1]) <= 1.02 * found.error(parts[1])
 
 
-def test_without_intervals_the_functions_of_inputs_are_straight() -> None:
-    """A function of a weighted sum is learned exactly, and a constant input stays flat."""
-    rng = np.random.default_rng(1)
-    inputs = rng.uniform(-1, 1, (80, 3))
-    inputs[:, 2] = 0.5
-    target = (inputs[:, :1] - 0.5 * inputs[:, 1:2]) ** 2
-    given = Rows(inputs, target, np.ones_like(target))
-    found = trained(SplineSettings(1, 0, 4, 1e-4), rng, given, given)
-    assert (found.edges.first == [STRAIGHT, STRAIGHT, FLAT]).all()
-    assert rms(found, given) < 0.01
-    line = np.outer(np.linspace(-1, 1, 9), [1.0, 0.0, 0.0])
-    sums = found.network.sums(found.network.spread(line))
-    np.testing.assert_allclose(np.diff(sums[:, 0], 2), 0, atol=1e-12)
-    # Two weights and the constant of the sum, and a function.
-    assert found.steps == 3 + 2
-
-
-def test_an_input_that_is_constant_in_training_does_no_harm() -> None:
-    """Another row may have another value of it, which then changes nothing."""
-    given = curve(60, 1)
-    given.inputs[:, 2] = 0.5
-    settings = SplineSettings(2, 2, 4, 1e-3, 1e-3)
-    found = trained(settings, np.random.default_rng(1), given, given)
-    assert rms(found, given) < 0.02
-    other = given.inputs.copy()
-    other[:, 2] = -0.5
-    np.testing.assert_allclose(found.process(other), found.process(given.inputs), atol=1e-12)
-    assert (found.edges.first == [CURVED, CURVED, FLAT]).all()
-
-
 def test_errors_of_words_are_expected_in_the_objective() -> None:
     """The objective is what it is on average when the hidden sums of its rows are disturbed."""
     like, given, part = network(), rows(), 1e-3
@@ -204,20 +146,6 @@ def test_errors_of_words_are_expected_in_the_objective() -> None:
     assert aim.value(point) - plain.value(point) == pytest.approx(mean, rel=0.05)
 
 
-def test_the_penalty_is_of_bends_and_size() -> None:
-    like = network(1, 1)
-    aim = SplineObjective(
-        like, rows(outputs=1), Penalty(0.3, 0.01), np.eye(len(like.packed())), Squares()
-    )
-    straight = [np.arange(basis.count, dtype=float) for basis in (*like.bases, like.hidden)]
-    point = np.append(np.concatenate(straight), 5.0)
-    size = 0.01 * sum(float(part @ part) for part in straight)
-    assert point @ aim.stiffness @ point == pytest.approx(size)
-    point[2] += 1
-    more = 0.01 * (2 * straight[0][2] + 1) + 0.3 * (1 + 4 + 1)
-    assert point @ aim.stiffness @ point == pytest.approx(size + more)
-
-
 def test_a_descent_ends_lower_and_early() -> None:
     like = network(2, 1)
     freedom = Edges.curved(like.shape).freedom(like)
@@ -231,59 +159,6 @@ def test_a_descent_ends_lower_and_early() -> None:
     near = stopped_early(aim, start, 50, watched, 3)
     assert aim.value(near) < aim.value(start)
     assert watched.value(near) < watched.value(descend(aim, start, 50))
-
-
-def test_patience_ends_a_descent(monkeypatch: pytest.MonkeyPatch) -> None:
-    like = network(2, 1)
-    freedom = Edges.curved(like.shape).freedom(like)
-    aim = SplineObjective(like, curve(60, 1), Penalty(1e-3), freedom, Squares())
-    here = Rows(aim.rows.inputs, like.process(aim.rows.inputs), aim.rows.scale)
-    watched = SplineObjective(like, here, Penalty(0), freedom, Squares())
-    errors, seen = SplineObjective.errors, []
-
-    def counted(self: SplineObjective, parameters: Real) -> Real:
-        found = errors(self, parameters)
-        if self is watched:
-            seen.append(float((found**2).sum()))
-        return found
-
-    monkeypatch.setattr(SplineObjective, "errors", counted)
-    stopped_early(aim, like.packed(), 50, watched, 3)
-    assert len(seen) == 3 + 1 + int(np.argmin(seen))
-
-
-def test_steps_are_those_of_an_engine() -> None:
-    edges = Edges.curved((3, 2, 1))
-    assert edges.steps == 2 * 8
-    straight = edges.with_kind(0, STRAIGHT)
-    assert straight.steps == 2 * 8 - 1
-    # The last edges: without a curved edge the output takes a step for its bias.
-    assert straight.with_kind(6, STRAIGHT).with_kind(7, STRAIGHT).steps == 2 * 8 - 3 + 1
-    # A sum that nothing uses takes no edge.
-    gone = edges.with_kind(7, FLAT)
-    assert gone.first.tolist() == [[CURVED] * 3, [FLAT] * 3]
-    assert gone.steps == 2 * 4
-
-
-def test_parameters_are_counted() -> None:
-    like = network(1, 1)
-    edges = Edges.curved(like.shape)
-    counts = [basis.count for basis in (*like.bases, like.hidden)]
-    assert edges.parameters(like) == sum(counts) + 1
-    assert edges.with_kind(0, STRAIGHT).parameters(like) == sum(counts[1:]) + 1 + 1
-
-
-def test_bends_are_what_straightening_changes() -> None:
-    like = network(1, 1)
-    given = rows(outputs=1).inputs
-    across = BASIS.at(given[:, 0])[0] @ like.first[0, 0]
-    line = np.polyfit(given[:, 0], across, 1)
-    sums = like.sums(like.spread(given))
-    slopes = like.hidden.at(sums)[1][:, 0] @ like.second[0, 0]
-    straight, flat = bends(like, given)
-    expected = (across - np.polyval(line, given[:, 0])) * slopes
-    np.testing.assert_allclose(straight[0][:, 0], expected, atol=1e-9)
-    np.testing.assert_allclose(flat[0][:, 0], (across - across.mean()) * slopes, atol=1e-9)
 
 
 def test_a_law_is_learnt_and_pruned() -> None:

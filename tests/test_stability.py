@@ -44,11 +44,13 @@ def table_of(rows: list[dict[str, Cell]]) -> Table:
     return Table("stability", list(rows[0]), [list(row.values()) for row in rows], "")
 
 
+@pytest.mark.all_only
 def test_every_case_holds(found: Table) -> None:
     assert [row for row in found.rows if row[-1] != "yes"] == []
     assert all(value <= bound for *_, value, bound, _ in found.rows)
 
 
+@pytest.mark.all_only
 def test_the_result_is_what_is_measured(found: Table) -> None:
     """Last bits and errors of integrators depend on machines."""
     shown = recorded("stability").rows

@@ -11,7 +11,6 @@ import pytest
 from golden.common.block import walk
 from golden.input_error import InputError
 from tactus.core import closure, store
-from tactus.core.closure import code, code_of
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
 from tactus.report.measure import store as parts
@@ -106,40 +105,6 @@ def test_a_run_can_have_a_store_of_its_own(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setenv(store.VARIABLE, "own")
     with pytest.raises(InputError, match="TACTUS_STORE: got 'own', expected an absolute path"):
         store.read(asked(), tmp_path)
-
-
-def test_a_run_at_night_has_a_store_of_its_own() -> None:
-    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text()
-    assert f"\nenv:\n  {store.VARIABLE}: /tmp/" in workflow
-    assert "actions/cache" not in workflow
-
-
-def test_words_are_no_part_of_what_code_does(tmp_path: Path) -> None:
-    said, done, other = (tmp_path / f"{name}.py" for name in ("said", "done", "other"))
-    said.write_text('"""A page."""\nimport os\n# A word.\n\n\ndef f(x):\n    """Says."""\n')
-    with said.open("a") as handle:
-        handle.write('    return x + 1  # and why\n\nTEXT = "# no comment"\n')
-    done.write_text('def f(x):\n    return x + 1\nTEXT = "# no comment"\n')
-    other.write_text('def f(x):\n    return x + 2\nTEXT = "# no comment"\n')
-    assert code_of(said) == code_of(done) != code_of(other)
-    assert code_of(done, without=("TEXT",)) != code_of(done)
-
-
-def test_what_no_module_is_has_no_code() -> None:
-    with pytest.raises(ValueError, match="'__main__': no module of"):
-        code(["__main__"])
-
-
-def test_modules_that_are_found_by_name_are_listed() -> None:
-    """Others import by text, which ``closure`` reads, or stand in no key."""
-    named = ("golden", "hdl", "tactus/network_files", "tactus/scene")
-    found = {
-        ".".join(file.relative_to(ROOT).with_suffix("").parts)
-        for room in named
-        for file in (ROOT / room).rglob("*.py")
-        if "import_module(" in file.read_text()
-    }
-    assert found == set(closure.DISCOVERIES)
 
 
 class Copy:
@@ -237,21 +202,6 @@ def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
     sources.add("tb/engine/tb_round_saturate.py", CODE)
     assert changed(benches, sources.benches()) == {("digit", "round_saturate")}
     assert changed(tables, sources.tables()) == set()
-
-
-def test_a_change_of_what_measures_a_table_measures_that_table(sources: Copy) -> None:
-    tables = sources.tables()
-    sources.add("tactus/report/measure/adder_errors.py", CODE)
-    found = changed(tables, sources.tables())
-    assert "adder_errors" in found
-    assert "profile" not in found
-
-
-def test_another_value_of_a_twin_is_another_key(sources: Copy, monkeypatch) -> None:
-    job = next(job for job in sources.jobs if job.block == "round_saturate")
-    before = kept_results.bench_key(job)
-    monkeypatch.setattr(type(job.twin), "__repr__", lambda _: "RoundSaturate(acc_width=39)")
-    assert kept_results.bench_key(job) != before
 
 
 def test_the_tools_are_a_part(sources: Copy, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from itertools import islice
 from pathlib import Path
 
 import pytest
+from conftest import tiered
 
 from golden.input_error import InputError, MissingFileError
 from studies.__main__ import FOLDER, differences, finished, measured, names, recorded, same
@@ -17,13 +18,15 @@ from tactus.scene import load_scene
 # Studies whose first row takes long, or needs what a computer without a network does not have; and
 # one that test_stability.py measures whole.
 NOT_BEGUN = {"peers", "stability"}
+# These train or learn before their first row.
+LONG = {"learned_functions", "on_line_learning"}
 # Studies that bring data of others.
 BRING = {"beans": beans.DATA, "gripper": gripper.TEST}
 # Of floating point on another processor.
 ROUNDING = 0.1
 
 
-@pytest.mark.parametrize("name", sorted(set(names()) - NOT_BEGUN))
+@pytest.mark.parametrize("name", tiered(sorted({*names()} - NOT_BEGUN - LONG), sorted(LONG)))
 def test_a_study_begins_as_its_result(name: str) -> None:
     if name in BRING and not BRING[name].is_file():
         pytest.skip(f"make study NAME={name} brings its data")

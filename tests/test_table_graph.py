@@ -1,7 +1,6 @@
 """The design table_graph: functions in small tables, sums of them, and what it refuses."""
 
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers.argmax_tree import ArgmaxTree
-from golden.networks.designs import DESIGNS
 from golden.networks.function_sums import function_sums
 from golden.networks.left_out import left_out
 from golden.networks.oracle import error_bounds, exact, hidden_weights
@@ -25,14 +22,10 @@ from golden.trained.function_network import FunctionNetwork
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.errors.scene_errors import provenances
 from tactus.scene import load_scene
-from tactus.synth.budget import read_budget
-from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_learned
 
 ONE = 1 << FINE
 FEW = {"sample_bits": 7, "hidden_bits": 8, "output_bits": 9}
-# The slope of a straight edge.
-STRAIGHT = 0.25
 
 
 def frames(inputs: int, seed: int = 1, count: int = 400) -> np.ndarray:
@@ -59,16 +52,6 @@ def read(tables: tuple, width: int) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize("width", [4, 7, 10])
-@pytest.mark.parametrize("slope", [0.3, -1.0, 7.7])
-def test_a_straight_line_takes_no_upper_bits_twice(width: int, slope: float) -> None:
-    codes = np.arange(1 << width)
-    values = np.rint(slope * codes * ONE).astype(np.int64)
-    tables = tables_of(0, values, ONE * 7 // 10)
-    assert all(table.part.top == 0 for table in tables[1:])
-    assert np.abs(read(tables, width) * ONE - values).max() <= 1.5 * ONE
-
-
 @settings(max_examples=20, deadline=None)
 @given(st.integers(4, 10), st.integers(0, 1000), st.integers(1, 400))
 def test_tables_are_near_to_a_smooth_function(width: int, seed: int, size: int) -> None:
@@ -80,13 +63,6 @@ def test_tables_are_near_to_a_smooth_function(width: int, seed: int, size: int) 
     assert all(table.source == 3 and table.part.width <= MOST_ADDRESS for table in tables)
     off = (read(tables, width) * ONE - values) / ONE
     assert np.sqrt((off**2).mean()) <= 1
-
-
-def test_tables_of_a_function_that_none_fits_are_the_nearest() -> None:
-    values = np.zeros(1 << 9, dtype=np.int64)
-    values[200] = 1000 * ONE
-    tables = tables_of(0, values, ONE)
-    assert np.abs(read(tables, 9) * ONE - values).max() < 1000 * ONE
 
 
 def test_a_function_within_half_a_step_needs_no_table() -> None:
@@ -199,39 +175,6 @@ def test_nothing_is_built_that_changes_no_output() -> None:
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
 
 
-def test_a_network_that_never_changes_is_built() -> None:
-    network = FunctionNetwork([[STRAIGHT * 1e-6]], [[STRAIGHT]], [0.3], [1.0])
-    design = graph(network)
-    assert (np.abs(SIGNAL.to_real(design.process(frames(1))) - 0.3) <= design.bounds[0]).all()
-
-
-def test_networks_side_by_side_are_those_alone() -> None:
-    networks = [random_learned((2, n, 1), 0, 1.0, n).layers() for n in (1, 3)]
-    settings_ = Settings(options=FEW)
-    both = TableGraph.of(networks, settings_, "multiple")
-    alone = [TableGraph.of([network], settings_).process(frames(2)) for network in networks]
-    assert np.array_equal(both.process(frames(2)), np.concatenate(alone, axis=1))
-
-
-def test_more_bits_err_less() -> None:
-    network = random_learned((3, 2, 2), 0, 1.0, 3)
-    codes = frames(3)
-    real = network.layers().process(SIGNAL.to_real(codes))
-    errors = [
-        np.abs(SIGNAL.to_real(graph(network, **bits).process(codes)) - real).mean()
-        for bits in ({"sample_bits": n, "hidden_bits": n, "output_bits": n} for n in (5, 7, 9, 11))
-    ]
-    assert all(less < more / 2 for more, less in pairwise(errors))
-
-
-def test_latency_is_that_of_tables_and_adders() -> None:
-    network = random_learned((3, 3, 2), 0, 1.0, 3)
-    slow, fast = (graph(network, adders_per_clock=n) for n in (1, 9))
-    assert slow.latency == 2 + slow.hidden.latency + slow.output.latency
-    assert fast.latency == 4
-    assert np.array_equal(slow.process(frames(3)), fast.process(frames(3)))
-
-
 def relu_network() -> DenseNetwork:
     hidden = Dense(np.eye(2), np.zeros(2), "relu")
     return DenseNetwork((hidden, hidden, Dense(np.eye(2), np.zeros(2))))
@@ -255,61 +198,11 @@ def test_a_scene_with_another_network_is_refused(tmp_path: Path) -> None:
         load_scene(str(path)).twin()
 
 
-def test_it_finds_the_largest_output_where_asked(tmp_path: Path) -> None:
-    case = TABLE_GRAPHS["argmax-tables"]
-    design = case.scene(tmp_path, "decides").twin()
-    assert isinstance(design, TableGraph)
-    plain = replace(design, decides=False)
-    assert plain.argmax is None
-    assert isinstance(design.argmax, ArgmaxTree)
-    assert design.argmax in design.parts()
-    names = [port.name for port in plain.ports]
-    assert [port.name for port in design.ports if port.name not in names] == [
-        "winner_valid",
-        "winner_index",
-        "winner_margin",
-    ]
-    assert design.latency == plain.latency
-    codes = frames(2, count=2000)
-    winners, _ = design.argmax.process(design.process(codes))
-    # The bench meets a frame for each of its classes.
-    assert set(winners.tolist()) == {0, 1, 2}
-
-
-def test_one_output_has_no_largest() -> None:
-    with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
-        replace(graph(random_learned((1, 1, 1), 0, 1.0, 1)), decides=True)
-
-
 @pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])
 @pytest.mark.parametrize("bits", [3, 15])
 def test_bits_out_of_range_are_refused(key: str, bits: int) -> None:
     with pytest.raises(InputError, match=rf"hardware.{key}: got {bits}, expected 4 to 14"):
         graph(random_learned((1, 1, 1), 0, 1.0, 1), **{key: bits})
-
-
-def test_its_keys_belong_to_it(tmp_path: Path) -> None:
-    case = replace(TABLE_GRAPHS["least-tables"], design="engine", hardware="output_bits = 9")
-    with pytest.raises(InputError, match=r"hardware.output_bits: got 9 with design 'engine'"):
-        case.scene(tmp_path, "wrong")
-
-
-def test_tables_that_do_not_fit_their_matrix_are_refused() -> None:
-    design = graph(random_learned((2, 2, 1), 0, 1.0, 3))
-    with pytest.raises(InputError, match=r"table_graph: got \d+ tables of 2 words, expected"):
-        replace(design, first=design.first[1:])
-
-
-def test_the_scene_that_is_compared_with_digit_fast() -> None:
-    scene = load_scene("comparison/digit-tables")
-    design = scene.twin()
-    assert isinstance(design, TableGraph)
-    assert (design.latency, design.interval, design.outputs) == (6, 1, 4)
-    assert all(table.part.width <= MOST_ADDRESS for table in design.first + design.second)
-    codes = scene.vectors().codes
-    assert not design.saturations(codes)["layer of hidden sums"].any()
-    real = scene.process_real(SIGNAL.to_real(codes))
-    assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
 
 
 def test_a_scene_that_decides() -> None:
@@ -325,14 +218,6 @@ def test_a_scene_that_decides() -> None:
     wrong = 100 * (len(held_out.actual) - held_out.right) / len(held_out.actual)
     assert wrong == pytest.approx(story["test_wrong_percent"], abs=1e-4)
     assert len(held_out.actual) - held_out.right == 1
-
-
-def test_wines_in_tables_are_smaller_than_wine_fast() -> None:
-    mine, other = (
-        read_budget(one.path)["xc7"][one.twin().entity]["LUT"]
-        for one in map(load_scene, ("comparison/wine-tables", "classes/wine-fast"))
-    )
-    assert mine < other
 
 
 @pytest.mark.parametrize("bits", [8, 11])
@@ -359,7 +244,3 @@ def test_training_knows_how_far_hidden_words_are_from_their_sums(bits: int) -> N
     # Tables are as near as their tolerance or nearer, and some functions are straight or left out.
     expected = TableGraph.word_error(design.inputs, options)
     assert 0.5 * expected < found < expected
-
-
-def test_other_designs_have_words_that_are_as_good_as_exact() -> None:
-    assert DESIGNS["engine"].word_error(4, {}) == 0

@@ -1,7 +1,6 @@
 """Compares the bit-true profile of equation 3.18 with real arithmetic, also at extremes."""
 
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -9,19 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.common.block import walk
 from golden.input_error import InputError
-from golden.instruments.readout import Readout
-from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
-from golden.numbers.units import POSITION_MM, WIDTH_MM
-from golden.visualisation.exp_memory import exp_memory
 from golden.visualisation.load_profile import (
     RECTANGLE,
     TRIANGLE,
     LoadProfile,
     load_profile,
-    width_gain,
 )
 from golden.visualisation.power_fold import PowerFold
 from golden.visualisation.ramp import Ramp, ramp
@@ -61,15 +54,6 @@ def test_what_the_network_makes_of_every_recorded_frame() -> None:
     assert units(scene.twin().process(scene.vectors().codes)) < 1.82
 
 
-def test_real_arithmetic_is_the_equation() -> None:
-    """Load H, the triangle, and load A beside it: C = 2 / (0.4 w)."""
-    frames = np.array([[5129, 4096, 3686, 7373], [7373, 2000, 7373, 3686]])
-    x = PROFILE.ramp.process() / 8192
-    for frame, power, found in zip(frames / 8192, (2, 6), PROFILE.real(frames), strict=True):
-        d, centre, width, _ = frame
-        assert np.allclose(found, d * np.exp(-((2 / (0.4 * width) * (x - centre)) ** power)))
-
-
 @pytest.mark.parametrize("power", [TRIANGLE, RECTANGLE])
 def test_the_bound_over_every_quotient(power: int) -> None:
     assert 1 < quotient_error(PROFILE, power) < 1.81
@@ -88,78 +72,12 @@ def test_the_bound_over_extremes_of_every_input() -> None:
     assert units(frames) < 1.81
 
 
-@pytest.mark.parametrize("width", [1, 0, -1, SIGNAL.low])
-@pytest.mark.parametrize("shape", [0, SIGNAL.high])
-def test_the_narrowest_load_is_one_point(width: int, shape: int) -> None:
-    positions, heights = PROFILE.process([6000, 4096, width, shape])
-    assert np.array_equal(heights, np.where(positions == 4096, 6000, 0))
-
-
-def test_a_width_of_nothing_is_the_narrowest() -> None:
-    frames = recorded()
-    narrowest = PROFILE.process(np.where([0, 0, 1, 0], 1, frames))[1]
-    for width in (0, -1, SIGNAL.low):
-        found = PROFILE.process(np.where([0, 0, 1, 0], width, frames))[1]
-        assert np.array_equal(found, narrowest)
-
-
 @pytest.mark.parametrize("centre", [SIGNAL.low, -3000, SIGNAL.high])
 def test_a_load_beside_the_ramp_shows_its_flank(centre: int) -> None:
     heights = PROFILE.process([SIGNAL.high, centre, SIGNAL.high, SIGNAL.high])[1]
     falling = heights if centre < 0 else heights[::-1]
     assert (np.diff(falling) <= 0).all()
     assert PROFILE.process([SIGNAL.high, centre, 400, 0])[1].max() == 0
-
-
-def test_the_profile_is_even_about_the_load_and_odd_in_it() -> None:
-    """The ramp's points on either side of 0.4 are mirror images to 1 LSB of position."""
-    for shape in (0, SIGNAL.high):
-        heights = PROFILE.process([8000, 3277, 4000, shape])[1]
-        assert np.abs(heights - heights[::-1]).max() < 12
-        negative = PROFILE.process([-8000, 3277, 4000, shape])[1]
-        assert np.abs(heights + negative).max() <= 1
-
-
-def test_the_shape_decides_the_power() -> None:
-    """0.45 is a rectangle, 0.9 a triangle, and the border is halfway."""
-    for shape, power in ((0.45, 6), (0.674, 6), (0.676, 2), (0.9, 2)):
-        frame = SIGNAL.quantise([0.9, 0.5, 0.45, shape])[0]
-        middle = SIGNAL.to_real(PROFILE.process(frame)[1])[9]
-        t = abs(SIGNAL.to_real(PROFILE.ramp.process()[9]) - 0.5) * 5 / 0.45
-        assert middle == pytest.approx(0.9 * np.exp(-(t**power)), abs=4 * LSB)
-
-
-def test_half_a_width_from_the_centre_stands_one_e_th() -> None:
-    """Load A, 50.8 mm wide: 25.4 mm beside its centre, which is 0.18 of the coded position."""
-    frame = SIGNAL.quantise([0.9, 0.4, 0.9, 0.45])[0]
-    fine = replace(PROFILE, ramp=ramp(SIGNAL, 0.01, 0.8))
-    positions, heights = fine.process(frame)
-    at = int(np.argmin(np.abs(SIGNAL.to_real(positions) - (0.4 + 0.9 * 25.4 / POSITION_MM))))
-    assert SIGNAL.to_real(heights[at]) == pytest.approx(0.9 / np.e, abs=2e-3)
-
-
-def test_a_gain_of_other_units() -> None:
-    assert width_gain(POSITION_MM, WIDTH_MM) == 5
-    assert width_gain(100.0, 100.0) == 2
-    third = load_profile(gain=Fraction(1, 3))
-    assert units(recorded(), third) < 1.81
-    assert abs(third.divider.gain / 2**third.divider.gain_frac - 1 / 3) < 2**-15
-    for gain in (Fraction(0), Fraction(-1), Fraction(1 << 17)):
-        with pytest.raises(InputError, match=r"load_profile: gain=.* expected above 0"):
-            load_profile(gain=gain)
-
-
-def test_the_blocks_of_the_profile() -> None:
-    names = [block.block for block in walk(PROFILE)]
-    assert names == [
-        "ramp",
-        "divider",
-        "power_fold",
-        "exp_memory",
-        "exp_interpolator",
-        "load_profile",
-    ]
-    assert {block.area for block in walk(PROFILE)} == {"visualisation"}
 
 
 def test_widths_hold_what_passes_through_them() -> None:
@@ -190,17 +108,6 @@ def test_power_fold_is_the_power_saturated(power: int) -> None:
     assert (np.abs(found - exact) <= bound)[below].all()
     assert (found[exact - bound > 4095] == 4095).all()
     assert below[:1024].all()
-
-
-def test_power_fold_counts_the_uses_of_its_multiplier() -> None:
-    fold, steps = PROFILE.power_fold, []
-    t = 40_000
-    acc = (t + 2) >> 2
-    for _ in range(RECTANGLE - 1):
-        acc = min((acc * t + (1 << 14)) >> 15, (1 << 17) - 1)
-        steps.append(acc)
-    assert fold.process(t, RECTANGLE) == steps[-1]
-    assert fold.process(t, TRIANGLE) == steps[0]
 
 
 @given(st.integers(0, 2**14 - 1), st.integers(0, 2**13 - 1))
@@ -291,13 +198,6 @@ def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
     assert np.array_equal(heights, own.process(outputs[:, [4, 1, 2, 3]])[1])
 
 
-def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
-    whole = load_scene(str(drawn_scene(tmp_path, VISUALISATION))).twin()
-    bare = load_scene(str(drawn_scene(tmp_path, ""))).twin()
-    assert whole.network == bare
-    assert {part.block for part in walk(bare)}.isdisjoint(part.block for part in walk(PROFILE))
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -330,21 +230,10 @@ def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, mes
         load_scene(str(path))
 
 
-def test_results_are_four_outputs() -> None:
-    network = load_scene("digit-single").twin()
-    for results in ((0, 1, 2, 2), (0, 1, 2, 4)):
-        with pytest.raises(InputError, match=r"readout: got results .* expected four different"):
-            Readout(network, PROFILE, results)
-
-
-def test_exp_memory_holds_the_middle_of_every_interval() -> None:
-    memory = exp_memory(10, 6, 17)
-    assert len(memory.words) == 1024
-    assert memory.addr_width == 10
-    middle = (np.arange(1024) + 0.5) / 64
-    assert np.abs(np.array(memory.words) - np.exp(-middle) * 2**17).max() <= 0.5
-
-
-def test_positions_come_in_the_format_of_the_signals() -> None:
-    assert PROFILE.fmt == Fix(14, 13)
-    assert PROFILE.process(np.zeros((2, 3, 4), dtype=np.int64))[1].shape == (2, 3, 17)
+def test_real_arithmetic_is_the_equation() -> None:
+    """Load H, the triangle, and load A beside it: C = 2 / (0.4 w)."""
+    frames = np.array([[5129, 4096, 3686, 7373], [7373, 2000, 7373, 3686]])
+    x = PROFILE.ramp.process() / 8192
+    for frame, power, found in zip(frames / 8192, (2, 6), PROFILE.real(frames), strict=True):
+        d, centre, width, _ = frame
+        assert np.allclose(found, d * np.exp(-((2 / (0.4 * width) * (x - centre)) ** power)))

@@ -80,11 +80,6 @@ def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
     assert np.array_equal(results, past.process(frames))
 
 
-def test_frames_of_a_past_are_in_one_order(past: Windowed) -> None:
-    with pytest.raises(InputError, match=r"got shape \(2, 9, 3\), expected \(frames, 3\)"):
-        past.process(np.zeros((2, 9, 3), dtype=np.int64))
-
-
 def test_outputs_come_behind_what_the_frame_window_sends(past: Windowed) -> None:
     window = past.frame_window
     assert window.elements == 6
@@ -118,22 +113,6 @@ def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
             block(window, slots, spacing)
 
 
-def test_a_network_of_other_inputs_is_refused(past: Windowed) -> None:
-    with pytest.raises(InputError, match="got a network of 6 inputs, expected 4"):
-        replace(past, window=Window(((0, 1), (0, 1))))
-    whole = Window(((0,),) * 3)
-    with pytest.raises(InputError, match="windowed: got windowed, expected a network that takes"):
-        Windowed(past, whole)
-
-
-def test_networks_of_another_stream_are_refused(tmp_path) -> None:
-    for name in ("parallel", "rails-reload"):
-        network = CASES[name].scene(tmp_path, name).twin()
-        window = Window(((0,),) * network.inputs)
-        with pytest.raises(InputError, match="expected a network that takes a stream of samples"):
-            Windowed(network, window)
-
-
 def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
     """The engine is as small as the rate allows, and keeps up with the frames."""
     case: Case = CASES["past-instrument"]
@@ -159,11 +138,6 @@ def test_frames_are_those_with_a_whole_past() -> None:
     samples = 10 * np.arange(7)[:, np.newaxis] + np.arange(2)
     frames = Window(((0, 3), (1,))).frames(samples)
     assert frames.tolist() == [[10 * t, 10 * (t - 1) + 1, 10 * (t - 3)] for t in range(3, 7)]
-
-
-def test_without_a_past_a_frame_is_itself() -> None:
-    samples = np.arange(6).reshape(3, 2)
-    assert (Window(((0,), (0,))).frames(samples) == samples).all()
 
 
 def test_fewer_frames_than_past_give_none() -> None:

@@ -26,7 +26,6 @@ class ExpInterpolator(Block):
     """
 
     block = "exp_interpolator"
-    part_of = "load_profile"
     area = "visualisation"
     word_width: int
     offset_width: int

@@ -285,7 +285,6 @@ def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
         refuted_by=refuted_by,
         clocks=3,
         induction=2,
-        whole=True,
     )
 
 
