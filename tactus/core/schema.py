@@ -1,12 +1,72 @@
-"""The kinds of values, and how each appears in messages, in pages and in a JSON schema."""
+"""Declares the TOML files that tactus reads, each of them once.
 
+A file is a ``KeyTable`` of ``Key``, and a key has a ``Kind``, a default and a meaning. From this
+declaration come the check of a file with its messages, the values of keys that are left out, the
+JSON schema with which an editor completes and checks a file, and the tables of keys in the pages. A
+rule that involves two keys, or another file, is beyond any kind; the code that reads the file
+checks it.
+
+No library does all of this. pydantic returns no values when one key is wrong, so faults between the
+other keys could not be reported together with it. It reports a fault once for each kind that a key
+may have, and it says neither what was expected of a missing key nor which name is the nearest. So
+every message would have to be written here all the same. msgspec stops at the first fault.
+"""
+
+import json
 import math
-from collections.abc import Iterator
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from golden.input_error import suggest
-from tactus.core.schema.span import Span
+from golden.input_error import InputError, suggest
+from tactus.core.cli import BETWEEN
+from tactus.core.files import reading
+
+
+@dataclass(frozen=True)
+class Span:
+    """The numbers between two ends, each of which may be missing. NaN and infinities never fit.
+
+    least, most: Ends that are part of the range.
+    above, below: Ends that are not part of the range.
+    """
+
+    least: float | None = None
+    most: float | None = None
+    above: float | None = None
+    below: float | None = None
+
+    def holds(self, value: float) -> bool:
+        """Whether a number lies in the range."""
+        return (
+            math.isfinite(value)
+            and (self.least is None or value >= self.least)
+            and (self.most is None or value <= self.most)
+            and (self.above is None or value > self.above)
+            and (self.below is None or value < self.below)
+        )
+
+    def __str__(self) -> str:
+        if self.least is not None:
+            if self.most is None and self.below is None:
+                return f"{self.least:g} or more"
+            most = f"{self.most:.10g}" if self.below is None else f"below {self.below:g}"
+            return f"{self.least:g} to {most}"
+        ends = {"above {:g}": self.above, "below {:g}": self.below, "{:.10g} at most": self.most}
+        return " and ".join(text.format(end) for text, end in ends.items() if end is not None)
+
+    def schema(self) -> dict[str, Any]:
+        """This range as a JSON schema."""
+        words = {
+            "minimum": self.least,
+            "maximum": self.most,
+            "exclusiveMinimum": self.above,
+            "exclusiveMaximum": self.below,
+        }
+        return {word: end for word, end in words.items() if end is not None}
 
 
 def got(place: str, value: object, expected: str) -> str:
@@ -366,3 +426,203 @@ class Alternatives(Kind):
 
     def schema(self) -> dict[str, Any]:
         return {"anyOf": [kind.schema() for kind in self.kinds]}
+
+
+REQUIRED = object()
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a table.
+
+    default: Value of the key where it is left out. For a table it may be ``{}``, which is read as a
+        table without keys. None means that there is no value, and ``REQUIRED`` that the key must
+        not be left out.
+    meaning: Description for pages and editors, in Markdown.
+    shown: Text that a page shows instead of the default.
+    """
+
+    kind: Kind
+    default: Any = REQUIRED
+    meaning: str = ""
+    shown: str = ""
+
+
+@dataclass(frozen=True)
+class KeyTable(Kind):
+    """A table with these keys and no others.
+
+    noun: Word, with a blank behind it, that a message puts before the name of a key; empty for
+        none.
+    name: Name of the table in a message.
+    said: What a message expects if the table has other keys or if keys are missing. If it is empty,
+        each key is reported by itself.
+    """
+
+    keys: Mapping[str, Key]
+    noun: str = "key "
+    name: str = "a table"
+    said: str = ""
+
+    @property
+    def expected(self) -> str:
+        return self.name
+
+    def accepts(self, value: object) -> bool:
+        return type(value) is dict
+
+    def _inner(self, value: Mapping[str, Any], place: str) -> Iterator[tuple[Kind, Any, str]]:
+        """Kind, value and place of each key that is present."""
+        for name, key in self.keys.items():
+            if name in value:
+                yield key.kind, value[name], within(place, name)
+
+    def unknown_keys(self, value: Any, place: str) -> Iterator[str]:
+        if not self.accepts(value):
+            yield got(place, value, self.name)
+            return
+        known, begin = list(self.keys), f"{place}: " if place else ""
+        for name in value:
+            if name not in self.keys:
+                text = f"{self.noun}{name!r} is not known, expected {', '.join(known)}"
+                yield f"{begin}{text}{suggest(name, known)}"
+        for kind, inner, where in self._inner(value, place):
+            yield from kind.unknown_keys(inner, where)
+
+    def faults(self, value: Any, place: str) -> Iterator[str]:
+        needed = {name for name in self.keys if self._needs(name)}
+        if self.said and not needed <= set(value) <= set(self.keys):
+            yield got(place, value, self.said)
+            return
+        for name, key in self.keys.items():
+            where = within(place, name)
+            if name in value:
+                yield from key.kind.faults(value[name], where)
+            elif key.default is REQUIRED:
+                yield f"{where}: missing, expected {key.kind.expected}"
+            elif isinstance(key.kind, KeyTable) and key.default is not None:
+                yield from key.kind.faults(key.default, where)
+
+    def range_errors(self, value: Any, place: str) -> Iterator[str]:
+        for kind, inner, where in self._inner(value, place):
+            yield from kind.range_errors(inner, where)
+
+    def filled(self, value: Any) -> Any:
+        # The keys that are present keep the order of the file.
+        left_out = {name: self.keys[name].default for name in self.keys if name not in value}
+        present = {**value, **{name: v for name, v in left_out.items() if v is not None}}
+        return {name: self.keys[name].kind.filled(v) for name, v in present.items()}
+
+    def schema(self) -> dict[str, Any]:
+        properties = {}
+        for name, key in self.keys.items():
+            properties[name] = key.kind.schema()
+            if key.meaning:
+                properties[name]["description"] = plain(key.meaning)
+            if key.default not in (REQUIRED, None, "", [], {}) and not key.kind.absent:
+                properties[name]["default"] = key.default
+        found = {"type": "object", "properties": properties, "additionalProperties": False}
+        required = [name for name in self.keys if self._needs(name)]
+        return found | ({"required": required} if required else {})
+
+    def _needs(self, name: str) -> bool:
+        """Whether a file without this key must be refused."""
+        key = self.keys[name]
+        if isinstance(key.kind, KeyTable) and key.default is not None:
+            return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
+        return key.default is REQUIRED
+
+
+def within(place: str, name: str) -> str:
+    """The place of a key within the table at ``place``."""
+    return f"{place}.{name}" if place else name
+
+
+def plain(markdown: str) -> str:
+    """Markdown without links and code, for an editor that shows it unformatted."""
+    return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read the contents of a file."""
+    with reading(path, "TOML"):
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def read_checked(path: Path, table: KeyTable) -> dict[str, Any]:
+    """Read every key of a file with its value, check each by itself, and fill in the defaults."""
+    raw = read_toml(path)
+    check_names(raw, table, path)
+    values = values_of(raw, table, path)
+    refuse_outside(values, table, "", path)
+    return values
+
+
+def check_names(raw: dict[str, Any], table: KeyTable, path: Path) -> None:
+    """Refuse unknown names, values in the place of a table, and numbers too large for TOML."""
+    _refuse([*table.unknown_keys(raw, ""), *_long(raw, "")], path)
+
+
+def values_of(raw: dict[str, Any], table: KeyTable, path: Path) -> dict[str, Any]:
+    """Every key with its value, after a check of types and choices, with defaults filled in."""
+    _refuse([*table.faults(raw, "")], path)
+    found: dict[str, Any] = table.filled(raw)
+    return found
+
+
+def refuse_outside(values: Any, kind: Kind, place: str, path: Path) -> None:
+    """Refuse numbers that are too large or too small.
+
+    values: The values that ``values_of`` returns.
+    place: The place of the values in the file; empty for the whole file.
+    """
+    _refuse([*kind.range_errors(values, place)], path)
+
+
+def _refuse(faults: list[str], path: Path) -> None:
+    if faults:
+        raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in faults))
+
+
+def _long(value: Any, place: str) -> Iterator[str]:
+    """Messages for whole numbers beyond TOML's 64 bits; within them each is a float too."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _long(inner, within(place, key))
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _long(inner, place)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        yield f"{place}: got a number of {value.bit_length()} bits, expected 64 at most"
+
+
+# The newest draft that all editors of TOML support.
+DRAFT = "http://json-schema.org/draft-07/schema#"
+
+
+def json_schema(table: KeyTable, title: str) -> str:
+    """The contents of the schema's file."""
+    found = {"$schema": DRAFT, "title": title, **table.schema()}
+    return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def key_rows(table: KeyTable) -> str:
+    """A Markdown table with the key, type, default and meaning of each key."""
+    lines = ["| key | type | default | meaning |", "|---|---|---|---|"]
+    for name, key in table.keys.items():
+        kind = key.kind.name.removeprefix("a ")
+        span = f", {key.kind.within}" if key.kind.within else ""
+        lines.append(f"| `{name}` | {kind}{span} | {_default(key)} | {key.meaning} |")
+    return "\n".join(lines)
+
+
+def _default(key: Key) -> str:
+    if key.shown or key.default is REQUIRED:
+        return key.shown
+    if isinstance(key.default, bool):
+        return str(key.default).lower()
+    if isinstance(key.default, str) and key.default:
+        return f"`{key.default}`"
+    if key.kind.absent or key.default in ("", [], {}):
+        return "none"
+    return str(key.default)
