@@ -14,10 +14,10 @@ from contextlib import redirect_stdout
 from os import environ
 from pathlib import Path
 
+from tactus.core.cli import HASH_SEED
 from tactus.core.fingerprint import ROOT
 from tactus.export.__main__ import BOTH, export_scene
 from tactus.export.hierarchy import LANGUAGES
-from tactus.export.repeatable import HASH_SEED
 from tactus.scene import Scene, load_scene
 
 

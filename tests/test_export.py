@@ -24,9 +24,8 @@ from hdl.activation.abs_unit import abs_unit
 from hdl.common.signals import Stream, fixed, flag, reset, unsigned
 from tactus.core.fingerprint import fingerprint
 from tactus.export import exporter
-from tactus.export.elaborate import elaborate
 from tactus.export.exporter import MANIFEST, ORDER, compile_order
-from tactus.export.hierarchy import convert_hierarchy
+from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
 from tb.common.cases import random_mlp, write_scene

@@ -2,7 +2,8 @@
 
 import sys
 
-from tactus.export.local_names import Caller, forget
+from tactus.export import myhdl_changes
+from tactus.export.myhdl_changes import Caller, forget
 
 
 def looks() -> tuple[list[str], list[str]]:
@@ -36,7 +37,5 @@ def test_plain_names_as_bound_then_those_used_inside_by_alphabet() -> None:
 
 
 def test_nothing_is_kept_of_a_function_that_has_ended() -> None:
-    from tactus.export import local_names
-
     looks()
-    assert not local_names._seen
+    assert not myhdl_changes._seen

@@ -14,7 +14,7 @@ import pytest
 from conftest import tiered
 from myhdl.conversion import _toVerilog
 
-import tactus.export.elaborate
+import tactus.export.hierarchy
 from golden.activation.lut import lut_for
 from golden.activation.pade import pade_for
 from golden.activation.polynomial import COEFFICIENTS, polynomial_for
@@ -91,7 +91,7 @@ for language in ("vhdl", "verilog"):
 
 def test_a_large_literal_is_sized_by_its_bits() -> None:
     """A sign bit is added. A logarithm would give 2**31 - 1 one bit more on some machines."""
-    assert tactus.export.elaborate
+    assert tactus.export.hierarchy
     for bits in range(31, 63):
         ones = (1 << bits) - 1
         assert _toVerilog._intRepr(ones) == f"{bits + 1}'h{ones:x}"

@@ -8,7 +8,7 @@ import pytest
 from golden.layers.output_controller import OutputController
 from golden.numbers.fixed import Fix
 from tactus.export import tidy
-from tactus.export.describe import describe
+from tactus.export.hierarchy import describe
 
 
 @pytest.mark.parametrize(

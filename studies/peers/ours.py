@@ -13,8 +13,7 @@ from golden.networks.table_graph import TableGraph
 from studies.peers.cells import in_one_piece
 from studies.peers.comparison import BEANS, FEW, WINE, Row, Task
 from tactus.errors.decisions import decisions_of, held_out_or_all
-from tactus.export.elaborate import elaborate
-from tactus.export.hierarchy import convert_hierarchy
+from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene
 
 # This design is compared with a peer that folds a network onto few multipliers.

@@ -17,12 +17,11 @@ from tactus.boards import Board, board_names, load_board
 from tactus.boards.bitstream import Report, Sources, build, sources
 from tactus.boards.families import FAMILIES
 from tactus.boards.record import record_path, write_record
-from tactus.core.cli import stop_if_dry_run
+from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.files import replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
 from tactus.export.exporter import export
-from tactus.export.repeatable import run_repeatable
 from tactus.scene import load_scene
 
 

@@ -12,11 +12,10 @@ from pathlib import Path
 
 from tactus.boards import Board, load_board
 from tactus.boards.bitstream import Report, build, sources
-from tactus.core.cli import stop_if_dry_run
+from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.files import read_json, write_json
 from tactus.core.progress import Progress
 from tactus.export.exporter import export
-from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene
 
 

@@ -21,6 +21,8 @@ from golden.input_error import InputError
 
 # Errors of a full or broken disk, in writing a file that the error may not name.
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+# In the environment of a process whose output is the same on every run.
+HASH_SEED = {"PYTHONHASHSEED": "0"}
 # An option of the system's prctl: what loses its parent becomes a child of the calling process.
 PR_SET_CHILD_SUBREAPER = 36
 _FORK_EXEC = _posixsubprocess.fork_exec
@@ -117,6 +119,18 @@ def run(main: Callable[[], int | None]) -> int:
             return 1
         print(f"error: {error}", file=sys.stderr)
         return 2
+
+
+def run_repeatable(module: str, main: Callable[[], int | None]) -> None:
+    """Run a command's ``main`` so that its output is the same bytes every time, and exit.
+
+    MyHDL orders sensitivity lists by hash. So the command starts itself again with a fixed hash
+    seed.
+    """
+    if os.environ | HASH_SEED != os.environ:
+        os.environ.update(HASH_SEED)
+        os.execv(sys.executable, [sys.executable, "-m", module, *sys.argv[1:]])
+    sys.exit(run(main))
 
 
 @contextmanager

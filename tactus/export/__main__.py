@@ -1,7 +1,7 @@
 """``python -m tactus.export [SCENE] LANGUAGE``: write a scene as VHDL, Verilog or both.
 
 Without a scene the default scenes are exported. The same scene gives the same bytes on every run
-(``tactus.export.repeatable``).
+(``tactus.core.cli``).
 """
 
 import argparse
@@ -9,13 +9,12 @@ import shlex
 from itertools import product
 from pathlib import Path
 
-from tactus.core.cli import stop_if_dry_run
+from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import stage
 from tactus.export.exporter import ORDER, compile_order, export
 from tactus.export.hierarchy import LANGUAGES
-from tactus.export.repeatable import run_repeatable
 from tactus.export.stamp import is_current, write_stamp
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene
 from tactus.scene.codes import hidden_saturations, range_lines, ranges, warn_saturating

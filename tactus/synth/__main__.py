@@ -14,13 +14,12 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.networks.network import Network
-from tactus.core.cli import stop_if_dry_run
+from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.files import replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
 from tactus.core.table import write_csv_file
 from tactus.export.exporter import export
-from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene
 from tactus.synth.budget import (
     COLUMNS,

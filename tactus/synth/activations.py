@@ -6,10 +6,8 @@ from pathlib import Path
 from golden.activation.schemes import forms
 from golden.common.block import Block
 from golden.numbers.precision import EXACT
-from tactus.core.cli import stop_if_dry_run
-from tactus.export.elaborate import elaborate
-from tactus.export.hierarchy import convert_hierarchy
-from tactus.export.repeatable import run_repeatable
+from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.synth.cells import FAMILIES, synthesise
 from tactus.synth.netlist import KINDS
 

@@ -11,9 +11,8 @@ from pathlib import Path
 
 from golden.input_error import InputError
 from golden.networks.left_out import left_out
-from tactus.core.cli import stop_if_dry_run, words
+from tactus.core.cli import run_repeatable, stop_if_dry_run, words
 from tactus.core.progress import Progress
-from tactus.export.repeatable import run_repeatable
 from tactus.scene import Scene, load_scene
 from tactus.synth.activations import cells
 from tactus.synth.budget import read_budget

@@ -16,11 +16,9 @@ from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
 from golden.networks.windowed import Windowed
-from tactus.core.cli import stop_if_dry_run
+from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.table import write_csv_file
-from tactus.export.elaborate import elaborate
-from tactus.export.hierarchy import convert_hierarchy
-from tactus.export.repeatable import run_repeatable
+from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.choice import task_of
 from tactus.scene.reading import class_names, comparison_names

@@ -13,7 +13,7 @@ from myhdl import Simulation, StopSimulation, delay, instance
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from hdl.common.lookup import hardware
-from tactus.export.elaborate import port_signals
+from tactus.export.hierarchy import port_signals
 
 # The inputs of one clock: the data, one code or a frame of codes, and whether a frame ends.
 Clock = tuple[Codes, bool] | None

@@ -20,11 +20,11 @@ from typing import Any
 
 from golden.common.block import Block, walk
 from golden.input_error import InputError
+from tactus.core.cli import HASH_SEED
 from tactus.core.files import check_room, replace_folder, writing
 from tactus.core.fingerprint import ROOT, fingerprint
 from tactus.core.folders import BUILD
 from tactus.export.exporter import MANIFEST, compile_order
-from tactus.export.repeatable import HASH_SEED
 from tactus.scene import FOLDER, Scene, load_scene, scene_path
 from tactus.verify.benches.places import check_block
 from tactus.verify.benches.simulate import RESULTS, Run, analyse, simulate, simulated_time
