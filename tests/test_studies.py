@@ -11,6 +11,7 @@ from conftest import tiered
 from golden.input_error import InputError, MissingFileError
 from studies.__main__ import FOLDER, differences, finished, measured, names, recorded, same
 from studies.beans import study as beans
+from studies.drift import study as drift
 from studies.gripper import study as gripper
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene
@@ -21,7 +22,7 @@ NOT_BEGUN = {"peers", "stability"}
 # These train or learn before their first row.
 LONG = {"learned_functions", "on_line_learning"}
 # Studies that bring data of others.
-BRING = {"beans": beans.DATA, "gripper": gripper.TEST}
+BRING = {"beans": beans.DATA, "drift": drift.DATA, "gripper": gripper.TEST}
 # Of floating point on another processor.
 ROUNDING = 0.1
 
@@ -91,6 +92,12 @@ def test_halves_of_a_recording_are_joined_and_other_halves_refused(
     with pytest.raises(InputError, match=r"force\.csv: got sha256 .*, expected"):
         gripper.bring()
     assert not path.exists()
+
+
+def test_a_nose_smells_the_relative_change_of_each_sensor() -> None:
+    row = ",1000,10,0,0,0,0,0,0" * 15 + ",1000,1,0,0,0,0,0,0 \n"
+    found = drift.converted(f"Acetone,10.0{row}Ethanol,10.0{row}")
+    assert found == "0.2000," * 15 + "-0.8000,-1.0000\n"
 
 
 def test_a_gripper_has_the_networks_that_it_brings(
