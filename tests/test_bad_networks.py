@@ -18,7 +18,6 @@ MLP = random_mlp((3, 5, 2), 1.0, 1)
 ROWS = {"w1": MLP.w1, "b1": MLP.b1, "w2": MLP.w2, "b2": MLP.b2}
 COLUMNS = {"w1": MLP.w1.T, "b1": MLP.b1[None], "w2": MLP.w2.T, "b2": MLP.b2[None]}
 NONE = {"w1": np.zeros((0, 3)), "b1": np.zeros(0), "w2": np.zeros((2, 0)), "b2": MLP.b2}
-TEXT = b"no network at all, only text that goes on for a while" * 9
 
 
 def npz(**changed: Any) -> bytes:
@@ -112,41 +111,29 @@ def elsewhere(location: str) -> TensorProto:
 
 NPZ = {
     "empty": (b"", "no zip archive"),
-    "text": (TEXT, "not an NPZ of numbers: no zip archive"),
-    "cut off": (npz()[:200], "no zip archive"),
     "its end cut off": (npz()[:-10], "no zip archive"),
     "encrypted": (zipped(0, 1), "not an NPZ of numbers"),
-    "compressed by another method": (zipped(2, 99), "not an NPZ of numbers"),
     "compressed by a method that it is not": (zipped(2, 12), "not an NPZ of numbers"),
     "damaged": (damaged(npz(), 300), "not an NPZ of numbers"),
     "asks for terabytes": (
         npy(shaped(f"({10**12}, 3)")),
         "not an NPZ of numbers",
     ),
-    "beyond any memory": (npy(shaped(f"(1{'0' * 22}, 3)")), "not an NPZ of numbers"),
-    "a negative shape": (npy(shaped("(-3, 3)")), "not an NPZ of numbers"),
     "too short": (npy(shaped("(5, 3)"), b"abc"), "not an NPZ of numbers"),
     "code": (npy("__import__('os')"), "not an NPZ of numbers"),
     "an endless header": (npy("(" * 5000), "not an NPZ of numbers"),
-    "no header": (npy("{}"), "not an NPZ of numbers"),
     "objects": (npz(w1=np.array([object()])), "not an NPZ of numbers"),
     "complex": (npz(w1=MLP.w1 + 1j), "w1: got complex128, expected real numbers"),
-    "digits": (npz(w1=np.full((5, 3), "1.5")), "w1: got <U3, expected real numbers"),
     "dates": (npz(b1=np.full(5, np.datetime64(1, "D"))), "b1: got datetime64[D], expected real"),
     "an array is missing": (npz(w2=None), "no array 'w2', got w1, b1, b2"),
     "transposed": (npz(w1=MLP.w1.T), "w1: got shape (3, 5), expected (5, 3) of .*; it is transp"),
     "a number": (npz(b1=5.0), "b1: got shape (), expected (5,) of a 3:5:2 network"),
-    "an axis too many": (npz(w1=MLP.w1[None]), "w1: got shape (1, 5, 3), expected (5, 3)"),
     "NaN": (npz(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
     "does not fit": (npz(w1=MLP.w1 * 1e300), "layer 1 weights: largest magnitude"),
 }
 MAT = {
     "empty": (b"", "not a MATLAB file up to version 7"),
-    "text": (TEXT, "not a MATLAB file up to version 7"),
-    "zeros": (bytes(500), "not a MATLAB file up to version 7"),
     "cut off": (netlab()[:300], "not a MATLAB file up to version 7"),
-    "cut off in the header": (netlab()[:100], "not a MATLAB file up to version 7"),
-    "version 4, cut off": (mat(COLUMNS, format="4")[:50], "not a MATLAB file up to version 7"),
     "version 7.3": (
         b"MATLAB 7.3 MAT-file" + b" " * 105 + b"\x00\x02IM" + b"\x89HDF\r\n\x1a\n" + bytes(400),
         "not a MATLAB file up to version 7",
@@ -160,55 +147,36 @@ MAT = {
     "two networks": (mat({"a": COLUMNS, "b": COLUMNS}), "got 2 networks among the variables a, b"),
     "a field is missing": (netlab(w2=None), "got 0 networks among the variables net"),
     "transposed": (netlab(w1=MLP.w1), "w1: got shape (5, 3), expected (3, 5) of .*; it is transp"),
-    "transposed behind": (netlab(w2=MLP.w2), "w2: got shape (2, 5), expected (5, 2) of .* transp"),
     "complex": (netlab(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "digits": (netlab(w1="12345"), "w1: got <U5, expected real numbers"),
-    "cells": (netlab(w1=np.array([[1, "a"]], dtype=object)), "w1: got object, expected real"),
     "sparse": (netlab(w1=csc_matrix(MLP.w1.T)), "w1: got object, expected real numbers"),
-    "a structure": (netlab(w1={"a": 1}), "w1: got object, expected real numbers"),
     "NaN": (netlab(b2=[[np.nan, 1]]), "b2: got NaN or infinity, expected finite numbers"),
 }
 ONNX = {
     "empty": (b"", "got 0 inputs and 0 outputs, expected a graph with one of each"),
     "an image": (b"\xff\xd8\xff\xe0" + bytes(100), "not an ONNX file"),
     "cut off": (onnx()[:100], "not an ONNX file"),
-    "no inputs": (onnx(ends=("", "y")), "got 0 inputs and 1 outputs, expected"),
     "two inputs": (onnx(ends=("xz", "y")), "got 2 inputs and 1 outputs, expected"),
-    "two outputs": (onnx(ends=("x", "yc")), "got 1 inputs and 2 outputs, expected"),
     "values in a file that is missing": (
         onnx(w1=elsewhere("no.bin")),
         ".*no.bin",
     ),
     "values in a file outside": (onnx(w1=elsewhere("../a.bin")), "not an ONNX file: .*outside"),
     "values in a file of the system": (onnx(w1=elsewhere("/etc/passwd")), "not an ONNX file: "),
-    "values in a file of another kind": (onnx(w1=elsewhere("mine.toml")), "tensor 'w1' holds numb"),
     "values of a type that is not known": (onnx(w1=tensor(data_type=77)), "tensor 'w1' holds"),
-    "values of no type": (onnx(w1=tensor(data_type=None)), "tensor 'w1' holds numbers: "),
-    "too few values": (onnx(w1=tensor(raw_data=b"abc")), "tensor 'w1' holds numbers: "),
     "a constant that cannot be": (
         onnx({0: node("Transpose", "w1", "a", perm=[0, 0])}),
         "operator Transpose ('my'): cannot be applied to its constants: ",
     ),
     "more values than any memory": (onnx(w1=tensor(dims=[1 << 40, 5])), "tensor 'w1' holds number"),
     "a size below 0": (onnx(w1=tensor(dims=[3, -1])), "tensor 'w1': got the shape [3, -1], exp"),
-    "a width below 0": (onnx(width=-3), "input 'x': got the shape [0, -3], expected sizes above 0"),
     "text": (
         onnx(w1=helper.make_tensor("w1", TensorProto.STRING, [3, 5], [b"a"] * 15)),
         "w1: got object, expected real numbers",
     ),
     "complex": (onnx(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "another operator": (onnx({2: node("Hardmax", "b", "c")}), "operator Hardmax ('my'): not supp"),
     "a convolution": (
         onnx({0: node("Unsqueeze", "x b1", "a"), 2: node("Conv", "x w1", "a")}),
         "operator Conv ('my'): not supported: tactus is for dense networks and has no convolution",
-    ),
-    "a loop of operators": (
-        onnx({2: node("Loop", "b", "c")}),
-        "operator Loop ('my'): not supported: .*none that keep a state",
-    ),
-    "a recurrent layer": (
-        onnx({2: node("LSTM", "b w1", "c")}),
-        "operator LSTM ('my'): not supported: .*none that keep a state",
     ),
     "values that are no longer real": (
         onnx({2: node("Cast", "b", "c", to=TensorProto.INT8)}),
@@ -222,20 +190,11 @@ ONNX = {
         onnx({2: node("Celu", "b", "c", alpha=0.0)}),
         "operator Celu ('my'): got .*which has no finite value at x",
     ),
-    "a branch": (onnx({2: node("If", "b", "c")}), "operator If ('my'): not supported, expected"),
     "of another domain": (
         onnx({2: node("Tanh", "b", "c", domain="a")}),
         "operator Tanh ('my'):",
     ),
     "no weights": (onnx({0: node("Gemm", "x", "a")}), "operator Gemm ('my'): got 1 inputs"),
-    "constants too many": (onnx({0: node("Gemm", "x w1 b1 b2", "a")}), "got 4 inputs and"),
-    "no data": (onnx({2: node("Tanh", "", "c")}), "operator Tanh ('my'): got 0 inputs"),
-    "no result": (onnx({2: node("Tanh", "b", "")}), "operator Tanh ('my'): got 1 inputs and 0"),
-    "two results": (
-        onnx({2: node("Tanh", "b", "c e")}),
-        "operator Tanh ('my'): got 1 inputs",
-    ),
-    "nothing to add": (onnx({1: node("Add", "a", "b")}), "operator Add ('my'): got 1 inputs"),
     "a bias that does not fit": (
         onnx({0: node("Gemm", "x w1 b2", "a")}),
         "operator Gemm ('my'): got 2 values, expected 1 or 5",
@@ -247,11 +206,6 @@ ONNX = {
     "another shape": (
         onnx({4: node("Reshape", "d s", "y")}, s=np.array([2, -1])),
         "operator Reshape ('my'): to [2, -1], expected one of [[-1, 2], [-1, 1]]",
-    ),
-    "no shape": (onnx({4: node("Reshape", "d", "y")}), "operator Reshape ('my'): got 1 inputs"),
-    "a shape before any layer": (
-        onnx({0: node("Reshape", "x s", "a")}, s=np.array([-1, 3])),
-        "operator Reshape ('my'): to [-1, 3], expected one of [[-1, None]]",
     ),
     "a constant without a value": (
         onnx({0: node("Constant", "", "a")}),

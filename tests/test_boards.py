@@ -71,20 +71,11 @@ def test_a_board_of_a_user_is_a_file(tmp_path: Path) -> None:
     ("old", "new", "message"),
     [
         ('title = "ULX3S"\n', "", "title: missing, expected text"),
-        ('title = "ULX3S"', "title = 3", "title: got 3, expected text"),
-        ("[clock]", "colour = 1\n[clock]", "device: key 'colour' is not known"),
         ('title = "ULX3S"', 'titel = "ULX3S"', "key 'titel' is not known.*'title'"),
-        ('"ecp5"', '"ecp6"', "device.family: got 'ecp6', expected one of ecp5, ice40.*'ecp5'"),
         ('"LFE5U-45F"', '"LFE5U-45"', "device.names: got 'LFE5U-45', expected one of LFE5U-12F"),
-        ("speed = 6", 'speed = "6"', "device.speed: got '6', expected a whole number"),
         ("speed = 6", "speed = 99", "device.speed: got 99 for LFE5U-.*, expected 6 or 7 or 8"),
-        ("speed = 6", "speed = 0", "device.speed: got 0 for LFE5U-.*, expected 6 or 7 or 8"),
-        ("speed = 6", "speed = -6", "device.speed: got -6 for LFE5U-.*, expected 6 or 7 or 8"),
         ('"LFE5U-45F"', '"LFE5UM5G-45F"', "device.speed: got 6 for LFE5UM5G-45F, expected 8"),
         ('"CABGA381"', '"CABGA 381"', "device: package: got 'CABGA 381', expected text of let"),
-        ("mhz = 25.0", "mhz = 0", "clock.mhz: got 0.0, expected above 0"),
-        ("[clock]", "[clocks]", "key 'clocks' is not known"),
-        ("\nmiso =", "\nmisso =", "pins: port 'misso' is not known.*'miso'"),
         ('"A9", at', '"A9", att', "pins.miso: key 'att' is not known"),
         ('miso = { pin = "A9", at = "J1, GP2", pull_up = true }', 'miso = "A9"', "pins.miso: got"),
         ('pin = "A9"', 'pin = "B11"', "miso: got pin B11, which sclk already has"),
@@ -232,6 +223,7 @@ def test_the_pins_files_name_every_pin_that_is_used(tmp_path: Path) -> None:
     assert {"set_io tx 9", "set_frequency oscillator 12"} <= set(lines)
 
 
+@pytest.mark.all_only
 def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """It makes a bitstream, takes it from the store later, and refuses slow or large ones."""
     scene_with(desk.folder, 12.0)

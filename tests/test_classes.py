@@ -191,6 +191,7 @@ def test_a_network_for_other_labels_is_refused(hand: Path, tmp_path: Path) -> No
         load_scene(str(path)).networks()
 
 
+@pytest.mark.all_only
 def test_a_refitted_network_tells_what_it_did_before(tmp_path: Path, monkeypatch) -> None:
     path = write_hand(tmp_path, more="refit = true\n")
     call(monkeypatch, train, path, "--workers", 1, "--build", tmp_path / "build")

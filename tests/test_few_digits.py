@@ -81,6 +81,7 @@ def test_a_network_of_a_cascade_sees_what_few_digits_make_of_the_earlier_ones(
     assert np.array_equal(codes[:, 3:], first)
 
 
+@pytest.mark.all_only
 def test_validation_rows_decide_between_the_starts(
     small_scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,6 +115,7 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     assert counts[1] < full
 
 
+@pytest.mark.all_only
 def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """If their readings and targets are replaced, only the written network may change."""
     scene = asking(small_scene, 30, refit=True)

@@ -64,6 +64,7 @@ def test_a_network_of_several_layers_is_written_with_few_digits(
     assert digits_in_hardware(path) <= 60
 
 
+@pytest.mark.all_only
 def test_the_fewest_digits_of_a_network_for_classes_keep_to_the_tolerance(tmp_path: Path) -> None:
     """A wider tolerance leaves no more digits."""
     counts = []

@@ -221,6 +221,7 @@ def test_a_reading_at_an_end_is_not_learned_from(
     assert met["placements"] == 1
 
 
+@pytest.mark.all_only
 def test_a_million_steps_leave_no_word_and_no_sum_out_of_its_range(twin: LearningEngine) -> None:
     """Placements that no rig would give, to 2500 engines side by side.
 

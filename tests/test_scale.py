@@ -165,6 +165,7 @@ def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) ->
     )
 
 
+@pytest.mark.all_only
 @pytest.mark.parametrize("column", ["x0", "x2"])
 def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, column: str) -> None:
     """The range of the converter is a hundred times larger. A column without scale stays."""

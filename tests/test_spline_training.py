@@ -90,6 +90,7 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
         assert story["every_rms_percent"] == pytest.approx(error, abs=2e-4)
 
 
+@pytest.mark.all_only
 def test_an_interrupted_search_goes_on(
     scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -197,6 +198,7 @@ def rings(folder: Path, hardware: str) -> Scene:
     return load_scene(str(path))
 
 
+@pytest.mark.all_only
 @pytest.mark.parametrize("hardware", [TABLES, 'design = "engine"\nsegment_width = 11'])
 def test_it_learns_classes(tmp_path: Path, hardware: str) -> None:
     """The decisions of the hardware are those of the file, and hardly any is wrong."""

@@ -10,7 +10,7 @@ import pytest
 from tactus.verify.benches.collected import ROOT
 
 # A test of the second tier that takes less than a second.
-LEFT = "tests/test_bench_planning.py::test_the_benches_of_a_drawn_scene_have_a_plan[20]"
+LEFT = "tests/test_mutate.py::test_a_selection_that_yosys_takes_out_is_an_error"
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
@@ -29,7 +29,7 @@ def test_a_file_that_is_missing_is_named() -> None:
 
 def test_the_summary_counts_what_is_left_and_a_choice_that_runs_nothing_fails() -> None:
     result = run(LEFT)
-    assert "[1] tests/test_bench_planning.py" in result.stdout
+    assert "[1] tests/test_mutate.py" in result.stdout
     assert "left to make test ALL=1" in result.stdout
     assert result.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
     assert "error: no test was chosen that could run" in result.stdout

@@ -278,6 +278,7 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
         assert abs(moved.mean()) < 0.2
 
 
+@pytest.mark.all_only
 def test_training_for_noise_makes_a_network_that_noise_moves_less() -> None:
     scene = load_scene("digit")
     noisy = disturbed(scene, noise=0.02)
@@ -325,6 +326,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
     assert same == {"chosen": True, "tested": True, "written": False}
 
 
+@pytest.mark.all_only
 def test_refitting_lowers_the_error_on_all_rows() -> None:
     stages = Stages(noisy_digit(refit=True))
     stages.add(5, 0)
