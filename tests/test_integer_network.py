@@ -1,8 +1,6 @@
 """The network in whole numbers: the judge of every engine that is compiled from it."""
 
-from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -22,7 +20,7 @@ from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
+from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, network_of
 from golden.trained.function import Function
 from tb.common.cases import random_network
 
@@ -75,25 +73,6 @@ def test_every_engine_computes_the_network_in_whole_numbers(network: Trained, le
     for options in OPTIONS:
         engine = Engine.of([network], Settings(options=options, lean=lean))
         assert np.array_equal(engine.process(frames), expected)
-
-
-@settings(max_examples=60)
-@given(network=st.one_of(floating(), quantised()), lanes=st.integers(1, 9), lean=st.booleans())
-def test_so_do_lanes(network: Trained, lanes: int, lean: bool) -> None:
-    frames = frames_of(network.shape[0])
-    many = Lanes.of([network], Settings(options={"lanes": lanes}, lean=lean))
-    assert np.array_equal(many.process(frames), evaluate(many.integers, frames))
-
-
-def test_functions_that_no_output_uses_are_no_sums_of_functions() -> None:
-    """Weights of 0 add nothing up, so the network is one that lanes take."""
-    one = random_network((1, 1, 1), ("table:bell",), 0.1, 0, None, TABLES)
-    layers = layers_of(one)
-    network = network_of([layers[0], replace(layers[1], weights=np.zeros((1, 1)))])
-    frames = frames_of(1)
-    expected = evaluate(integer_networks("single", [network]), frames)
-    for design in (Engine, Lanes):
-        assert np.array_equal(design.of([network], Settings()).process(frames), expected)
 
 
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
@@ -185,11 +164,3 @@ def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
     assert len(sample_words(frames)) == len(frames)
     found = SIGNAL.to_real(evaluate([whole], frames)).ravel()
     assert found.tolist() == [-0.25, -0.25, 0.0, 0.0, 0.25, 0.25, 0.5]
-
-
-def test_the_last_layer_of_a_network_is_no_hidden_one() -> None:
-    network = random_network((2, 3, 4, 1), ("relu", "tanh"), 1.0, 1)
-    (whole,) = integer_networks("single", [network])
-    assert [codes.shape for codes in whole.hidden_codes(frames_of(2))] == [(90, 3), (90, 4)]
-    pairs = [(layer.nodes, len(layer.weights[0])) for layer in whole.layers]
-    assert pairs == [(nodes, inputs) for inputs, nodes in pairwise(network.shape)]

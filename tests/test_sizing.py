@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -17,10 +16,9 @@ from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.choice import compared
-from tactus.sizing.candidates import Sized, front
+from tactus.sizing.candidates import Sized
 from tactus.sizing.exact import block_rams, multipliers
 from tactus.sizing.model import Held, held_out, recorded, size_of
-from tactus.sizing.price import Price, shares_of
 from tactus.sizing.routed import clock_of, placed
 from tactus.sizing.table_luts import luts_of
 from tactus.synth.sizing import EXTRAS, networks, rows_of
@@ -72,12 +70,6 @@ def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> N
                 placed += 1
     assert entities > 300
     assert placed > 20
-
-
-def test_products_that_nobody_counts_are_refused() -> None:
-    scene = load_scene("comparison/digit-parallel-pade")
-    with pytest.raises(InputError, match="got activation 'pade', whose multipliers depend on what"):
-        multipliers(scene.twin())
 
 
 def test_the_cells_that_are_fitted_are_those_of_the_budgets() -> None:
@@ -133,14 +125,6 @@ def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[S
     serial, engine = (row for row in rows[:2])
     assert (serial.multipliers, engine.multipliers) == (0, 1)
     assert serial.clocks > engine.clocks
-
-
-def test_the_front_has_no_design_that_another_one_beats(found: tuple[Scene, list[Sized]]) -> None:
-    _, rows = found
-    worse = replace(rows[1], worst=rows[1].worst + 1)
-    assert front([rows[1], worse], "xc2v") == [True, False]
-    assert front([rows[1], rows[1]], "xc2v") == [True, True]
-    assert any(front(rows, "xc2v"))
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -214,13 +198,6 @@ def test_prices_change_the_choice(tmp_path: Path) -> None:
     assert first is not None
     assert second is not None
     assert (first.cells.multipliers, second.cells.multipliers) == (0, 1)
-
-
-def test_a_share_is_that_of_the_device() -> None:
-    small, large = shares_of("LFE5U-25F"), shares_of("LFE5U-85F")
-    assert small.multiplier / large.multiplier == pytest.approx(156 / 28)
-    assert isinstance(small, Price)
-    assert small.shares
 
 
 def auto_tables(folder: Path, lines: str) -> Scene:

@@ -12,7 +12,7 @@ from golden.networks.network import CHUNK, Network
 from golden.networks.windowed import Windowed
 from golden.numbers.fixed import Fix
 from golden.sensing.frame_window import FrameWindow
-from golden.trained.window import Tap, Window
+from golden.trained.window import Window
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.myhdl_simulation import simulate
 from tb.common.case_library import PAST, WINDOW
@@ -124,21 +124,3 @@ def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
     for twin in (fast, slow_twin):
         assert twin.past == 2
         assert twin.readout.interval <= twin.interval
-
-
-def test_taps_are_the_newest_first_then_by_sensor() -> None:
-    window = Window(((0, 4), (0,), (2, 4)))
-    assert window.taps == (Tap(0, 0), Tap(1, 0), Tap(2, 2), Tap(0, 4), Tap(2, 4))
-    assert window.past == 4
-    assert not window.plain
-    assert Window(((0,), (0,))).plain
-
-
-def test_frames_are_those_with_a_whole_past() -> None:
-    samples = 10 * np.arange(7)[:, np.newaxis] + np.arange(2)
-    frames = Window(((0, 3), (1,))).frames(samples)
-    assert frames.tolist() == [[10 * t, 10 * (t - 1) + 1, 10 * (t - 3)] for t in range(3, 7)]
-
-
-def test_fewer_frames_than_past_give_none() -> None:
-    assert Window(((0, 5),)).frames(np.zeros((5, 1))).shape == (0, 2)
