@@ -10,13 +10,26 @@ import pytest
 from golden.common.block import Block
 
 ROOT = Path(__file__).parents[1]
-# Parts are inlined into blocks and have no entity. The benches of these blocks test them.
+# What is inlined into blocks and has no entity.
 OTHERS = {"boards", "common", "export", "network_parts", "synth"}
-BLOCKS = sorted(
+ENTITIES = sorted(
     (path.parent.name, path.stem)
     for path in (ROOT / "hdl").glob("*/*.py")
     if path.parent.name not in OTHERS and path.stem != "__init__"
 )
+
+
+def twin_of(area: str, block: str) -> type[Block]:
+    twins = [
+        value
+        for value in vars(importlib.import_module(f"golden.{area}.{block}")).values()
+        if isinstance(value, type) and issubclass(value, Block) and value.block == block
+    ]
+    assert len(twins) == 1, f"golden/{area}/{block}.py holds no twin with block = {block!r}"
+    return twins[0]
+
+
+BLOCKS = [entity for entity in ENTITIES if not twin_of(*entity).part_of]
 
 
 def room_files(area: str, block: str) -> list[Path]:
@@ -34,17 +47,12 @@ def test_a_block_has_a_file_in_every_room(area: str, block: str) -> None:
     assert not missing, f"{block} lacks {', '.join(missing)}"
 
 
-@pytest.mark.parametrize(("area", "block"), BLOCKS)
+@pytest.mark.parametrize(("area", "block"), ENTITIES)
 def test_the_name_is_the_name_inside_the_files(area: str, block: str) -> None:
     assert callable(getattr(importlib.import_module(f"hdl.{area}.{block}"), block))
-    twins = [
-        value
-        for value in vars(importlib.import_module(f"golden.{area}.{block}")).values()
-        if isinstance(value, type) and issubclass(value, Block) and value.block == block
-    ]
-    assert len(twins) == 1, f"golden/{area}/{block}.py holds no twin with block = {block!r}"
-    twin = twins[0]
+    twin = twin_of(area, block)
     assert twin.area == area
+    assert twin.part_of in {"", *dict(map(reversed, BLOCKS))}
     for what in ("latency", "ports"):
         published = getattr(twin, what) is not getattr(Block, what)
         assert published, f"the twin of {block} publishes no {what}"
@@ -56,6 +64,7 @@ def test_no_bench_and_no_datasheet_without_a_block() -> None:
     sheets = {p.stem for p in (ROOT / "docs" / "blocks").glob("*.md")}
     assert benches == names
     assert sheets == names
+    assert {p.stem.removeprefix("prove_") for p in (ROOT / "tb").glob("*/prove_*.py")} <= names
 
 
 def imports(path: Path) -> set[str]:

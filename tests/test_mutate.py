@@ -95,7 +95,7 @@ def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
 
 @pytest.mark.all_only
 def test_about_as_many_mutants_are_possible_as_can_be_made(small: Subject, tmp_path: Path) -> None:
-    count = population("abs_unit", 3, small.folder)
+    count = population(["abs_unit"], 3, small.folder)
     shutil.copy(small.folder / "abs_unit.v", tmp_path)
     every = make_mutants(["abs_unit.v"], "abs_unit", count + 1, 3, tmp_path)
     # By which other bit a bit is made wrong is drawn.

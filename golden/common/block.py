@@ -27,6 +27,8 @@ class Block:
     area: ClassVar[str] = ""
     # The section of the thesis that describes it; empty for blocks that are ours.
     section: ClassVar[str] = ""
+    # The block that it is a part of and that is judged with it; empty for a block of its own.
+    part_of: ClassVar[str] = ""
     variant: str = field(default="", kw_only=True)
 
     @property
@@ -97,6 +99,14 @@ def walk(top: Block) -> Iterator[Block]:
         yield block
 
     yield from visit(top)
+
+
+def parts_of(top: Block) -> list[Block]:
+    """The parts that are judged with ``top``, the innermost first, without blocks of their own."""
+    found: dict[str, Block] = {}
+    for part in (part for part in top.parts() if part.part_of):
+        found |= {one.entity: one for one in (*parts_of(part), part)}
+    return list(found.values())
 
 
 def around(top: Block, part: Block) -> Iterator[Block]:

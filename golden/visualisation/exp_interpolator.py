@@ -26,6 +26,7 @@ class ExpInterpolator(Block):
     """
 
     block = "exp_interpolator"
+    part_of = "load_profile"
     area = "visualisation"
     word_width: int
     offset_width: int

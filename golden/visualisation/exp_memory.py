@@ -15,6 +15,7 @@ class ExpMemory(Rom):
     """
 
     block = "exp_memory"
+    part_of = "load_profile"
     section = "5.8"
     area = "visualisation"
     port_meanings = ("upper bits of x", "exp(-x) in the middle of the interval")

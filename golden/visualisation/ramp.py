@@ -7,7 +7,6 @@ from fractions import Fraction
 import numpy as np
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
@@ -33,6 +32,7 @@ class Ramp(Block):
     """
 
     block = "ramp"
+    part_of = "load_profile"
     section = "5.8"
     area = "visualisation"
     fmt: Fix
@@ -84,14 +84,6 @@ class Ramp(Block):
             output_port("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
             output_port("out_last", "the position is the last of the ramp; held as long as it"),
         )
-
-    @property
-    def data_flags(self) -> frozenset[str]:
-        return frozenset({"out_last"})
-
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (State("position", range(self.points)),)
 
     @property
     def latency(self) -> int:

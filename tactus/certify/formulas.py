@@ -12,8 +12,8 @@ hundreds of them, and to all at once z3 has no answer within hours.
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from tactus.verify.benches.runner import Job
-from tactus.verify.sign_off.proofs import PROOFS, properties_of
+from tactus.verify.benches.runner import Job, with_parts
+from tactus.verify.sign_off.proofs import properties_of
 from tactus.verify.sign_off.solver import FLATTEN, formula_script
 from tb.common.properties import Property
 
@@ -25,8 +25,8 @@ def write_formulas(jobs: Iterable[Job], folder: Path) -> list[tuple[Job, Propert
     place.mkdir()
     flatten: list[str] = []
     formulas: list[str] = []
-    for job in jobs:
-        items = properties_of(job) if job.block in PROOFS else []
+    for job in {one.entity: one for block in jobs for one in with_parts(block)}.values():
+        items = properties_of(job)
         if not items:
             continue
         files = " ".join(f"design/verilog/{name}" for name in job.files)

@@ -63,7 +63,8 @@ def main() -> int:
             if place.why:
                 print(place.why, flush=True)
             design = place.scene.twin()
-            entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
+            asked = [p for p in walk(design) if arguments.block in (None, p.block)]
+            entities = {p.entity for p in asked if not p.part_of}
             count += len(mapped(design, entities, families or simulators))
         stop_if_dry_run(f"export, then run {count} benches on {', '.join(families or simulators)}")
     with held(BUILD / place.scene.name for place in found):

@@ -35,6 +35,7 @@ class Property:
     arrays: Whether memories are arrays for the solver instead of one register for each word. That
         is far less work where the property is about any one word. It does not work for memories
         with given contents.
+    whole: Whether it says all that the block does, so that a part of which it holds is not mutated.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Property:
     clocks: int = 20
     induction: int = 3
     arrays: bool = False
+    whole: bool = False
 
     def verilog(self, flat: str, top: str, helped: bool = True) -> str:
         """The module ``top`` of the text ``flat`` with the property inside.

@@ -285,6 +285,7 @@ def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
         refuted_by=refuted_by,
         clocks=3,
         induction=2,
+        whole=True,
     )
 
 

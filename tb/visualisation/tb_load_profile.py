@@ -20,11 +20,11 @@ import numpy as np
 from golden.visualisation.load_profile import POWER_FRAC
 from tactus.scene import load_scene
 from tb.common.bench import Bench
-from tb.common.case_library import DRAWN
+from tb.common.case_library import OTHER_PROFILES
 from tb.common.profile import check_profile
 from tb.common.stimulus import random_resets, spread
 
-CASES = DRAWN
+CASES = OTHER_PROFILES
 
 INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]

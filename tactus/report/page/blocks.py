@@ -221,7 +221,7 @@ def block_table() -> str:
     for area in AREAS:
         for name, twins in _published().items():
             twin = next(block for blocks in twins.values() for block in blocks)
-            if twin.area == area:
+            if twin.area == area and not twin.part_of:
                 row = [
                     f"[{name}](blocks/{name}.md)",
                     area,
@@ -258,4 +258,5 @@ def sections() -> dict[str, str]:
             if text
         )
         for name, twins in _published().items()
+        if not next(block for blocks in twins.values() for block in blocks).part_of
     }

@@ -7,9 +7,10 @@ then in the cases of its bench.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
-from golden.common.block import walk
+from golden.common.block import Block, walk
 from golden.input_error import InputError, suggest
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import BUILD
@@ -33,7 +34,7 @@ def block_names() -> list[str]:
 
 def blocks_in(scene: Scene) -> set[str]:
     """The names of the blocks of a scene."""
-    return {part.block for part in walk(scene.twin())}
+    return {part.block for part in walk(scene.twin()) if not part.part_of}
 
 
 def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Place]:
@@ -96,11 +97,22 @@ def _elsewhere(block: str) -> str:
 
 
 def check_name(block: str) -> None:
-    """Refuse a block that there is not."""
+    """Refuse a block that there is not, and name the one that a part is judged with."""
     known = block_names()
     if block not in known:
+        for owner in _owners(block):
+            raise InputError(f"BLOCK={block}: {block} is a part of {owner}; ask for {owner}")
         hint = suggest(block, known) or f", expected one of {', '.join(known)}"
         raise InputError(f"BLOCK={block}: no such block{hint}")
+
+
+def _owners(part: str) -> Iterator[str]:
+    """The block that a part belongs to; none for any other name."""
+    files = [path for path in ROOT.glob("golden/*/*.py") if path.stem == part]
+    for path in files:
+        for value in vars(import_module(f"golden.{path.parent.name}.{part}")).values():
+            if isinstance(value, type) and issubclass(value, Block) and value.block == part:
+                yield from [value.part_of] * bool(value.part_of)
 
 
 def _others() -> Iterator[str]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from golden.common.block import Block, walk
+from golden.common.block import Block, parts_of, walk
 from golden.input_error import InputError
 from tactus.core.cli import HASH_SEED
 from tactus.core.files import check_room, replace_folder, writing
@@ -220,7 +220,7 @@ def jobs(
 ) -> list[Job]:
     """The jobs of every entity of a scene that is exported into ``build``, the largest first.
 
-    So the last job to finish is a short one.
+    So the last job to finish is a short one. Parts of blocks have none.
     """
     parts = {part.entity: part for part in walk(scene.twin())}
     folder = build / scene.name / language(simulator)
@@ -240,6 +240,7 @@ def jobs(
             frames,
         )
         for entry in reversed(manifest)
+        if not parts[entry["entity"]].part_of
     ]
 
 
@@ -248,6 +249,18 @@ def _needed(order: list[str], manifest: list[dict[str, Any]], part: Block) -> tu
     entities = {block.entity for block in walk(part)}
     others = {entry["file"] for entry in manifest if entry["entity"] not in entities}
     return tuple(name for name in order if name not in others)
+
+
+def with_parts(job: Job) -> list[Job]:
+    """The job of a block, and one for each of the parts that are judged with it."""
+    inside = {block.entity for block in walk(job.twin)}
+
+    def of(part: Block) -> Job:
+        others = inside - {block.entity for block in walk(part)}
+        files = tuple(name for name in job.files if Path(name).stem not in others)
+        return replace(job, entity=part.entity, block=part.block, area=part.area, files=files)
+
+    return [job, *map(of, parts_of(job.twin))]
 
 
 def run_job(job: Job) -> Outcome:

@@ -1,9 +1,14 @@
-"""The properties of every block, which stand beside its bench as ``prove_<block>.py``."""
+"""The properties of every block, which stand beside its bench as ``prove_<block>.py``.
 
+Those of its parts stand there, too: in ``PARTS``, by the part's name.
+"""
+
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from golden.common.block import Block, parts_of
 from tactus.core.fingerprint import ROOT
 from tactus.verify.benches.runner import Job
 from tb.common.properties import Property
@@ -12,13 +17,28 @@ PROOFS = {
     path.stem.removeprefix("prove_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/prove_*.py"))
 }
+_OF: dict[str, Callable[[Any], list[Property]]] = {
+    name: make
+    for block, module in PROOFS.items()
+    for name, make in {block: module.properties, **getattr(module, "PARTS", {})}.items()
+}
 
 
 def properties_of(job: Job) -> list[Property]:
-    """The properties to prove of an entity: the list that ``properties`` makes for its twin."""
-    module: Any = PROOFS[job.block]
-    found: list[Property] = module.properties(job.twin)
-    return found
+    """The properties to prove of an entity, for its twin; none where none are written."""
+    return _OF[job.block](job.twin) if job.block in _OF else []
+
+
+def mutated_parts(twin: Block) -> list[str]:
+    """The parts that are mutated with a block: all but those of which a property says everything.
+
+    Whatever changes what such a part does violates the property.
+    """
+    return [
+        part.entity
+        for part in parts_of(twin)
+        if not any(item.whole for item in _OF.get(part.block, lambda _: [])(part))
+    ]
 
 
 def proof_file(block: str) -> Path:

@@ -24,7 +24,7 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.synth.tools import digest
 from tactus.verify.benches.collected import CASES_OF
-from tactus.verify.benches.runner import Job
+from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.sign_off.equal import command, prove_equal
 from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.proofs import PROOFS, proof_file, properties_of
@@ -114,11 +114,12 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
     """The entities that stand for a block.
 
     They are its first entity in the first case of its bench, and in the cases that its proofs name
-    in ``ALSO``.
+    in ``ALSO``; each with its parts that have properties.
 
     export: Makes the entity from block and case.
     """
-    return [export(block, case) for case in cases(block)]
+    found = [export(block, case) for case in cases(block)]
+    return [one for job in found for one in with_parts(job) if one == job or properties_of(one)]
 
 
 def cases(block: str) -> list[str]:
@@ -149,14 +150,20 @@ def check_record(planned: list[Job]) -> list[str]:
 def prove_blocks(blocks: list[str], record: bool) -> bool:
     """Prove blocks, print a line for each property, and return whether all is as it should be."""
     planned = {block: entities(block) for block in blocks}
-    items = [(job, i) for jobs in planned.values() for job in jobs for i in properties_of(job)]
+    items = [
+        (job, item, block)
+        for block, jobs in planned.items()
+        for job in jobs
+        for item in properties_of(job)
+    ]
     results: dict[str, list[Result]] = {block: [] for block in blocks}
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         folders = [Path(name) / str(n) for n in range(len(items))]
-        for result in pool.map(settle, *zip(*items, strict=True), folders):
+        settled = pool.map(lambda asked, folder: settle(asked[0], asked[1], folder), items, folders)
+        for (_, _, block), result in zip(items, settled, strict=True):
             of = f"{result.job.entity} of {result.job.scene.name}"
             print(f"{of:44} {result.item.name:24} {result.line()}", flush=True)
-            results[result.job.block].append(result)
+            results[block].append(result)
             if not result.answer.holds:
                 print(f"{'':44} counterexample: {_keep_trace(result)}")
     sound = True

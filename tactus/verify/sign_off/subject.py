@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from functools import cache
 
-from golden.input_error import InputError, suggest
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import BENCHES, CASES_OF, case_scene
+from tactus.verify.benches.places import check_name
 from tactus.verify.benches.runner import Job, jobs, plan, prepare
 
 # Proofs, mutants and netlists are of the Verilog.
@@ -25,8 +25,7 @@ def chosen_blocks(block: str | None) -> list[str]:
     """The block that is named, or all blocks."""
     if block is None:
         return sorted(BENCHES)
-    if block not in BENCHES:
-        raise InputError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
+    check_name(block)
     return [block]
 
 

@@ -34,9 +34,11 @@ def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
     lines = ["read_rtlil base.il"]
     lines += [selected(command, width, n) for n, command in enumerate(commands, start=1)]
     lines += [ONE_CHOICE, f"hierarchy -top {entity}", "flatten", "memory_collect", "dffunmap"]
+    # A part that is there twice has two selections of the same mutant.
+    lines += ["opt_merge t:$eq"]
     # What only carries below a rounding then has no reader.
     lines += ["opt_expr -fine"]
-    lines += [f"select -assert-count {len(commands)} w:{SELECT} %co1:+$eq[A] t:$eq %i"]
+    lines += [f"select -assert-count {len(commands)} c:*mutate_ctrl* t:$eq %i"]
     lines += ["opt_clean", "write_json flat.json"]
     (folder / "flat.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
     run_tool("yosys", ["-q", "-s", "flat.ys"], folder)

