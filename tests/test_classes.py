@@ -30,7 +30,7 @@ from tactus.report.measure.clocks import clocks_per_frame
 from tactus.rig import check, class_counts
 from tactus.rig.readings import at_ends
 from tactus.scene import FOLDER, class_names, load_scene
-from tactus.scene.labels import class_scale, decided, ordered, wrong_percent
+from tactus.scene.labels import class_scale, decided, margins, ordered, wrong_percent
 from tactus.synth.budget import read_budget
 from tactus.train.layer_objective import ClassObjective, LabelledRows
 from tb.common.cases import random_network
@@ -425,3 +425,9 @@ def test_loads_are_the_recorded_vectors_and_the_letters_of_the_thesis() -> None:
     grams = {letter: float(row.split(",")[4]) / 0.9 * 23 for row, _, letter in rows[1:]}
     weights = {"A": 23, "B": 19, "C": 12, "D": 8, "E": 11, "F": 9, "G": 6, "H": 16}
     assert {letter: round(value) for letter, value in grams.items()} == weights
+
+
+def test_of_equal_outputs_the_first_counts() -> None:
+    codes = np.array([[3, 7, 7], [5, 5, 5], [-9, -8, -7]])
+    assert decided(codes).tolist() == [1, 0, 2]
+    assert margins(codes).tolist() == [0, 0, 1]

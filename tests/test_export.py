@@ -286,3 +286,15 @@ def test_every_port_says_what_it_carries(tmp_path: Path, language: str, sign: st
         for port in block.ports:
             below = lines[lines.index(f"{sign} {port.comment}") + 1 :]
             assert re.search(rf"\b{port.name}\b", below[0]), f"{block.entity}: {port.name}"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
+    for file in files(build / scene / "vhdl"):
+        used = set(re.findall(r"^use (\S+);", file.read_text(), re.M | re.I))
+        allowed = {
+            "ieee.std_logic_1164.all",
+            "ieee.numeric_std.all",
+            "work.pck_myhdl_011.all",
+        }
+        assert {u.lower() for u in used} <= allowed

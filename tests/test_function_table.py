@@ -335,3 +335,13 @@ def test_a_file_that_names_a_function_needs_a_scene_that_defines_it(tmp_path: Pa
     path.write_text(re.sub(r"softsign = .*", "", path.read_text()))
     with pytest.raises(InputError, match=r"own.npz: layer 1: 'table:softsign': no function 'soft"):
         load_scene(str(path)).twin()
+
+
+def test_points_are_read(tmp_path: Path) -> None:
+    path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
+    text = path.read_text()
+    given = "bell = { x = [-1, 0, 2], y = [0.5, 1.25, 0] }"
+    path.write_text(re.sub(r"gaussian = .*", given, text))
+    (member,) = load_scene(str(path)).members
+    assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
+    assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]

@@ -1,6 +1,8 @@
 """Tests whole networks: bit-true against float, extreme weights, and figures of the thesis."""
 
+import hashlib
 import re
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
+from golden.common.block import walk
 from golden.input_error import InputError
 from golden.networks.arrangement import arrange, beside
 from golden.networks.designs import DESIGNS
@@ -20,7 +23,7 @@ from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalis
 from golden.trained.mlp import Mlp
 from tactus.errors.scene_errors import held_out_means
 from tactus.report.measure.networks import scenes
-from tactus.scene import Scene, load_scene, scene_names, thesis_figures
+from tactus.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import percent_errors, summarise
 from tb.common.cases import random_mlp, random_network
 
@@ -266,3 +269,27 @@ def test_a_network_that_no_program_holds_is_refused_before_it_is_quantised(
     activation = DESIGNS[design].known_activations[0]
     with pytest.raises(InputError, match=said):
         DESIGNS[design].of([network], Settings(EXACT, activation))
+
+
+def test_entity_names_are_unique() -> None:
+    for name in scene_names():
+        entities = [block.entity for block in walk(load_scene(name).twin())]
+        assert len(set(entities)) == len(entities)
+
+
+def test_recorded_vectors_are_those_of_their_provenance() -> None:
+    folder = FOLDER / "data"
+    provenance = tomllib.loads((folder / "appendix2.toml").read_text())
+    content = (folder / "appendix2.csv").read_bytes()
+    assert hashlib.sha256(content).hexdigest() == provenance["sha256"]
+    assert content.count(b"\n") == provenance["rows"] + 1
+
+
+def test_metrics_on_numbers_done_by_hand() -> None:
+    targets = np.array([[0.5, 0.2], [0.5, 0.4], [0.25, 0.4]])
+    results = np.array([[0.6, 0.29], [0.5, 0.4], [0.25, 0.58]])
+    errors = percent_errors(results, targets, ["load", "position"], {"position": 0.9})
+    assert errors == pytest.approx(np.array([[20, 10], [0, 0], [0, 20]]))
+    load, position = summarise(errors, [1, 2, 2])
+    assert (load.largest_mean, load.worst) == pytest.approx((20, 20))
+    assert (position.mean, position.largest_mean) == pytest.approx((10, 10))

@@ -521,3 +521,23 @@ def test_a_placement_that_is_noted_wrongly_is_named(
     message = r"place of placement 10 \(force 24, place 220\) is off by"
     with pytest.warns(UserWarning, match=message), suppress(InputError):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
+
+
+def test_the_first_proposed_leaves_the_least_error_expected() -> None:
+    """The expected error is computed for every row, one by one."""
+    _, recorded = digit(0.002)
+    spread = np.linalg.inv(recorded.spread(recorded.recorded))
+    squares = recorded.squares.mean(axis=0)
+    known, rows = np.eye(8), []
+    for one in islice(proposed(recorded), 3):
+        added = np.einsum("roi,rop,rpj->rij", recorded.tells, spread, recorded.tells)
+        covariances = np.linalg.inv(known + added)
+        left = np.einsum("ij,rji->r", squares, covariances)
+        left[rows] = np.inf
+        assert left[one.row] == pytest.approx(left.min(), rel=1e-5)
+        expected = np.sqrt(
+            recorded.error**2 + np.einsum("oij,ji->o", recorded.squares, covariances[one.row])
+        )
+        assert one.expected.after == pytest.approx(expected)
+        rows.append(one.row)
+        known = known + added[one.row]

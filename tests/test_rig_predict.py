@@ -214,3 +214,8 @@ def test_the_command(scene: Scene) -> None:
     assert "y1 below" in rows[1]
     assert UNLIKE not in rows[1]
     assert rows[2].endswith(UNLIKE)
+
+
+def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
+    fresh = touch(drawn(1000, 7), 7)
+    assert sum(map(bool, reasons(known, fresh, estimates(fresh)))) <= 30

@@ -209,3 +209,15 @@ def test_the_tools_are_a_part(sources: Copy, monkeypatch: pytest.MonkeyPatch) ->
     before = kept_results.bench_key(job)
     monkeypatch.setattr(kept_results, "_tools", lambda _: ["icarus 99"])
     assert kept_results.bench_key(job) != before
+
+
+def test_modules_that_are_found_by_name_are_listed() -> None:
+    """Others import by text, which ``closure`` reads, or stand in no key."""
+    named = ("golden", "hdl", "tactus/network_files", "tactus/scene")
+    found = {
+        ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        for room in named
+        for file in (ROOT / room).rglob("*.py")
+        if "import_module(" in file.read_text()
+    }
+    assert found == set(closure.DISCOVERIES)
