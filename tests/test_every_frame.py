@@ -43,6 +43,7 @@ SLOW = [
     *("digit-multiple verilog", "comparison/digit-lanes4 verilog", "comparison/digit-sums verilog"),
     *("comparison/digit-tables verilog", "classes/digits verilog", "classes/digits-fast verilog"),
     *("digit-fast verilog", "digit-fast vhdl", "digit-learning verilog"),
+    *("comparison/digit-parallel-lut verilog", "comparison/digit-parallel-polynomial vhdl"),
 ]
 
 
@@ -93,14 +94,13 @@ def replaced(file: str, pattern: str, text: str) -> Callable[[Path], None]:
 COUNTS = """reg [9:0] frames;
 always @(posedge clk) if (rst) frames <= 0; else if (finish && frames != 999) frames <= frames + 1;
 assign out_data = $signed(data[18-1:4]) ^ (frames == 999);"""
+OUT = r"assign out_data = \$signed\(data\[18-1:4\]\);"
 FAULTS = {
     "a bit of a word of the table": replaced("program_memory.v", "24eb1d57f", "24eb1d57e"),
-    "results from the thousandth frame on": replaced(
-        "engine.v", r"assign out_data = \$signed\(data\[18-1:4\]\);", COUNTS
-    ),
+    "results from the thousandth frame on": replaced("engine.v", OUT, COUNTS),
     "what a register held before": replaced(
         "engine.v",
-        r"assign out_data = \$signed\(data\[18-1:4\]\);",
+        OUT,
         "reg kept; always @(posedge clk) kept <= kept;\n"
         "assign out_data = $signed(data[18-1:4]) ^ kept;",
     ),
@@ -111,13 +111,11 @@ FAULTS = {
         "engine.v", r"out_valid <= leaves;", "late <= leaves; out_valid <= late;"
     ),
     "one sample of one frame": replaced(
-        "engine.v",
-        r"assign out_data = \$signed\(data\[18-1:4\]\);",
-        "assign out_data = $signed(data[18-1:4]) ^ (data == 18'sd54321);",
+        "engine.v", OUT, "assign out_data = $signed(data[18-1:4]) ^ (data == 18'sd54321);"
     ),
     "what the frame before left": replaced(
         "engine.v",
-        r"assign out_data = \$signed\(data\[18-1:4\]\);",
+        OUT,
         "reg kept; always @(posedge clk) if (rst) kept <= 0; else if (finish) kept <= data[4];\n"
         "assign out_data = $signed(data[18-1:4]) ^ kept;",
     ),

@@ -110,44 +110,21 @@ def test_words_are_numbered_ports() -> None:
         group[3]
 
 
-def design_for(activation: str, usual: str) -> str:
-    """The usual design, unless the activation needs another one."""
-    return "adder_graph" if SCHEMES[activation].half_codes else usual
-
-
-EVERY_ACTIVATION = pytest.mark.parametrize(
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize(
     ("activation", "precision"),
     [(name, p.name) for name, scheme in SCHEMES.items() for p in scheme.precisions],
 )
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@EVERY_ACTIVATION
 def test_the_network_simulated_in_myhdl_equals_its_twin(
     tmp_path: Path, activation: str, precision: str
 ) -> None:
     """MyHDL itself simulates the network before any conversion, and checks every bound."""
     shape = (4, 2, 4)
     mlp = random_mlp(shape, 3.0, 7)
-    design = design_for(activation, "hybrid")
+    design = "adder_graph" if SCHEMES[activation].half_codes else "hybrid"
     path = write_scene(tmp_path, "small", precision, [mlp], activation=activation, design=design)
     scene = load_scene(str(path))
     twin = scene.twin()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 4)])
-    results, _ = simulate(twin, codes)
-    assert results.tolist() == twin.process(codes).tolist()
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@EVERY_ACTIVATION
-def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
-    tmp_path: Path, activation: str, precision: str
-) -> None:
-    mlp = random_mlp((3, 2, 2), 3.0, 7)
-    design = design_for(activation, "parallel")
-    path = write_scene(tmp_path, "small", precision, [mlp], activation=activation, design=design)
-    scene = load_scene(str(path))
-    twin = scene.twin()
-    codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 3)])
     results, _ = simulate(twin, codes)
     assert results.tolist() == twin.process(codes).tolist()

@@ -1,16 +1,17 @@
 """The hardware as Yosys reads it: words and operators, before anything is optimised.
 
-What is trusted here is Yosys' reading of the language. Every port of a cell is kept as runs of bits
-of words, so that the rest never meets a single wire.
+What is trusted here is Yosys' reading of the language. Every port of a cell is kept as pieces of
+words, of known bits, and of X, so that the rest never meets a single bit.
 """
 
 import json
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from tactus.verify.every_frame.bits import Piece, X, join, pieces
 
 READ = "hierarchy -check -top {top}; proc; flatten; memory_collect; opt_clean"
 # What these say concerns simulation and properties, not what the hardware does.
@@ -21,43 +22,37 @@ class NotReadableError(Exception):
     """Hardware that cannot be read, with the reason."""
 
 
-@dataclass(frozen=True)
-class Run:
-    """Bits of a word from `low` on, or known bits (`word` is None; `bits` None where they are not
-    known)."""
+class Net:
+    """A word of the hardware. All words of a memory are one, with the width of each."""
 
-    word: int | None
-    low: int
-    count: int
-    bits: int | None = None
+    def __init__(self, name: str, width: int):
+        self.name, self.width = name, width
 
 
-Runs = tuple[Run, ...]
+Port = tuple[Piece, ...]
 
 
 class Cell(NamedTuple):
-    """An operator, a register ("$dff"), or a "read" at A of M, the words of a memory."""
+    """An operator, a register ("$dff"), or a "read" at A of the memory M."""
 
     kind: str
-    inputs: dict[str, Runs]
-    output: int
+    inputs: dict[str, Port]
+    output: Net
     signed: dict[str, bool]
 
 
 class Memory(NamedTuple):
-    """All words of a memory are one word of the netlist. At the `start` those are None that are not
-    known. A write has address, data, and an enable of each bit."""
+    """At the `start` those words are X that are not known. A write has address, data, and an enable
+    of each bit."""
 
-    words: int
-    start: list[int | None]
-    write: tuple[Runs, ...] | None
+    words: Net
+    start: list[Any]
+    write: tuple[Port, ...] | None
 
 
 class Netlist(NamedTuple):
-    widths: list[int]
-    names: list[str]
-    inputs: dict[str, int]
-    outputs: dict[str, Runs]
+    inputs: dict[str, Net]
+    outputs: dict[str, Port]
     cells: list[Cell]
     registers: list[Cell]
     memories: list[Memory]
@@ -80,99 +75,80 @@ def read_verilog(
 
 def netlist(module: dict[str, Any]) -> Netlist:
     """The module of that form of Yosys' JSON."""
-    home: dict[int, tuple[int, int]] = {}
-    widths: list[int] = []
-    names: list[str] = []
+    home: dict[Any, Piece] = {}
 
-    def word(name: str, bits: list[Any]) -> int:
+    def net(name: str, bits: list[Any]) -> Net:
+        found = Net(name, len(bits))
         for k, bit in enumerate(bits):
+            if bit in home:
+                raise NotReadableError(f"{name}: a wire with two drivers")
             if isinstance(bit, int):
-                if bit in home:
-                    raise NotReadableError(f"{name}: a wire with two drivers")
-                home[bit] = len(widths), k
-        widths.append(len(bits))
-        names.append(name)
-        return len(widths) - 1
+                home[bit] = found, k, 1
+        return found
 
-    def runs(bits: list[Any]) -> Runs:
-        found: list[Run] = []
-        for bit in bits:
-            # A wire that nothing drives is unknown.
-            known, last = {"0": 0, "1": 1}.get(bit), found[-1] if found else Run(-1, 0, 0)
-            source, place = home.get(bit, (None, 0))
-            if source is None:
-                if last.word is None and (last.bits is None) == (known is None):
-                    bits_of = known if known is None else last.bits | known << last.count  # type: ignore[operator]
-                    found[-1] = Run(None, 0, last.count + 1, bits_of)
-                else:
-                    found.append(Run(None, 0, 1, known))
-            elif (last.word, last.low + last.count) == (source, place):
-                found[-1] = Run(source, last.low, last.count + 1)
-            else:
-                found.append(Run(source, place, 1))
-        return tuple(found)
+    def port(bits: list[Any]) -> Port:
+        # A wire that nothing drives is unknown.
+        known: dict[Any, Piece] = {"0": (0, 0, 1), "1": (1, 0, 1)}
+        parts = [known.get(bit) or home.get(bit, (X, 0, 1)) for bit in bits]
+        return pieces(join(parts), len(bits))
 
     ports: dict[str, dict[str, list[Any]]] = {"input": {}, "output": {}, "inout": {}}
-    for name, port in module["ports"].items():
-        ports[port["direction"]][name] = port["bits"]
+    for name, one in module["ports"].items():
+        ports[one["direction"]][name] = one["bits"]
     if ports["inout"]:
         raise NotReadableError("a port of direction inout")
-    inputs = {name: word(name, bits) for name, bits in ports["input"].items()}
+    inputs = {name: net(name, bits) for name, bits in ports["input"].items()}
     nets = reversed(module["netnames"].items())
     shown = {n["bits"][0]: name for name, n in nets if not n.get("hide_name")}
     given = {name: c for name, c in module["cells"].items() if c["type"] not in SILENT}
-    made: dict[str, list[int]] = {}
+    made: dict[str, list[Net]] = {}
     for name, cell in given.items():
         kind, wires = cell["type"], cell["connections"]
-        port = {"$mem_v2": "RD_DATA", "$dff": "Q"}.get(kind, "Y")
-        if port not in wires or not kind.startswith("$"):
+        given_at = {"$mem_v2": "RD_DATA", "$dff": "Q"}.get(kind, "Y")
+        if given_at not in wires or not kind.startswith("$"):
             raise NotReadableError(f"cell {name}: {kind} is not known")
-        width = _number(cell["parameters"]["WIDTH"]) if kind == "$mem_v2" else len(wires[port])
-        pieces = [wires[port][k : k + width] for k in range(0, len(wires[port]), width)]
-        made[name] = [word(shown.get(piece[0], name), piece) for piece in pieces]
-    outputs = {name: runs(bits) for name, bits in ports["output"].items()}
-    found = Netlist(widths, names, inputs, outputs, [], [], [])
-    for name, cell in given.items():
-        kind, wires, parameters = cell["type"], cell["connections"], cell["parameters"]
+        bits = wires[given_at]
+        width = len(bits)
         if kind == "$mem_v2":
-            start, write = _memory(name, parameters, wires)
-            width = _number(parameters["WIDTH"])
-            words = word(name, ["x"] * width)
-            found.memories.append(Memory(words, start, write and tuple(map(runs, write))))
-            bits = _number(parameters["ABITS"])
+            width = _number(cell, "WIDTH")
+        words = [bits[k : k + width] for k in range(0, len(bits), width)]
+        made[name] = [net(shown.get(one[0], name), one) for one in words]
+    outputs = {name: port(bits) for name, bits in ports["output"].items()}
+    found, clk = Netlist(inputs, outputs, [], [], []), ((inputs.get("clk"), 0, 1),)
+    for name, cell in given.items():
+        kind, wires = cell["type"], cell["connections"]
+        taken = {k: port(b) for k, b in wires.items() if k not in ("Q", "Y")}
+        if kind == "$mem_v2":
+            writes = _number(cell, "WR_PORTS")
+            if _number(cell, "RD_CLK_ENABLE") or _number(cell, "OFFSET") or writes > 1:
+                raise NotReadableError(
+                    f"memory {name}: expected reads without a clock, and one write"
+                )
+            memory, bits = Net(name, _number(cell, "WIDTH")), _number(cell, "ABITS")
+            write = tuple(taken[key] for key in ("WR_ADDR", "WR_DATA", "WR_EN"))
+            found.memories.append(Memory(memory, _words(cell), write if writes else None))
             for k, output in enumerate(made[name]):
-                address = runs(wires["RD_ADDR"][k * bits : (k + 1) * bits])
-                ports_of = {"A": address, "M": (Run(words, 0, width),)}
-                found.cells.append(Cell("read", ports_of, output, {}))
-            continue
-        taken = {p: runs(b) for p, b in wires.items() if p not in "QY"}
-        signs = {p: _number(parameters.get(f"{p}_SIGNED", 0)) == 1 for p in "AB"}
-        one = Cell(kind, taken, made[name][0], signs)
-        if kind != "$dff":
-            found.cells.append(one)
-        elif taken["CLK"] == (Run(inputs.get("clk", -1), 0, 1),) and _number(
-            parameters["CLK_POLARITY"]
-        ):
-            found.registers.append(one)
+                address = port(wires["RD_ADDR"][k * bits : (k + 1) * bits])
+                read = {"A": address, "M": ((memory, 0, memory.width),)}
+                found.cells.append(Cell("read", read, output, {}))
+            timed, edge = writes == 1, ["WR_CLK", "WR_CLK_ENABLE", "WR_CLK_POLARITY"]
         else:
-            raise NotReadableError(f"register {names[one.output]}: expected the rising edge of clk")
+            signs = {at: _number(cell, f"{at}_SIGNED") == 1 for at in "AB"}
+            operator = Cell(kind, taken, made[name][0], signs)
+            timed, edge = kind == "$dff", ["CLK", "CLK_POLARITY"]
+            (found.registers if timed else found.cells).append(operator)
+        if timed and (taken[edge[0]] != clk or any(_number(cell, key) != 1 for key in edge[1:])):
+            raise NotReadableError(f"cell {name}: expected the rising edge of clk")
     return found
 
 
-def _number(text: Any) -> int:
-    return text if isinstance(text, int) else int(text, 2)
+def _number(cell: dict[str, Any], key: str) -> int:
+    return int(cell["parameters"].get(key) or "0", 2)
 
 
-def _memory(name: str, given: dict[str, Any], wires: dict[str, list[Any]]) -> Any:
-    """The words of a memory at the start, and the bits of its write, if there is one."""
-    width, size, writes = (_number(given[key]) for key in ("WIDTH", "SIZE", "WR_PORTS"))
-    if _number(given["RD_CLK_ENABLE"]):
-        raise NotReadableError(f"memory {name}: expected reads without a clock")
-    if _number(given["OFFSET"]) or writes > 1:
-        raise NotReadableError(f"memory {name}: expected addresses from 0 on, and one write")
-    if writes and not _number(given["WR_CLK_ENABLE"]) & _number(given["WR_CLK_POLARITY"]):
-        raise NotReadableError(f"memory {name}: expected writes at the rising edge of clk")
-    init = given["INIT"].rjust(width * size, "x")
-    words = [init[len(init) - width * (k + 1) : len(init) - width * k] for k in range(size)]
-    start = [None if set(w) - {"0", "1"} else int(w, 2) for w in words]
-    return start, [wires[port] for port in ("WR_ADDR", "WR_DATA", "WR_EN")] if writes else None
+def _words(cell: dict[str, Any]) -> list[Any]:
+    """The words of a memory at the start, X where a bit is not known."""
+    width, size = _number(cell, "WIDTH"), _number(cell, "SIZE")
+    bits = cell["parameters"]["INIT"].rjust(width * size, "x")
+    words = [bits[-width * (k + 1) : len(bits) - width * k] for k in range(size)]
+    return [X if set(w) - {"0", "1"} else int(w, 2) for w in words]

@@ -47,14 +47,6 @@ class DiffersError(Exception):
     expected: Value
 
 
-@dataclass
-class Claim:
-    """A sentence of the theorem, and whether it is shown for all cases."""
-
-    text: str
-    shown: bool
-
-
 def before(given: dict[str, Any]) -> list[dict[str, int]]:
     """The inputs of the clocks between reset and frames: each stream, and clocks for its work."""
     found: list[dict[str, int]] = []
@@ -79,7 +71,7 @@ class Sequences:
         sys.setrecursionlimit(1 << 20)
         self.given, self.network = description, Network(description)
         self.run = Unrolled(hardware)
-        self.sizes = [hardware.widths[word] for word in self.run.held]
+        self.sizes = [net.width for net in self.run.held]
         self.told = clock
         self.bits: int = description["bits"]
         self.count: int = description["samples"]
@@ -102,9 +94,9 @@ class Sequences:
         if self.words:
             return [{"in_valid": 1, **{f"in_data_{k}": v for k, v in enumerate(data)}}]
         elements = [*data, *[X] * (self.given["elements"] - self.count)]
+        last = len(elements) - 1
         return [
-            {"in_valid": 1, "in_data": v, "in_last": int(k == len(elements) - 1)}
-            for k, v in enumerate(elements)
+            {"in_valid": 1, "in_data": v, "in_last": int(k == last)} for k, v in enumerate(elements)
         ]
 
     def _clock(self, inputs: dict[str, Bits]) -> None:
@@ -120,18 +112,14 @@ class Sequences:
         found = []
         for one in inputs:
             self._clock(one)
-            out = self._outputs()
-            for name in ("out_valid", "out_last", "frame_error"):
-                if (
-                    name in out
-                    and not isinstance(out[name], int)
-                    and (name != "out_last" or out["out_valid"] == 1)
-                ):
+            found.append(out := self._outputs())
+            needed = ["out_valid", "frame_error", *["out_last"] * (out["out_valid"] == 1)]
+            for name in needed:
+                if not isinstance(out.get(name, 0), int):
                     raise RefusedError(
                         f"{name} is not known in clock {self.run.clocks}: it hangs on data, or "
                         "on what nothing has set"
                     )
-            found.append(out)
             self.run.clock()
             self.told(self.run.clocks)
         return found
@@ -143,18 +131,17 @@ class Sequences:
     ) -> None:
         """The outputs of frames whose last elements came in these clocks; `watched` has the
         symbols."""
-        due: dict[int, list[tuple[int, int]]] = {}
+        due: dict[int, list[tuple[int, int]]]
+        due = {clock + after: [] for clock in ended for after in self.clocks}
         for number, clock in enumerate(ended):
             for k, after in enumerate(self.clocks):
-                due.setdefault(clock + after, []).append((number, k))
+                due[clock + after].append((number, k))
         for clock, out in enumerate(found):
             if out.get("frame_error", 0):
                 raise WrongError(f"frame_error in clock {clock} of good frames")
-            expected = int(clock in due)
-            if out["out_valid"] != expected:
-                raise WrongError(
-                    f"out_valid is {out['out_valid']} in clock {clock}, expected {expected}"
-                )
+            valid, expected = out["out_valid"], int(clock in due)
+            if valid != expected:
+                raise WrongError(f"out_valid is {valid} in clock {clock}, expected {expected}")
             for number, k in due.get(clock, []):
                 if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
                     raise WrongError(f"out_last is {out['out_last']} at output {k}")
@@ -185,7 +172,7 @@ class Sequences:
 
     # The claims.
 
-    def prove(self) -> Iterator[Claim]:
+    def prove(self) -> Iterator[tuple[str, bool]]:
         """The claims in their order; an error where one fails."""
         run = self.run
         self._clock({"rst": 1, **dict.fromkeys(self.still, X)})
@@ -238,45 +225,32 @@ class Sequences:
         quiet = max(len(found) for _, found in reached) - ends
         for _, found in reached:
             self._check(found, [ends], 0)
-        yield Claim(
-            "after one clock of reset, control is known in every clock, and no bit of data "
-            "reaches it",
-            True,
-        )
-        yield Claim("no value that a register or a memory held before reaches an output", True)
-        yield Claim(
-            f"the outputs are those of the network, {self._listed()} clocks after the last sample",
-            True,
-        )
-        yield Claim(
+        known = "after one clock of reset, control is known in every clock"
+        yield f"{known}, and no bit of data reaches it", True
+        yield "no value that a register or a memory held before reaches an output", True
+        shown = [*dict.fromkeys(self.clocks)]
+        listed = ", ".join(map(str, shown)) if len(shown) < 5 else f"{shown[0]} to {shown[-1]}"
+        yield f"the outputs are those of the network, {listed} clocks after the last sample", True
+        many = f", or in one of {len(states)} such states" if len(states) > 1 else ""
+        text = (
             f"{quiet} clocks after a last sample, and after an idle clock, control is where it was"
-            + (f", or in one of {len(states)} such states" if len(states) > 1 else "")
-            + ", so this holds for any number of frames",
-            True,
         )
+        yield f"{text}{many}, so this holds for any number of frames", True
         if not self.words and self.count > 1:
-            shown = min(self._gaps(state, wait) for state in states)
-            text = (
-                "any number of idle clocks between samples changes nothing"
-                if shown
-                else f"idle clocks between samples change nothing (1 to {TRIED} were tried, at "
-                "each place and at all)"
-            )
-            yield Claim(text, shown)
+            if min(self._gaps(state, wait) for state in states):
+                yield "any number of idle clocks between samples changes nothing", True
+            else:
+                tried = f"(1 to {TRIED} were tried, at each place and at all)"
+                yield f"idle clocks between samples change nothing {tried}", False
         if overlap:
-            apart = "any number of"
-            if self.given["interval"] == 1:
+            distance = self.given["interval"]
+            if distance == 1:
                 self._alone(first)
             else:
-                apart = str(self.given["interval"])
                 for state in states:
                     self._close(state, tail, ends)
-            text = f"frames {apart} clocks apart do not disturb each other, in any number"
-            yield Claim(text, True)
-
-    def _listed(self) -> str:
-        shown = [*dict.fromkeys(self.clocks)]
-        return ", ".join(map(str, shown)) if len(shown) < 5 else f"{shown[0]} to {shown[-1]}"
+            text = f"frames {distance if distance > 1 else 'any number of'} clocks apart"
+            yield f"{text} do not disturb each other, in any number", True
 
     def _gaps(self, start: State, wait: int) -> bool:
         """Whether any gaps give the outputs; else some are tried."""
@@ -285,12 +259,9 @@ class Sequences:
                 if self._any_gaps(start, wait, exact):
                     return True
         frame = self._frame(self.symbols)
-        plans = [
-            [g if j == k else 0 for j in range(len(frame) - 1)]
-            for k in range(len(frame) - 1)
-            for g in (1, TRIED)
-        ]
-        for gaps in [*plans, *([g] * (len(frame) - 1) for g in range(1, TRIED + 1))]:
+        many = len(frame) - 1
+        plans = [[g * (j == k) for j in range(many)] for k in range(many) for g in (1, TRIED)]
+        for gaps in [*plans, *([g] * many for g in range(1, TRIED + 1))]:
             self.run.restore(start)
             spaced = [i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[IDLE] * g)]
             self._check(self._play([*spaced, *[IDLE] * wait]), [len(spaced) - 1], 0)
@@ -377,10 +348,7 @@ class Sequences:
             self._play([*nothing, *pause])
         for before in range(len(states)):
             run.restore(start)
-            inputs = [
-                i
-                for n in range(before + 1 + around)
-                for i in (*(symbols if n == before else nothing), *pause)
-            ]
+            frames = [nothing] * before + [symbols] + [nothing] * around
+            inputs = [one for frame in frames for one in (*frame, *pause)]
             found = self._play([*inputs, *[IDLE] * tail])
-            self._check(found, [n * interval + ends for n in range(before + 1 + around)], before)
+            self._check(found, [n * interval + ends for n in range(len(frames))], before)

@@ -178,9 +178,8 @@ def _corrected(taught: Corrected, theta: Sequence[int], words: Words) -> list[in
 def _engine(networks: Sequence[IntegerNetwork], words: Words, inputs: list[int]) -> list[int]:
     outputs: list[int] = []
     for integers in networks:
-        outputs += _integer(
-            integers, words, [*inputs[: integers.samples], *outputs[: integers.earlier]]
-        )
+        taken = [*inputs[: integers.samples], *outputs[: integers.earlier]]
+        outputs += _integer(integers, words, taken)
     results = []
     for k in outputs:
         words.place = words.words[k - words.samples]["place"]
@@ -198,10 +197,8 @@ def _integer(network: IntegerNetwork, words: Words, now: list[int]) -> list[int]
             if layer.leaky:
                 following.append(words.add(sum=[[code, 1]], clip=[0, RESULT.high]))
             elif layer.functions:
-                following[-1] = words.add(
-                    table=words.lines(layer.functions[j], network.segment_width, clipped=True),
-                    of=code,
-                )
+                lines = words.lines(layer.functions[j], network.segment_width, clipped=True)
+                following[-1] = words.add(table=lines, of=code)
         now = following
     return now
 
@@ -211,14 +208,8 @@ def _node(
 ) -> int:
     terms = [[k, int(w)] for k, w in zip(now, layer.weights[j], strict=True) if w]
     for k, function in layer.added_to(j):
-        terms.append(
-            [
-                words.add(
-                    table=words.lines(function, network.segment_width, clipped=False), of=now[k]
-                ),
-                1,
-            ]
-        )
+        lines = words.lines(function, network.segment_width, clipped=False)
+        terms.append([words.add(table=lines, of=now[k]), 1])
     return words.add(
         sum=terms,
         start=int(layer.starts[j]),
@@ -229,23 +220,19 @@ def _node(
     )
 
 
-def _sum(
-    layer: Any, weights: Sequence[int], bias: int, factor: int, words: Words, now: list[int]
-) -> int:
+def _sum(node: tuple[Any, ...], words: Words, now: list[int]) -> int:
     """A node of `golden.layers.weighted_sum`: products lose their lowest bits one by one, then
     factor and rounding."""
-    if layer.product_shift:
-        products = [
-            [words.add(sum=[[k, int(w)]], shift=layer.product_shift), factor]
-            for k, w in zip(now, weights, strict=True)
-            if w
-        ]
-    else:
-        products = [[k, int(w) * factor] for k, w in zip(now, weights, strict=True) if w]
-    start = (int(bias) << layer.bias_shift) * factor
+    layer, weights, bias, factor = node
+    products, shift = (
+        [[k, int(w)] for k, w in zip(now, weights, strict=True) if w],
+        layer.product_shift,
+    )
+    if shift:
+        products = [[words.add(sum=[product], shift=shift), 1] for product in products]
     return words.add(
-        sum=products,
-        start=start,
+        sum=[[k, w * factor] for k, w in products],
+        start=(int(bias) << layer.bias_shift) * factor,
         shift=layer.out_shift,
         round="up",
         clip=[layer.out_fmt.low, layer.out_fmt.high],
@@ -257,35 +244,25 @@ def _activated(activation: Any, words: Words, code: int) -> int:
     return words.add(table=words.table(activation.in_fmt.low, activation.process(codes)), of=code)
 
 
-@of.register
-def _(network: Hybrid, words: Words, samples: list[int]) -> list[int]:
-    first, second = network.input_integral, network.output_integral
+@of.register(Hybrid)
+@of.register(Parallel)
+def _(network: Any, words: Words, samples: list[int]) -> list[int]:
+    nodes: list[list[tuple[Any, ...]]]
+    if isinstance(network, Parallel):
+        layers = network.hidden_neurons, network.output_neurons
+        nodes = [[(n, n.weights, n.bias, n.factor or 1) for n in layer] for layer in layers]
+    else:
+        last = network.output_integral
+        factors = (1,) * len(network.activations), last.factors or (1,) * last.outputs
+        both = zip((network.input_integral, last), factors, strict=True)
+        nodes = [
+            [(one, *node) for node in zip(one.weights, one.biases, f, strict=True)]
+            for one, f in both
+        ]
     words.begin()
-    rows = zip(first.weights, first.biases, network.activations, strict=True)
-    nodes = [
-        _activated(a, words, _sum(first, row, bias, 1, words.at(0, j), samples))
-        for j, (row, bias, a) in enumerate(rows)
-    ]
-    factors = second.factors or (1,) * second.outputs
-    last = zip(second.weights, second.biases, factors, strict=True)
-    return [
-        _sum(second, row, bias, int(f), words.at(1, j), nodes)
-        for j, (row, bias, f) in enumerate(last)
-    ]
-
-
-@of.register
-def _(network: Parallel, words: Words, samples: list[int]) -> list[int]:
-    words.begin()
-    hidden = zip(network.hidden_neurons, network.activations, strict=True)
-    nodes = [
-        _activated(a, words, _sum(n, n.weights, n.bias, 1, words.at(0, j), samples))
-        for j, (n, a) in enumerate(hidden)
-    ]
-    return [
-        _sum(n, n.weights, n.bias, n.factor or 1, words.at(1, j), nodes)
-        for j, n in enumerate(network.output_neurons)
-    ]
+    hidden = enumerate(zip(nodes[0], network.activations, strict=True))
+    now = [_activated(a, words, _sum(node, words.at(0, j), samples)) for j, (node, a) in hidden]
+    return [_sum(node, words.at(1, j), now) for j, node in enumerate(nodes[1])]
 
 
 @of.register
@@ -309,10 +286,8 @@ def _(network: AdderGraph, words: Words, samples: list[int]) -> list[int]:
         now = _matrix(matrix, words, now, n)
         tables = network.activations[n] if n < len(network.activations) else ()
         if tables:
-            now = [
-                _activated(table, words.at(n, j), q)
-                for j, (table, q) in enumerate(zip(tables, now, strict=True))
-            ]
+            nodes = zip(tables, now, strict=True)
+            now = [_activated(table, words.at(n, j), q) for j, (table, q) in enumerate(nodes)]
     return now
 
 

@@ -13,6 +13,8 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -33,22 +35,18 @@ class UnsupportedError(Exception):
     """What the method cannot decide. It is never taken for a proof, and never for a difference."""
 
 
+@dataclass(eq=False)
 class Word:
-    """A number that takes the codes low to high: sample number `name`, or floor((base + offset) /
+    """A number that takes the codes low to high: the sample of a name, or floor((base + offset) /
     2^shift)."""
 
-    def __init__(
-        self,
-        number: int,
-        name: str,
-        low: int,
-        high: int,
-        base: "Base | None" = None,
-        offset: int = 0,
-        shift: int = 0,
-    ):
-        self.number, self.name, self.low, self.high = number, name, low, high
-        self.base, self.offset, self.shift = base, offset, shift
+    number: int
+    name: str
+    low: int
+    high: int
+    base: "Base | None" = None
+    offset: int = 0
+    shift: int = 0
 
 
 class Base:
@@ -63,7 +61,6 @@ class Base:
         self.coarse: tuple[int, int, Word] | None = None
         self.parts: tuple[Value, Value, int] | None = None
         self.words: dict[tuple[int, int], Word] = {}
-        self._hull: Hull | None = None
 
     def word(self, offset: int, shift: int) -> Word:
         """floor((sum + offset) / 2^shift), for an offset from 0 to 2^shift - 1."""
@@ -71,14 +68,12 @@ class Base:
         key = offset, shift
         if key not in self.words:
             low, high = (end + offset >> shift for end in ends(self.total))
-            number = next(_numbers)
-            self.words[key] = Word(number, f"word {number}", low, high, self, offset, shift)
+            self.words[key] = Word(next(_numbers), "", low, high, self, offset, shift)
         return self.words[key]
 
+    @cached_property
     def hull(self) -> "Hull | None":
-        if self._hull is None:
-            self._hull = _hull(self.total)
-        return self._hull
+        return _hull(self.total)
 
 
 class Curve:
@@ -88,10 +83,9 @@ class Curve:
     It is 0 at the lowest code, and as short as it can be, so that equal functions have equal parts.
     """
 
-    __slots__ = ("_ends", "_kept", "first", "key", "left", "right", "word")
-
     def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
         self.word, self.first, self.left, self.right = word, first, left, right
+        self.last = first + len(values) - 1
         # Equal arrays are kept once, in as few bits as they need.
         most = max(-int(values.min()), int(values.max()))
         kept = values.astype(np.min_scalar_type(-1 - most))
@@ -100,15 +94,10 @@ class Curve:
         if known is None or not np.array_equal(known, kept):
             known = _arrays[self.key] = kept
         self._kept = known
-        self._ends: tuple[int, int] | None = None
 
     @property
     def values(self) -> np.ndarray:
         return self._kept.astype(np.int64)
-
-    @property
-    def last(self) -> int:
-        return self.first + len(self._kept) - 1
 
     @property
     def line(self) -> bool:
@@ -117,54 +106,33 @@ class Curve:
 
     def at(self, low: int, high: int) -> np.ndarray:
         """The values at the codes low to high."""
-        a, b = max(low, self.first), min(high, self.last)
-        kept = self._kept[a - self.first : b - self.first + 1]
-        if a == low and b == high:
-            return kept.astype(np.int64)
-        result = np.empty(high - low + 1, dtype=np.int64)
-        left = max(0, min(self.first, high + 1) - low)
-        right = max(0, high - max(self.last, low - 1))
-        if left:
-            result[:left] = int(self._kept[0]) + self.left * (
-                np.arange(low, low + left) - self.first
-            )
-        if b >= a:
-            result[a - low : b - low + 1] = kept
-        if right:
-            result[len(result) - right :] = int(self._kept[-1]) + self.right * (
-                np.arange(high - right + 1, high + 1) - self.last
-            )
-        return result
+        a = min(max(low, self.first), high + 1)
+        b = max(min(high, self.last), a - 1) + 1
+        before, behind = np.arange(low, a) - self.first, np.arange(b, high + 1) - self.last
+        start, end = int(self._kept[0]), int(self._kept[-1])
+        kept = self._kept[a - self.first : b - self.first]
+        return np.concatenate([start + self.left * before, kept, end + self.right * behind])
 
-    @property
+    @cached_property
     def ends(self) -> tuple[int, int]:
         """The least and the greatest value."""
-        if self._ends is None:
-            ends = [int(self._kept.min()), int(self._kept.max())]
-            ends += [
-                int(self._kept[0]) - self.left * (self.first - self.word.low),
-                int(self._kept[-1]) + self.right * (self.word.high - self.last),
-            ]
-            self._ends = min(ends), max(ends)
-        return self._ends
+        first, last = int(self._kept[0]), int(self._kept[-1])
+        found = [int(self._kept.min()), int(self._kept.max())]
+        found.append(first - self.left * (self.first - self.word.low))
+        found.append(last + self.right * (self.word.high - self.last))
+        return min(found), max(found)
 
-    def times(self, factor: int) -> "Curve":
-        if factor == 1:
+    def times(self, k: int) -> "Curve":
+        if k == 1:
             return self
-        _fits(*(end * factor for end in self.ends))
-        return Curve(
-            self.word, self.first, self.values * factor, self.left * factor, self.right * factor
-        )
+        _fits(*(end * k for end in self.ends))
+        return Curve(self.word, self.first, self.values * k, self.left * k, self.right * k)
 
     def bits(self) -> int:
         """A number whose lowest set bit is the greatest power of two that divides every
         difference."""
-        return (
-            int(np.bitwise_or.reduce(self.values - self.values[0]))
-            | self.left
-            | self.right
-            | int(self.values[0])
-        )
+        first = self.values[0]
+        return int(np.bitwise_or.reduce(self.values - first) | first) | self.left | self.right
 
     def same(self, other: "Curve") -> bool:
         return self is other or (
@@ -193,25 +161,8 @@ def _finer(a: Curve, b: Curve) -> Word | None:
     staircase."""
     word = _common((a.word, b.word))
     coarse = [c for c in (a, b) if c.word.shift > word.shift and (c.left or c.right)]
-    if not coarse:
-        return word
-    low, high = Function(word, 0, coarse).window()
-    short = all(c.word.high - c.word.low < FEW for c in coarse) and high - low < LONGEST >> 4
-    return word if short and not all(c.line for c in (a, b)) else None
-
-
-def _refined(c: Curve, word: Word) -> tuple[Curve | None, int]:
-    """The function on a finer grid."""
-    if c.word is word:
-        return c, 0
-    f = Function(word, 0, [c])
-    low, high = f.window()
-    c = f.terms[0]
-    low, high = max(low - 1, word.low), min(high + 1, word.high)
-    if high - low >= LONGEST:
-        raise UnsupportedError(f"a function of a word that takes {high - low} values")
-    left, right = (0, 0) if c.word.shift > word.shift else (c.left, c.right)
-    return curve(word, low, f.at(low, high), left, right)
+    short = all(c.word.high - c.word.low < FEW for c in coarse)
+    return word if not coarse or (short and not (a.line and b.line)) else None
 
 
 def _divided(c: Curve, bits: int) -> Curve:
@@ -241,13 +192,9 @@ def curve(
         left = int(values[1]) - int(values[0])
     if first + len(values) - 1 == word.high and len(values) > 1:
         right = int(values[-1]) - int(values[-2])
-    begin = end = 0
-    if len(values) > 1:
-        steps = np.diff(values)
-        other = steps != left
-        begin = int(other.argmax()) if other.any() else len(steps)
-        other = steps != right
-        end = int(other[::-1].argmax()) if other.any() else len(steps)
+    steps = np.diff(values)
+    begin = int(np.append(steps != left, True).argmax())
+    end = int(np.append(steps[::-1] != right, True).argmax())
     before, behind = first - word.low, word.high - first - len(values) + 1
     last = len(values) - 1
     if (begin == last and (left == right or not behind)) or (end == last and not before):
@@ -265,7 +212,7 @@ def curve(
     first, values = first + begin, values[begin : len(values) - end]
     _fits(left * (first - word.low), right * (word.high - first))
     start = int(values[0]) - left * (first - word.low)
-    return Curve(word, first, values - start, left, right), start
+    return _plain(Curve(word, first, values - start, left, right)), start
 
 
 def _step(base: Base, place: int, height: int) -> Curve:
@@ -291,15 +238,11 @@ def _plain(c: Curve) -> Curve:
     coarse = word.base.word(-place % (1 << shift), shift)
     first = place + coarse.offset >> shift
     kept = c.values[steps[0] :: 1 << shift - word.shift]
-    made, _ = curve(coarse, first - 1, np.append(c.values[:1], kept), 0, 0)
-    assert made
-    return made
+    return curve(coarse, first - 1, np.append(c.values[:1], kept), 0, 0)[0] or c
 
 
 class Sum:
     """A constant and functions of words."""
-
-    __slots__ = ("_ends", "constant", "terms")
 
     def __init__(
         self, constant: int, terms: dict[Word, Curve], ends: tuple[int, int] | None = None
@@ -337,7 +280,7 @@ def _hull(v: Sum) -> Hull | None:
     parts = [
         (w, c.right, inner)
         for w, c in v.terms.items()
-        if w.base and c.line and (inner := w.base.hull())
+        if w.base and c.line and (inner := w.base.hull)
     ]
     scale = max((w.shift + inner[1] for w, _, inner in parts), default=0)
     rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w not in {p[0] for p in parts}})
@@ -372,8 +315,11 @@ class Function:
     def __init__(self, word: Word, constant: int, terms: Iterable[Curve]):
         self.word, self.constant = word, constant
         self.terms = [_stairs(t) if t.word.shift > word.shift else t for t in terms]
-        self.steps = [t.word.shift - word.shift for t in self.terms]
-        self.shifts = [(t.word.offset - word.offset) >> word.shift for t in self.terms]
+        # Each with the bits that its grid is coarser, and how far it is shifted.
+        self.parts = [
+            (t, t.word.shift - word.shift, (t.word.offset - word.offset) >> word.shift)
+            for t in self.terms
+        ]
         _fits(abs(constant) + sum(max(map(abs, t.ends)) for t in self.terms))
 
     def on(self, word: Word) -> "Function":
@@ -382,7 +328,7 @@ class Function:
     def window(self) -> tuple[int, int]:
         """Codes outside of which every part is a straight line over its own grid."""
         low, high = self.word.high, self.word.low
-        for t, k, s in zip(self.terms, self.steps, self.shifts, strict=True):
+        for t, k, s in self.parts:
             # Of a constant end, the code next to the first change is enough.
             low = min(low, (t.first << k if t.left else (t.first + 1 << k) - 1) - s)
             high = max(high, ((t.last + 1 << k) - 1 if t.right else t.last << k) - s)
@@ -392,20 +338,24 @@ class Function:
         """Slopes outside the window; None where it is no line on this grid."""
         sides: list[int | None] = []
         for side in ("left", "right"):
-            parts = [(getattr(t, side), k) for t, k in zip(self.terms, self.steps, strict=True)]
-            sides.append(None if any(m and k for m, k in parts) else sum(m for m, _ in parts))
+            found = [(getattr(t, side), k) for t, k, _ in self.parts]
+            sides.append(None if any(m and k for m, k in found) else sum(m for m, _ in found))
         return sides[0], sides[1]
 
+    def changes(self) -> tuple[int, int]:
+        """Codes outside of which it is constant."""
+        (low, high), (left, right) = self.window(), self.slopes()
+        low = self.word.low if left != 0 else max(low - 1, self.word.low)
+        return low, self.word.high if right != 0 else min(high + 1, self.word.high)
+
     def at(self, low: int, high: int) -> np.ndarray:
+        if high - low >= LONGEST:
+            raise UnsupportedError(f"a function of a word that takes {high - low} values")
         result = np.full(high - low + 1, self.constant, dtype=np.int64)
-        for term, step, shift in zip(self.terms, self.steps, self.shifts, strict=True):
-            if step == 0:
-                result += term.at(low + shift, high + shift)
-            else:
-                a, b = low + shift >> step, high + shift >> step
-                result += np.repeat(term.at(a, b), 1 << step)[low + shift - (a << step) :][
-                    : high - low + 1
-                ]
+        for term, k, shift in self.parts:
+            a, b = low + shift >> k, high + shift >> k
+            values = np.repeat(term.at(a, b), 1 << k) if k else term.at(a, b)
+            result += values[low + shift - (a << k) :][: high - low + 1]
         return result
 
 
@@ -424,7 +374,7 @@ def value(constant: int, terms: dict[Word, Curve]) -> Value:
 def _drawn(word: Word, first: int, values: np.ndarray, left: int, right: int) -> Value:
     """The function as `curve` takes it."""
     made, start = curve(word, first, values, left, right)
-    return value(start, {} if made is None else {(made := _plain(made)).word: made})
+    return value(start, {made.word: made} if made else {})
 
 
 def plus(a: Value, b: Value) -> Value:
@@ -437,36 +387,27 @@ def plus(a: Value, b: Value) -> Value:
     if len(b.terms) > len(a.terms):
         a, b = b, a
     terms, constant, new = dict(a.terms), a.constant + b.constant, False
-    waiting = list(b.terms.items())
+    waiting = [*b.terms.values()]
     while waiting:
-        word, term = waiting.pop()
-        old = terms.get(word)
-        if old is None:
-            other = next((w for w in terms if w.base is word.base), None) if word.base else None
-            finer = other and _finer(term, terms[other])
-            if other is None or finer is None:
-                terms[word] = term
-                continue
-            # Two grids of one sum become one, so that equal functions have equal terms.
-            for c in (term, terms.pop(other)):
-                on, start = _refined(c, finer)
-                constant, new = constant + start, True
-                if on:
-                    waiting.append((finer, on))
+        term = waiting.pop()
+        base, beside = term.word.base, terms.get(term.word)
+        if base and not beside:
+            beside = next((c for c in terms.values() if c.word.base is base), None)
+        word = beside and _finer(term, beside)
+        if not beside or not word:
+            terms[term.word] = term
             continue
-        low, high = min(old.first, term.first), max(old.last, term.last)
-        summed, start = curve(
-            word,
-            low,
-            old.at(low, high) + term.at(low, high),
-            old.left + term.left,
-            old.right + term.right,
-        )
+        # Two functions of one sum become one, so that equal functions have equal terms.
+        del terms[beside.word]
+        both = Function(word, 0, [term, beside])
+        (low, high), (left, right) = both.window(), both.slopes()
+        low, high = max(low - 1, word.low), min(high + 1, word.high)
+        assert left is not None
+        assert right is not None
+        made, start = curve(word, low, both.at(low, high), left, right)
         constant, new = constant + start, True
-        del terms[word]
-        if summed:
-            summed = _plain(summed)
-            waiting.append((summed.word, summed))
+        if made:
+            waiting.append(made)
     return value(constant, terms) if new else Sum(constant, terms)
 
 
@@ -475,12 +416,9 @@ def times(v: Value, factor: int) -> Value:
         return v * factor if isinstance(v, int) else 0
     if factor == 1:
         return v
-    low, high = sorted((v._ends[0] * factor, v._ends[1] * factor)) if v._ends else (0, 0)
-    return Sum(
-        v.constant * factor,
-        {w: c.times(factor) for w, c in v.terms.items()},
-        (low, high) if v._ends else None,
-    )
+    low, high = sorted(end * factor for end in v._ends or (0, 0))
+    terms = {w: c.times(factor) for w, c in v.terms.items()}
+    return Sum(v.constant * factor, terms, (low, high) if v._ends else None)
 
 
 def minus(a: Value, b: Value) -> Value:
@@ -519,7 +457,7 @@ class Space:
     """All words of one proof."""
 
     def __init__(self) -> None:
-        self.bases: dict[tuple[int, ...], list[Base]] = {}
+        self.bases: dict[Any, list[Base]] = {}
 
     def sample(self, name: str, low: int, high: int) -> Value:
         word = Word(next(_numbers), name, low, high)
@@ -553,17 +491,12 @@ class Space:
         sign = 1 if (first.left or int(moved.sum()) or first.right) > 0 else -1
         ordered = sorted(v.terms.items(), key=lambda t: t[0].number)
         terms = {word: _divided(term, e).times(sign) for word, term in ordered}
-        key = tuple(
-            x
-            for w, c in terms.items()
-            for x in (w.number, c.first, c.left, c.right, len(c.values), c.key)
-        )
+        key = tuple((w.number, c.first, c.left, c.right, c.key) for w, c in terms.items())
         found = self.bases.setdefault(key, [])
         for base in found:
             # The key only finds candidates: the arrays decide.
-            if all(
-                c.same(o) for c, o in zip(terms.values(), base.total.terms.values(), strict=True)
-            ):
+            pairs = zip(terms.values(), base.total.terms.values(), strict=True)
+            if all(c.same(o) for c, o in pairs):
                 return base, e, sign
         base = Base(Sum(0, terms))
         found.append(base)
@@ -585,7 +518,7 @@ class Space:
             # Short ones code by code, so that hardware may wrap a sum and then cut it.
             if own := self._own(v, quick=True):
                 with suppress(UnsupportedError):
-                    return self._coded(lambda a: a >> k, [own], [v])
+                    return self._coded(lambda a: a >> k, [own])
             base, e, sign = self._base(v)
             return self._floored(base, sign, v.constant >> e, k - e)
         ((word, term), *others) = v.terms.items()
@@ -627,10 +560,10 @@ class Space:
             line = _step(base, (word.high << k) - word.offset, sign)
         return value(start + sign * word.low, {line.word: line})
 
-    def function(self, v: Value) -> Function | None:
-        """v as a function of one word, or None for a constant."""
+    def function(self, v: Value) -> "Function | int":
+        """v as a function of one word; a number stays one."""
         if isinstance(v, int):
-            return None
+            return v
         if len({w.base or w for w in v.terms}) == 1:
             return Function(_common(v.terms), v.constant, list(v.terms.values()))
         if own := self._own(v, quick=False):
@@ -664,61 +597,29 @@ class Space:
 
     def of(self, f: Callable[..., Any], *values: Value) -> Value:
         """f(values), code by code; all of them are functions of one word."""
-        functions = self._together(*values)
-        if not any(functions):
-            return int(f(*[self._known(v) for v in values]))
-        return self._coded(f, functions, values)
+        return self._coded(f, self._together(*values))
 
-    def _coded(
-        self, f: Callable[..., Any], functions: list[Function | None], values: Sequence[Value]
-    ) -> Value:
-        """f code by code, for values of which all that are no numbers are functions of a word."""
-        word = next(g.word for g in functions if g)
-        low, high = word.high, word.low
-        for g in functions:
-            if g:
-                a, b = g.window()
-                left, right = g.slopes()
-                low, high = (
-                    min(low, word.low if left != 0 else a - 1),
-                    max(high, word.high if right != 0 else b + 1),
-                )
-        return self._made(
-            word,
-            max(low, word.low),
-            min(high, word.high),
-            lambda a, b: f(
-                *[
-                    g.at(a, b) if g else self._known(v)
-                    for g, v in zip(functions, values, strict=True)
-                ]
-            ),
-        )
+    def _coded(self, f: Callable[..., Any], given: "Sequence[Function | int]") -> Value:
+        """f code by code, of functions of one word and numbers."""
+        functions = [g for g in given if isinstance(g, Function)]
+        if not functions:
+            return int(f(*(np.int64(g) for g in given)))  # type: ignore[arg-type]
+        word, spans = functions[0].word, [g.changes() for g in functions]
+        low, high = min(span[0] for span in spans), max(span[1] for span in spans)
+        codes = [g.at(low, high) if isinstance(g, Function) else np.int64(g) for g in given]
+        values = np.asarray(f(*codes), dtype=np.int64)
+        return _drawn(word, low, np.broadcast_to(values, high - low + 1), 0, 0)
 
-    def _known(self, v: Value) -> Any:
-        """The number that a value is which is no function of any word."""
-        assert isinstance(v, int)
-        return np.int64(v)
-
-    def _made(self, word: Word, low: int, high: int, f: Callable[[int, int], Any]) -> Value:
-        if high - low >= LONGEST:
-            raise UnsupportedError(f"a function of a word that takes {high - low} values")
-        values = np.broadcast_to(np.asarray(f(low, high), dtype=np.int64), high - low + 1)
-        return _drawn(word, low, values, 0, 0)
-
-    def _together(self, *values: Value) -> list[Function | None]:
+    def _together(self, *values: Value) -> "list[Function | int]":
         """The values as functions of one and the same word."""
-        functions = [self.function(v) for v in values]
-        words = [g.word for g in functions if g]
+        given = [self.function(v) for v in values]
+        words = [g.word for g in given if isinstance(g, Function)]
         if len({w.base or w for w in words}) > 1:
             raise UnsupportedError(
                 "a function of words that depend on different samples: "
                 + ", ".join(sorted({describe(w) for w in words}))
             )
-        if not words:
-            return functions
-        common = _common(words)
-        return [g.on(common) if g else None for g in functions]
+        return [g.on(_common(words)) if isinstance(g, Function) else g for g in given]
 
     def negative(self, v: Value) -> Value:
         """1 where v < 0, else 0: no more than the floor over a power of two that is greater than
@@ -739,40 +640,15 @@ class Space:
         """x where c is 1, y where c is 0."""
         if isinstance(c, int):
             return x if c else y
-        d = minus(x, y)
-        if isinstance(d, int):
-            return plus(y, times(c, d))
-        try:
-            chooser, *branches = self._together(c, x, y)
-        except UnsupportedError:
-            chooser, *branches = (self.function(v) for v in (c, x, y))
-        if chooser is None:
-            return x if self._known(c) else y
-        if all(
-            g is None or (g.word.base or g.word) is (chooser.word.base or chooser.word)
-            for g in branches
-        ):
-            common = _common([g.word for g in (chooser, *branches) if g])
-            first, second = (
-                g.on(common) if g else int(self._known(v))
-                for g, v in zip(branches, (x, y), strict=True)
-            )
-            return self._picked(chooser.on(common), first, second)
+        with suppress(UnsupportedError):
+            return self._picked(*self._together(c, x, y))
         # y + c * (x - y) hangs on one word wherever x - y does.
-        chooser, difference = self._together(c, d)
-        assert chooser
-        if difference is None:
-            return plus(y, times(c, int(self._known(d))))
-        return plus(y, self._picked(chooser, difference, 0))
+        return plus(y, self._picked(*self._together(c, minus(x, y), 0)))
 
-    def _picked(self, c: Function, x: "Function | int", y: "Function | int") -> Value:
+    def _picked(self, c: "Function | int", x: "Function | int", y: "Function | int") -> Value:
         """The choice code by code; each branch is looked at only where it is chosen."""
-        word = c.word
-        a, b = c.window()
-        # Outside its window the choice is constant, unless it is no step function there.
-        left, right = c.slopes()
-        a = word.low if left != 0 else max(a - 1, word.low)
-        b = word.high if right != 0 else min(b + 1, word.high)
+        assert isinstance(c, Function)
+        word, (a, b) = c.word, c.changes()
         slopes = []
         for side, code in ((0, a), (1, b)):
             branch = x if c.at(code, code)[0] else y
@@ -786,8 +662,6 @@ class Space:
                     b = max(b, word.high if found is None else min(end + 1, word.high))
                 slope = found or 0
             slopes.append(slope)
-        if b - a >= LONGEST:
-            raise UnsupportedError(f"a choice over a word that takes {b - a} values")
         chosen = c.at(a, b) != 0
         result = np.empty(b - a + 1, dtype=np.int64)
         for where, branch in ((chosen, x), (~chosen, y)):

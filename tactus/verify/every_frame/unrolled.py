@@ -6,6 +6,7 @@ samples is allowed; a write whose address or enable does is not.
 """
 
 import heapq
+from collections import defaultdict
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
@@ -22,7 +23,7 @@ from tactus.verify.every_frame.bits import (
     part,
     unknown,
 )
-from tactus.verify.every_frame.netlist import Cell, Memory, Netlist, NotReadableError, Runs
+from tactus.verify.every_frame.netlist import Cell, Memory, Net, Netlist, NotReadableError, Port
 from tactus.verify.every_frame.operators import MODULAR, ONE, TWO, UNSIGNED, signed
 from tactus.verify.every_frame.sums import UnsupportedError
 
@@ -38,36 +39,32 @@ class Unrolled:
 
     def __init__(self, hardware: Netlist):
         self.hardware = hardware
-        self.now: list[Bits] = [X] * len(hardware.widths)
+        # What nothing has set yet is X.
+        self.now: dict[Net, Bits] = defaultdict(lambda: X)
         for m in hardware.memories:
             # What a memory that is written held at the start is not known.
-            self.now[m.words] = Words(X if w is None or m.write else w for w in m.start)
+            self.now[m.words] = Words([X] * len(m.start) if m.write else m.start)
         self.written = [m for m in hardware.memories if m.write]
         self.held = [r.output for r in hardware.registers] + [m.words for m in self.written]
         self.made: dict[Any, Expression] = {}
         self.clocks = 0
         self.order = _ordered(hardware)
-        self.users: list[list[int]] = [[] for _ in hardware.widths]
+        self.users: dict[Net, list[int]] = defaultdict(list)
         for place, cell in enumerate(self.order):
-            for word in {r.word for runs in cell.inputs.values() for r in runs}:
-                if word is not None:
-                    self.users[word].append(place)
+            for net in _sources(cell):
+                self.users[net].append(place)
         # A heap of the cells whose inputs have changed, each once.
         self.waiting = list(range(len(self.order)))
         self.queued = set(self.waiting)
 
-    def get(self, runs: Runs) -> Bits:
-        if len(runs) == 1:
-            run = runs[0]
-            if run.word is None:
-                return X if run.bits is None else run.bits
-            v = self.now[run.word]
-            return v if run.count == self.hardware.widths[run.word] else part(v, run.low, run.count)
-        known = ((X if r.bits is None else r.bits, 0, r.count) for r in runs)
+    def get(self, port: Port) -> Bits:
+        source, _, count = port[0]
+        if len(port) == 1 and count == getattr(source, "width", 0):
+            return self.now[source]
         return join(
-            p
-            for r, one in zip(runs, known, strict=True)
-            for p in ((one,) if r.word is None else cut(self.now[r.word], r.low, r.count))
+            part
+            for s, low, n in port
+            for part in (cut(self.now[s], low, n) if isinstance(s, Net) else ((s, low, n),))
         )
 
     def expression(
@@ -82,19 +79,19 @@ class Unrolled:
     def sample(self, name: str, width: int) -> Expression:
         return self.expression("sample", width, (), name, name)
 
-    def _set(self, word: int, v: Bits) -> None:
-        if self.now[word] is v or self.now[word] == v:
+    def _set(self, net: Net, v: Bits) -> None:
+        if self.now[net] is v or self.now[net] == v:
             return
-        self.now[word] = v
-        for place in self.users[word]:
+        self.now[net] = v
+        for place in self.users[net]:
             if place not in self.queued:
                 self.queued.add(place)
                 heapq.heappush(self.waiting, place)
 
     def step(self, inputs: Mapping[str, Bits]) -> None:
         """The inputs of this clock, and all wires settled."""
-        for name, word in self.hardware.inputs.items():
-            self._set(word, inputs.get(name, 0))
+        for name, net in self.hardware.inputs.items():
+            self._set(net, inputs.get(name, 0))
         while self.waiting:
             place = heapq.heappop(self.waiting)
             self.queued.discard(place)
@@ -110,14 +107,14 @@ class Unrolled:
     def _behind(self, memory: Memory) -> Words:
         """The words of a memory behind this clock."""
         words: Words = self.now[memory.words]
-        address, data, enable = (self.get(runs) for runs in memory.write or ())
+        address, data, enable = map(self.get, memory.write or ())
         if enable == 0:
             return words
         if unknown(enable) or unknown(address):
             return Words([X] * len(words))
-        if enable != (1 << self.hardware.widths[memory.words]) - 1 or not isinstance(address, int):
+        if enable != (1 << memory.words.width) - 1 or not isinstance(address, int):
             raise UnsupportedError(
-                f"memory {self.hardware.names[memory.words]}, clock {self.clocks}: a write of a "
+                f"memory {memory.words.name}, clock {self.clocks}: a write of a "
                 "part of a word, or whose address or enable hangs on samples"
             )
         return Words(data if place == address else old for place, old in enumerate(words))
@@ -126,11 +123,11 @@ class Unrolled:
         return self.get(self.hardware.outputs[name])
 
     def state(self) -> State:
-        return [self.now[word] for word in self.held]
+        return [self.now[net] for net in self.held]
 
     def restore(self, state: State) -> None:
-        for word, v in zip(self.held, state, strict=True):
-            self._set(word, v)
+        for net, v in zip(self.held, state, strict=True):
+            self._set(net, v)
 
     def abstracted(self) -> State:
         """The state with X in place of all that hangs on samples."""
@@ -161,8 +158,8 @@ class Unrolled:
         return self.expression("$mux", v.width, (select, *inner), v.name)
 
     def _cell(self, cell: Cell) -> Bits:
-        kind, width = cell.kind, self.hardware.widths[cell.output]
-        name, inputs = self.hardware.names[cell.output], cell.inputs
+        kind, inputs = cell.kind, cell.inputs
+        name, width = cell.output.name, cell.output.width
         if kind == "$mux":
             s = self.get(inputs["S"])
             if isinstance(s, int):
@@ -173,17 +170,17 @@ class Unrolled:
         if kind == "$pmux":
             return self._pmux(cell, width, name)
         if kind == "read":
-            words, address = self.now[inputs["M"][0].word or 0], self.get(inputs["A"])
+            words, address = self.get(inputs["M"]), self.get(inputs["A"])
             if isinstance(address, int):
                 return words[address] if address < len(words) else X
-            count = sum(r.count for r in inputs["A"])
+            count = _width(inputs["A"])
             read = (address, count, False)
             return X if unknown(address) else self.expression(kind, width, (read,), name, words)
         if kind not in ONE and kind not in TWO:
             raise NotReadableError(f"cell {name}: {kind} is not known")
         ports = [p for p in "AB" if p in inputs]
         sign = all(cell.signed[p] for p in ports) and kind not in UNSIGNED
-        given = [(self.get(inputs[p]), sum(r.count for r in inputs[p]), sign) for p in ports]
+        given = [(self.get(inputs[p]), _width(inputs[p]), sign) for p in ports]
         if kind in MODULAR:
             # An operand counts in as many bits as the result has.
             given = [(extended(v, n, width, sign), width, sign) for v, n, _ in given]
@@ -203,7 +200,7 @@ class Unrolled:
 
     def _pmux(self, cell: Cell, width: int, name: str) -> Bits:
         v, s, b = (self.get(cell.inputs[port]) for port in "ASB")
-        count = sum(r.count for r in cell.inputs["S"])
+        count = _width(cell.inputs["S"])
         selects = [part(s, k, 1) for k in range(count)]
         if selects.count(1) > 1:
             return X
@@ -235,15 +232,20 @@ def _simple(kind: str, values: list[Bits], width: int) -> Bits | None:
     return None
 
 
+def _width(port: Port) -> int:
+    return sum(count for _, _, count in port)
+
+
+def _sources(cell: Cell) -> set[Net]:
+    return {s for port in cell.inputs.values() for s, _, _ in port if isinstance(s, Net)}
+
+
 def _ordered(hardware: Netlist) -> list[Cell]:
     """The cells, each behind those that it hangs on."""
-    cells: dict[int | None, Cell] = {cell.output: cell for cell in hardware.cells}
-    sources = {
-        word: {r.word for runs in cell.inputs.values() for r in runs} & cells.keys()
-        for word, cell in cells.items()
-    }
+    cells = {cell.output: cell for cell in hardware.cells}
+    sources = {net: _sources(cell) & cells.keys() for net, cell in cells.items()}
     try:
-        return [cells[word] for word in TopologicalSorter(sources).static_order()]
+        return [cells[net] for net in TopologicalSorter(sources).static_order()]
     except CycleError as loop:
-        name = hardware.names[loop.args[1][0]]
+        name = loop.args[1][0].name
         raise NotReadableError(f"a loop of combinational cells through {name}") from None

@@ -47,25 +47,20 @@ class Values:
             return self.of(v)
         if v is X:
             raise UnsupportedError("something that nothing has set reaches a result")
-        v, core = _core(v, width)
-        if core < width:
-            # The bits above repeat the highest one.
-            return self.space.modulo(self.residue(v, core), core, True)
+        # Bits above that repeat the highest one are its sign.
+        parts = list(v)
+        while len(parts) > 1 and parts[-1] == (parts[-2][0], sum(parts[-2][1:]) - 1, 1):
+            parts.pop()
         total: Value = 0
         place = 0
-        for k, (source, low, count) in enumerate(v):
-            piece = (
-                source
-                if isinstance(source, int)
-                else self.residue(source, getattr(source, "width", 0))
-            )
-            if not isinstance(source, int):
-                piece = self.space.floor(piece, low)
-            if k < len(v) - 1:
+        for k, (source, low, count) in enumerate(parts):
+            known = isinstance(source, int)
+            piece = source if known else self.space.floor(self.residue(source, 0), low)
+            if k < len(parts) - 1:
                 piece = self.space.modulo(piece, count, False)
             total = plus(total, times(piece, 1 << place))
             place += count
-        return total
+        return total if len(parts) == len(v) else self.space.modulo(total, place, True)
 
     def of(self, e: Expression) -> Value:
         if e.result is None:
@@ -126,8 +121,8 @@ class Values:
 
     def _compared(self, kind: str, a: Value, b: Value) -> Value:
         d = minus(b, a) if kind in ("$gt", "$le") else minus(a, b)
-        found = self.space.zero(d) if kind[1] in "en" else self.space.negative(d)
-        return minus(1, found) if kind in ("$ne", "$nex", "$le", "$ge") else found
+        found = self.space.zero(d) if kind in ("$eq", "$ne") else self.space.negative(d)
+        return minus(1, found) if kind in ("$ne", "$le", "$ge") else found
 
     def _read(self, e: Expression) -> Value:
         words = np.array([signed(w, e.width) if isinstance(w, int) else 0 for w in e.extra])
@@ -140,17 +135,3 @@ class Values:
 
         ((v, n, _),) = e.arguments
         return self.space.of(looked_up, self.number(v, n, False))
-
-
-def _core(v: Bits, width: int) -> tuple[Bits, int]:
-    """The value without bits above that repeat the highest one."""
-    if not isinstance(v, tuple):
-        return v, width
-    parts = list(v)
-    while len(parts) > 1 and not isinstance(parts[-1][0], int) and parts[-1][2] == 1:
-        source, low, count = parts[-2]
-        if source is not parts[-1][0] or low + count - 1 != parts[-1][1]:
-            break
-        parts.pop()
-        width -= 1
-    return (v, width) if len(parts) == len(v) else (join(parts), width)

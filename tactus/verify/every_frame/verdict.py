@@ -49,9 +49,9 @@ def judge(
     tried = ""
     try:
         proof = Sequences(hardware, given, clock)
-        for claim in proof.prove():
-            tell(f"  {'proved' if claim.shown else 'tried '}  {claim.text}")
-            tried = tried if claim.shown else "; gaps are tried"
+        for text, shown in proof.prove():
+            tell(f"  {'proved' if shown else 'tried '}  {text}")
+            tried = tried if shown else "; gaps are tried"
     except WrongError as reason:
         return Verdict(DIFFERS, str(reason))
     except DiffersError as found:
