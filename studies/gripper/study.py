@@ -72,7 +72,7 @@ def fits(scene: Scene, x: Real, y: Real, new: Real) -> Iterator[tuple[str, int, 
     mean, spread = y.mean(axis=0), y.std(axis=0)
     centre, width = x.mean(axis=0), x.std(axis=0)
     net: Any = mlp.MLPRegressor(
-        (1000, 100, 50),
+        hidden_layer_sizes=(1000, 100, 50),
         batch_size=256,
         max_iter=60,
         random_state=1,
