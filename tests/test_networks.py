@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 from golden.activation.segments import gradient_real
 from golden.common.block import walk
 from golden.input_error import InputError
-from golden.networks.arrangement import arrange, beside
+from golden.networks.arrangement import arrange
 from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
-from golden.networks.left_out import left_out
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
@@ -128,54 +127,6 @@ def test_rails_on_all_sensors(precision) -> None:
     results = design.process(rails)
     assert results.min() >= SIGNAL.low
     assert results.max() <= SIGNAL.high
-
-
-@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
-def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
-    mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
-    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    design = arrange(arrangement, mlps, Hybrid, Settings(EXACT, "gradient"))
-    seen, results = frames, []
-    for mlp in mlps:
-        results.append(Hybrid.of([mlp], Settings(EXACT, "gradient")).process(seen))
-        if arrangement == "cascade":
-            seen = np.concatenate([seen, results[-1]], axis=1)
-    assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
-    for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
-        odd = Hybrid.of([random_mlp(shape, 1.0, 1)], Settings(EXACT, "gradient"))
-        with pytest.raises(InputError, match="got networks of"):
-            replace(design, networks=(design.networks[0], odd))
-
-
-def slow(iterations: int) -> Settings:
-    """The settings of a network that takes a frame only every few clocks."""
-    return Settings(EXACT, "pade", {"rho": 4.0, "iterations": iterations})
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize(
-    ("iterations", "stored", "spacing"), [(2, False, 0), (3, True, 0), (4, True, 0), (5, True, 5)]
-)
-def test_a_cascade_is_as_slow_as_its_slowest_network(iterations, stored, spacing) -> None:
-    """A frame has four elements, of which the networks take two, three and four."""
-    mlps = [random_mlp((2 + i, 2, 1), 1.0, i) for i in range(3)]
-    design = arrange("cascade", mlps, Hybrid, slow(iterations))
-    assert design.interval == max(4, iterations)
-    assert design.input_controller.spacing == spacing
-    assert bool(design.frame_store) == stored
-    assert (design.frame_store in design.parts()) == stored
-    assert any("until it is judged" in text for text in left_out(design)) != stored
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-def test_independent_networks_wait_for_the_slowest() -> None:
-    mlps = [random_mlp((2, 2, 1), 1.0, i) for i in range(3)]
-    design = beside([Hybrid.of([mlp], slow(3 + i)) for i, mlp in enumerate(mlps)])
-    assert design.interval == 5
-    assert {network.input_controller.spacing for network in design.networks} == {5}
-    quick = replace(design.networks[0], min_interval=1)
-    with pytest.raises(InputError, match=r"got intervals of \[3, 5, 5\], expected one interval"):
-        replace(design, networks=(quick, *design.networks[1:]))
 
 
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)

@@ -23,7 +23,7 @@ from tactus.report.draw.area import designs
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.drawing import ACCENT, FAINT, text_width
 from tactus.report.draw.load import beam, has_load
-from tactus.report.draw.named import SIZE, Named, front
+from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
 from tactus.report.draw.profile import profile
 from tactus.report.draw.svg import own_ids
@@ -221,17 +221,6 @@ def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
             draw(load_scene("digit"), 143)
 
 
-def test_a_long_recording_is_drawn_without_the_clocks_in_which_nothing_happens() -> None:
-    """Of 2700 clocks the output is in the last but one, which is numbered behind the gap."""
-    idle = [0] * 2697
-    ports = [flag(0, 1, *idle, 1, 0), data(0, 4096, *idle, 2048, 0)]
-    root = parse(waveforms(ports, "Two elements"))
-    (row,) = [g for g in root.iter(f"{SVG}g") if g.get("data-port") == "top.data"]
-    assert words(row) == ["0.5000", "0.2500"]
-    assert float(root.get("viewBox").split()[2]) < 500
-    assert "2696" in words(root)
-
-
 @pytest.mark.parametrize("name", ["digit", "digit-load", "swing-single"])
 def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
     scene = load_scene(name)
@@ -339,13 +328,6 @@ def test_area_shows_designs_of_four_outputs_within_a_scan_and_the_printed_ones()
     assert (
         found["thesis, single"].clocks == load_scene("digit-single-thesis").twin().output_clocks[-1]
     )
-
-
-def test_a_front_is_what_no_other_point_beats() -> None:
-    points = [Named(*point) for point in (("a", 1, 9), ("b", 5, 5), ("c", 5, 6), ("d", 9, 1))]
-    assert [one.name for one in front(points)] == ["a", "b", "d"]
-    # Equal points do not beat each other.
-    assert [one.name for one in front([Named("a", 1, 1), Named("b", 1, 1)])] == ["a", "b"]
 
 
 @pytest.mark.parametrize("name", ["area.svg", "designs", "error-against-run-time/networks.svg"])
