@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
-from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.node_sum import NodeSum
 from golden.layers.output_integral import OutputIntegral
@@ -42,7 +41,6 @@ def test_node_is_the_rounded_exact_sum(pairs, bias, shift) -> None:
     rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
     expected = min(max(rounded, twin.out_fmt.low), twin.out_fmt.high)
     assert twin.process(np.array(x)).tolist() == [expected]
-    assert int(twin.node.process(x, weights, bias)) == expected
     assert abs(expected) <= bounds.reach or expected == twin.out_fmt.low
 
 
@@ -115,15 +113,6 @@ def test_wrong_shapes_and_codes_are_refused() -> None:
         layer([[131072]], [0])
     with pytest.raises(InputError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
         layer([[1], [2]], [0])
-
-
-def test_a_sum_beyond_the_accumulator_is_refused() -> None:
-    """It is refused even if a later sample brings the sum back."""
-    node = InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, 0, 20)
-    message = "input_node_fraction14_sum20: got sums from 0 to 524288, expected 20 bits"
-    with pytest.raises(InputError, match=message):
-        node.process([64, -64], [8192, 8192], 0)
-    assert node.process([64, -64], [8191, 8191], 0) == 0
 
 
 def scan(inputs, spacing, flags, clock=None):

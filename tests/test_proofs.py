@@ -22,7 +22,7 @@ from tb.common.properties import Property
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 # These are proved in every run. make prove proves all.
-QUICK = ("output_collector",)
+QUICK = ("output_controller",)
 
 
 @pytest.fixture

@@ -1,12 +1,10 @@
 """Argmax tree: the largest of outputs that come all at once, and how far the next is behind it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, group, input_port
 from golden.layers.argmax import Argmax
 from golden.numbers.fixed import Codes, Fix
@@ -27,6 +25,7 @@ class ArgmaxTree(Block):
     """
 
     block = "argmax_tree"
+    part_of = "adder_graph"
     area = "layers"
     fmt: Fix
     outputs: int
@@ -55,31 +54,6 @@ class ArgmaxTree(Block):
     @property
     def latency(self) -> int:
         return self.levels + 1
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        return tuple(
-            Border(f"{one} or {other}", f"{one} less {other}", 0)
-            for one, other in self._rivals(self.outputs)
-        )
-
-    def _rivals(self, count: int) -> Iterator[tuple[int, int]]:
-        """The first outputs of both halves of each pair."""
-        for level in range(self.levels):
-            span = 1 << level
-            for first in range(0, count - span, 2 * span):
-                yield first, first + span
-
-    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
-        """For each pair, by how much the largest output of its first half exceeds the other's."""
-        (codes,) = inputs
-        found = {}
-        for one, other in self._rivals(self.outputs):
-            span = other - one
-            halves = codes[..., one:other], codes[..., other : other + span]
-            largest, rival = (half.max(axis=-1) for half in halves)
-            found[f"{one} less {other}"] = (largest - rival).ravel()
-        return found
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
         """Index and margin of the winner of each frame; see ``Argmax.process``."""

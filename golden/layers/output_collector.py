@@ -2,13 +2,10 @@
 
 from dataclasses import dataclass
 
-from numpy.typing import ArrayLike
-
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 
 
 @dataclass(frozen=True)
@@ -20,6 +17,7 @@ class OutputCollector(Block):
     """
 
     block = "output_collector"
+    part_of = "cascade"
     section = "5.5"
     area = "layers"
     fmt: Fix
@@ -50,13 +48,5 @@ class OutputCollector(Block):
         )
 
     @property
-    def states(self) -> tuple[State, ...]:
-        return (State("results still to leave", range(self.outputs + 1)),)
-
-    @property
     def latency(self) -> int:
         return 1
-
-    def process(self, results: ArrayLike) -> Codes:
-        """The elements that leave, in order, for results of shape (frames, outputs)."""
-        return self.fmt.check(results, f"{self.entity} results", self.outputs).ravel()

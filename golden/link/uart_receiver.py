@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.link.uart_transmitter import BYTE_BITS, check_divisor
 from golden.numbers.fixed import Codes
@@ -41,6 +40,7 @@ class UartReceiver(Block):
     """
 
     block = "uart_receiver"
+    part_of = "uart_instrument"
     area = "link"
     divisor: int
 
@@ -58,10 +58,6 @@ class UartReceiver(Block):
                 "line_error", "one clock long: a byte without a stop bit, which is dropped"
             ),
         )
-
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (State("bit that a reset cuts", range(BYTE_BITS)),)
 
     @property
     def synchroniser(self) -> int:

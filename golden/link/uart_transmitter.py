@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
@@ -35,6 +34,7 @@ class UartTransmitter(Block):
     """
 
     block = "uart_transmitter"
+    part_of = "uart_instrument"
     area = "link"
     divisor: int
 
@@ -50,10 +50,6 @@ class UartTransmitter(Block):
             output_port("in_ready", "a byte is taken in this clock if there is one"),
             output_port("tx", "the line; from a register"),
         )
-
-    @property
-    def states(self) -> tuple[State, ...]:
-        return (State("bit that a reset cuts", range(BYTE_BITS)),)
 
     @property
     def latency(self) -> int:

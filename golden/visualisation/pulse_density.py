@@ -23,6 +23,7 @@ class PulseDensity(Block):
     """
 
     block = "pulse_density"
+    part_of = "uart_instrument"
     area = "visualisation"
     fmt: Fix
 

@@ -99,7 +99,7 @@ HARDWARE = KeyTable(
             "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
             "for. It is for two outputs or more. `engine`, `hybrid` and `lanes` have it with any "
             "front end. `adder_graph` and `table_graph` give their outputs in one clock and have a "
-            "tree ([argmax_tree](blocks/argmax_tree.md)). Behind `axi_stream` both "
+            "tree ([adder_graph](blocks/adder_graph.md)). Behind `axi_stream` both "
             "numbers are `m_axis_tuser` of the last output "
             "([axis_network](blocks/axis_network.md)).",
         ),

@@ -45,7 +45,7 @@ VISUALISATION = KeyTable(
             "",
             "How the profile leaves for an oscilloscope. `pulse_density` adds two bits, `dac_x` "
             "and `dac_y`, whose density of ones gives the point of the profile. Each bit needs a "
-            "low pass in front of the x-y input ([pulse_density](blocks/pulse_density.md)). It "
+            "low pass in front of the x-y input ([uart_instrument](blocks/uart_instrument.md)). It "
             "needs a section [uart](#uart).",
         ),
     },

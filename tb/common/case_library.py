@@ -88,7 +88,6 @@ DEEP_GRAPHS = {
     ),
 }
 # Five outputs leave one without a pair in two levels, three outputs in one, and two in none.
-TREES = {name: DEEP_GRAPHS[name] for name in ("flat-graph", "relu-graph", "deep-graph")}
 ADDER_GRAPHS |= DEEP_GRAPHS
 
 # Networks of learned functions: sums that leave their words, as few bits as there may be, one

@@ -2,7 +2,8 @@
 
 The first properties are of an engine that takes images, and the second ones of an engine that
 learns. The others are those of converter_instrument, in a case without such an engine and without a
-profile.
+profile. At the end stand those of the line's receiver and transmitter, and of
+the pulse density.
 """
 
 from golden.link.uart_transmitter import BYTE_BITS
@@ -230,3 +231,203 @@ def rests(twin):
         ),
         clocks=12,
     )
+
+
+def uart_receiver(twin):
+    bit, half, stop = twin.divisor, twin.divisor // 2, twin.stop_clocks
+    watch = f"""
+        // The line one, two and three clocks ago; clocks to the next look at it, 0 for none, and
+        // looks that were taken.
+        reg one = 1, two = 1, three = 1;
+        reg [7:0] ahead = 0;
+        reg [3:0] looks = 0;
+        always @(posedge clk) begin
+            one <= rx;
+            two <= one;
+            three <= two;
+            if (ahead == 0) begin
+                ahead <= three && !two ? {half} : 0;
+                looks <= 0;
+            end else if (ahead == 1) begin
+                ahead <= looks == 9 || (looks == 0 && two) ? 0 : {bit};
+                looks <= looks + 1;
+            end else ahead <= ahead - 1;
+            if (rst) begin
+                one <= 1;
+                two <= 1;
+                three <= 1;
+                ahead <= 0;
+            end
+        end
+    """
+    ended = """
+        reg good = 0, bad = 0;
+        always @(posedge clk) begin
+            good <= !rst && ahead == 1 && looks == 9 && two;
+            bad <= !rst && ahead == 1 && looks == 9 && !two;
+        end
+    """
+    helps = (
+        f"ahead <= {bit}",
+        "looks <= 9 || ahead == 0",
+        f"ahead == 0 || looks != 0 || ahead <= {half}",
+        "raised == one",
+        "line == two",
+        "earlier == three",
+        "running == (ahead != 0)",
+        f"ahead == 0 || tick == {bit} - ahead",
+        "ahead == 0 || place == looks",
+    )
+    return [
+        Property(
+            name="looks",
+            sentence=f"Where the line falls while no byte is under way, it is read {half} clocks "
+            "later, and the byte ends there if the line is 1. If the line is 0, it is read every "
+            f"{bit} clocks from then on, nine times, and the byte ends with the last reading. The "
+            "line is read at no other time.",
+            states=("running == (ahead != 0)", "sample == (ahead == 1)"),
+            watch=watch,
+            helps=helps,
+            reached=("looks == 3",),
+            refuted_by=(
+                (r"earlier && \(!line\)", "earlier"),
+                (r"earlier && \(!line\)", "(!line)"),
+                (rf"tick <= {bit - half};", "tick <= 0;"),
+                (rf"tick == {bit - 1}", f"tick == {bit - 2}"),
+                (r"\(place == 0\) && line", "(place == 0) && 0"),
+                (r"\(place == 0\) && line", "line"),
+            ),
+            clocks=stop + 8,
+        ),
+        Property(
+            name="bytes",
+            sentence="One clock after the last of these readings, at the stop bit, out_valid is "
+            "high if the line was 1, and out_data are the eight bits before it, the lowest first. "
+            "If the line was 0, line_error is high. Neither is high in any other clock.",
+            states=("out_valid == good", "line_error == bad", "!good || out_data == bits"),
+            watch=watch
+            + ended
+            + """
+                reg [7:0] bits = 0;
+                always @(posedge clk)
+                    if (ahead == 1 && looks != 9) bits <= {two, bits[7:1]};
+            """,
+            helps=(
+                *helps,
+                "ahead == 0 || ((kept ^ bits) >> (looks > 8 ? 0 : 8 - looks)) == 0",
+            ),
+            reached=("out_valid", "line_error"),
+            whole=True,
+            refuted_by=(
+                (r"out_valid <= \(ends && line\)", "out_valid <= ends"),
+                (r"place == 9", "place == 8"),
+                (r"\{line, kept", "{earlier, kept"),
+            ),
+            clocks=stop + 6,
+        ),
+        Property(
+            name="distance of bytes",
+            sentence=f"From one byte to the next there are at least {twin.interval} clocks.",
+            states=(f"!out_valid || apart >= {twin.interval}",),
+            watch=watch
+            + ended
+            + since("apart", "out_valid", twin.interval)
+            + f"""
+                // Clocks of the byte under way so far.
+                wire [7:0] age = ahead == 0 ? 0 : {half + 1} + {bit} * looks - ahead;
+            """,
+            helps=(
+                *helps,
+                "out_valid == good",
+                f"apart <= {twin.interval}",
+                "out_valid || apart >= age",
+                "!out_valid || ahead == 0",
+                f"!out_valid || apart >= {twin.interval}",
+            ),
+            reached=("out_valid",),
+            refuted_by=((r"out_valid <= \(ends && line\)", "out_valid <= (sample && line)"),),
+            clocks=stop + 6,
+        ),
+    ]
+
+
+def uart_transmitter(twin):
+    bit, whole = twin.divisor, twin.interval
+    return [
+        Property(
+            name="bits of a byte",
+            sentence=f"From one clock after a byte is taken, tx is 0 for {bit} clocks, then each "
+            f"bit of the byte for {bit} clocks, the lowest first, and then 1 for {bit} clocks. "
+            "Without a byte, and after a reset, tx is 1. The next byte is taken in the last clock "
+            "of the stop bit, or later.",
+            states=(
+                "tx == (age == IDLE || all_bits[age / BIT])",
+                "in_ready == (age == IDLE || age == IDLE - 1)",
+            ),
+            watch=f"""
+                localparam [15:0] BIT = {bit}, IDLE = {whole};
+                // Clocks since the start bit began.
+                reg [15:0] age = IDLE;
+                reg [7:0] taken = 0;
+                wire [{BYTE_BITS - 1}:0] all_bits = {{1'b1, taken, 1'b0}};
+                wire [{2 * BYTE_BITS - 1}:0] moved = {{{{{BYTE_BITS}{{1'b1}}}}, all_bits}}
+                    >> (age / BIT);
+                always @(posedge clk) begin
+                    if (in_valid && in_ready) taken <= in_data;
+                    age <= in_valid && in_ready ? 0 : age == IDLE ? IDLE : age + 1;
+                    if (rst) age <= IDLE;
+                end
+            """,
+            helps=(
+                "age <= IDLE",
+                f"left == (age == IDLE ? 0 : {BYTE_BITS} - age / BIT)",
+                "tick == (age == IDLE ? 0 : age % BIT)",
+                f"line == (age == IDLE ? {(1 << BYTE_BITS) - 1} : moved[{BYTE_BITS - 1}:0])",
+            ),
+            reached=("age == IDLE - 1",),
+            whole=True,
+            refuted_by=(
+                (r"tick == \d+", "tick == 0"),
+                (r"\(left == 1\) && ends", "(left == 1)"),
+                (r"\{1'b1, in_data, 1'b0\}", "{1'b1, ~in_data, 1'b0}"),
+                (r"\{1'b1, line", "{1'b0, line"),
+            ),
+            clocks=whole + 6,
+        )
+    ]
+
+
+def pulse_density(twin):
+    width, low = twin.fmt.width, -twin.fmt.low
+    return [
+        Property(
+            name="as many ones as are asked for",
+            sentence=f"The sum of all codes since a reset, each increased by {low}, is 2^{width} "
+            "times the number of ones that were given, plus a remainder that is smaller than "
+            f"2^{width}.",
+            states=("asked_for == {ones + {31'b0, out_bit}, remainder}",),
+            watch=f"""
+                // Modulo 2^{32 + width}.
+                reg [{31 + width}:0] asked_for = 0;
+                reg [31:0] ones = 0;
+                wire [{width - 1}:0] above_low = in_data + {low};
+                always @(posedge clk) begin
+                    asked_for <= rst ? 0 : asked_for + {{32'b0, above_low}};
+                    ones <= rst ? 0 : ones + {{31'b0, out_bit}};
+                end
+            """,
+            reached=("out_bit",),
+            whole=True,
+            refuted_by=(
+                (r"asked\[13\] = \(!in_data\[13\]\)", "asked[13] = in_data[13]"),
+                (r"given <= total\[14\]", "given <= total[13]"),
+            ),
+        )
+    ]
+
+
+PARTS = {
+    "uart_receiver": uart_receiver,
+    "uart_transmitter": uart_transmitter,
+    "pulse_density": pulse_density,
+}

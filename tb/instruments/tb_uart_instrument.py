@@ -15,7 +15,7 @@ outputs, the winner and every point of the profile bit for bit and in their cloc
 pulse density in every clock, and that each point was shown; ``converter_error`` in every clock;
 every limit of the converter's timing.
 Does not prove: that each bit which shows the presence of a converter is checked
-(tb_converter_reader does); that bytes of every speed are received (tb_uart_receiver does).
+(tb_converter_reader does); that bytes of every speed are received (prove_uart_instrument does).
 """
 
 from dataclasses import dataclass, field, replace

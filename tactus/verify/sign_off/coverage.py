@@ -1,6 +1,6 @@
 """Counts how often the bench of each block meets the borders, states and port values of its twin.
 
-    make coverage [BLOCK=input_node] [RECORD=1]
+    make coverage [BLOCK=input_integral] [RECORD=1]
 
 runs the benches on Icarus, each on the entities that stand for its block. It counts how often each
 side of every border, every state and every value of a port was met. A bench that leaves one of them
