@@ -18,7 +18,7 @@ from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, Outcome, run_job
 from tactus.verify.sign_off.mutate import flat, score
 from tactus.verify.sign_off.mutate.explained import explain, explanations
-from tactus.verify.sign_off.mutate.mutants import make_mutants, write_netlists
+from tactus.verify.sign_off.mutate.mutants import given, make_mutants, write_netlists
 from tactus.verify.sign_off.mutate.population import population
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
@@ -204,6 +204,29 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     # The proof over several clocks is not tried for an explained mutant.
     explained = proved(chosen, "counter", tmp_path, {}, {1, 3})
     assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
+
+
+TWICE = """
+module twice(clk, rst, in_valid, in_data, one, two);
+input clk, rst, in_valid;
+input [3:0] in_data;
+output [3:0] one, two;
+counter u_0 (.clk(clk), .rst(rst), .in_valid(in_valid), .in_data(in_data), .out_data(one));
+counter u_1 (.clk(clk), .rst(rst), .in_valid(in_valid), .in_data(~in_data), .out_data(two));
+endmodule
+"""
+
+
+def test_a_part_that_is_there_twice_is_mutated_and_proved_with_its_block(tmp_path: Path) -> None:
+    (tmp_path / "counter.v").write_text(CHANGES)
+    (tmp_path / "twice.v").write_text(TWICE)
+    commands = make_mutants(["counter.v", "twice.v"], "twice", 60, 1, tmp_path, ["counter"])
+    assert {given(command)["module"] for command in commands} == {"counter", "twice"}
+    sound, *_ = write_netlists(commands, "twice", tmp_path, ["counter"])
+    assert re.findall(r"^module (\w+)", sound.read_text(), re.M) == ["counter", "twice"]
+    found = {describe(command, tmp_path)[1]: command for command in commands}
+    chosen = [found["count + 1: A[1] stuck at 0"], found["count + 1: Y[1] inverted"]]
+    assert [verdict for verdict, _ in proved(chosen, "twice", tmp_path, {})] == [SAME, OTHER]
 
 
 @pytest.mark.all_only
