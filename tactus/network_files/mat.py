@@ -10,8 +10,7 @@ from golden.input_error import InputError
 from golden.trained.dense import Trained
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.numbers import real_numbers
-from tactus.network_files.parsed import ParsedNetwork
+from tactus.network_files.parsed import ParsedNetwork, real_numbers
 
 # Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
 TRANSPOSED = True

@@ -11,8 +11,7 @@ from golden.trained.dense import Quantiser, Trained, layers_of
 from golden.trained.function import Function
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.numbers import real_numbers
-from tactus.network_files.parsed import ParsedNetwork
+from tactus.network_files.parsed import ParsedNetwork, real_numbers
 
 # In this format, the rows of a weight matrix are nodes.
 TRANSPOSED = False

@@ -23,8 +23,7 @@ from golden.trained.mlp import shifted
 from tactus.core.files import reading
 from tactus.network_files import classifier, quantisers
 from tactus.network_files.functions import EXPRESSIONS, function_of
-from tactus.network_files.numbers import real_numbers
-from tactus.network_files.parsed import ParsedNetwork
+from tactus.network_files.parsed import ParsedNetwork, real_numbers
 
 # Whatever their order in the file, weights are described with nodes in rows.
 TRANSPOSED = False

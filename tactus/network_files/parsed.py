@@ -1,7 +1,12 @@
 """The content of a network file, which is the same for every form of file."""
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.dense import LEAK, Quantiser
 from golden.trained.function import Function
@@ -54,3 +59,11 @@ class ParsedNetwork:
     def quantiser(self, layer: int) -> Quantiser | None:
         """The quantiser behind the activation of a layer; the last layer has none."""
         return self.quantisers[layer] if layer < len(self.quantisers) else None
+
+
+def real_numbers(path: Path, name: str, value: Any) -> Real:
+    """Turn an array into float64."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{path}: {name}: got {array.dtype}, expected real numbers")
+    return array.astype(np.float64)

@@ -269,6 +269,23 @@ def beside(path: Path, key: str, name: str) -> Path:
     return Path(os.path.normpath(path.parent / name))
 
 
+def outputs_or_classes(data: dict[str, Any], path: Path) -> None:
+    """Refuse a scene with both outputs and classes, or with neither.
+
+    ``data`` is the section as it was written, without a key that is left out.
+    """
+    if "outputs" not in data and "classes" not in data:
+        raise InputError(
+            f"{path}: data.outputs: missing, expected a list of column names, or a column of "
+            "labels in data.classes"
+        )
+    if "outputs" in data and "classes" in data:
+        raise InputError(
+            f"{path}: data.classes: got {data['classes']!r} beside data.outputs, expected one of "
+            "both keys"
+        )
+
+
 def check_data(data: dict[str, Any], path: Path) -> None:
     """Refuse columns, units and a reference that are not possible."""
     both = [name for name in data["outputs"] if name in data["sensors"]]

@@ -38,23 +38,6 @@ BEYOND = 1.25
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 
 
-def outputs_or_classes(data: Mapping[str, Any], path: Path) -> None:
-    """Refuse a scene with both outputs and classes, or with neither.
-
-    ``data`` is the section as it was written, without a key that is left out.
-    """
-    if "outputs" not in data and "classes" not in data:
-        raise InputError(
-            f"{path}: data.outputs: missing, expected a list of column names, or a column of "
-            "labels in data.classes"
-        )
-    if "outputs" in data and "classes" in data:
-        raise InputError(
-            f"{path}: data.classes: got {data['classes']!r} beside data.outputs, expected one of "
-            "both keys"
-        )
-
-
 def check_classes(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Refuse keys that cannot be combined with classes."""
     data, network = values["data"], values["network"]

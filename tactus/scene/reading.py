@@ -8,15 +8,16 @@ from golden.numbers.precision import PRECISIONS
 from tactus.core.files import check_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import (
-    Key,
-    KeyTable,
-    check_names,
-    read_toml,
-    refuse_outside,
-    values_of,
+from tactus.core.schema import Key, KeyTable, check_names, read_toml, refuse_outside, values_of
+from tactus.scene.data import (
+    DATA,
+    beside,
+    check_data,
+    check_window,
+    outputs_or_classes,
+    read_window,
+    recordings,
 )
-from tactus.scene.data import DATA, beside, check_data, check_window, read_window, recordings
 from tactus.scene.front_end import FRONT_END, front_end
 from tactus.scene.hardware import (
     HARDWARE,
@@ -27,7 +28,7 @@ from tactus.scene.hardware import (
     design_options,
     price,
 )
-from tactus.scene.labels import check_classes, output_names, outputs_or_classes, read_labels
+from tactus.scene.labels import check_classes, output_names, read_labels
 from tactus.scene.network import NETWORK, members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene

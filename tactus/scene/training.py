@@ -7,17 +7,7 @@ from typing import Any
 from golden.input_error import InputError
 from golden.numbers.precision import PRECISIONS
 from golden.trained.dense import ACTIVATIONS
-from tactus.core.schema import (
-    Alternatives,
-    Flag,
-    Key,
-    KeyTable,
-    List,
-    Number,
-    Span,
-    Text,
-    Whole,
-)
+from tactus.core.schema import Alternatives, Flag, Key, KeyTable, List, Number, Span, Text, Whole
 from tactus.scene.disturbance import MOST, Disturbance
 from tactus.scene.network import MOST_HIDDEN, listed
 
