@@ -123,6 +123,7 @@ class Copy:
             Job(scene, part.entity, part.block, part.area, ("file.v",), "icarus", build=folder)
             for scene in map(load_scene, ("digit", "digit-hybrid"))
             for part in walk(scene.twin())
+            if not part.part_of
         ]
         for job in self.jobs:
             job.hdl_folder.mkdir(parents=True, exist_ok=True)
