@@ -47,7 +47,7 @@ TARGETS = {
 # Calls, and the message for each.
 CALLS = {
     "sim mine.toml --block engin": "BLOCK=engin: no such block; did you mean 'engine'?",
-    "sim mine.toml --block divider": "BLOCK=divider: divider is a part of load_profile; ask for",
+    "sim mine.toml --block ramp": "BLOCK=ramp: ramp is a part of load_profile; ask for",
     "sim mine.toml --block engine": (
         "BLOCK=engine: scene mine has no such block, .*; scene digit contains"
     ),

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
+from golden.common.border import Border, border_among
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, check_unsigned
@@ -36,7 +37,6 @@ class Divider(Block):
     """
 
     block = "divider"
-    part_of = "load_profile"
     section = "5.8"
     area = "visualisation"
     distance_width: int
@@ -94,6 +94,24 @@ class Divider(Block):
     def numerator_width(self) -> int:
         """Bits of distance * gain, before the zeros that become the quotient's fraction."""
         return (((1 << self.distance_width) - 1) * self.gain).bit_length()
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (border_among("saturates", "quotient", 1 << self.out_width, self.about_border[2]),)
+
+    @property
+    def about_border(self) -> tuple[Codes, Codes, Codes]:
+        """For every width the two distances around which the quotient saturates, with quotients."""
+        widths = np.arange(1, 1 << self.width_width, dtype=np.int64)
+        step = self.gain << (self.out_frac - self.gain_frac)
+        first = -(-(widths << self.out_width) // step)
+        distances, width = np.concatenate([first - 1, first]), np.tile(widths, 2)
+        there = distances < 1 << self.distance_width
+        distances, width = distances[there], width[there]
+        return distances, width, self.quotient(distances, width)
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return {"quotient": self.quotient(*inputs)}
 
     def quotient(self, distance: Codes, width: Codes) -> Codes:
         """The quotient before it saturates."""

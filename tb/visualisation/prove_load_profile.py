@@ -1,4 +1,4 @@
-"""Proved properties of load_profile, whatever its parts give, and of its divider."""
+"""Proved properties of load_profile, whatever its parts give, and of its table."""
 
 from tb.common.properties import Property
 from tb.common.watch import read_only
@@ -57,49 +57,8 @@ def properties(twin):
     ]
 
 
-def divider(twin):
-    late = twin.latency
-    return [
-        Property(
-            name="no overflow",
-            sentence="While digits are found, the remainder is below the divisor, and their "
-            "difference keeps every bit, so that no step loses a bit. The numerator has room for "
-            "every distance.",
-            states=(
-                "remaining == 0 || load || remainder < divisor",
-                "whole_trial == $signed(trial)",
-                "whole_product == product",
-            ),
-            watch=f"""
-                // Clocks since the one after the last in_valid; 255 where a reset came since.
-                reg begun = 0;
-                reg [7:0] age = 255;
-                always @(posedge clk) begin
-                    begun <= !rst && in_valid;
-                    age <= rst ? 255 : begun ? 0 : age == 255 ? 255 : age + 1;
-                end
-                wire signed [63:0] whole_trial = $signed({{32'b0, shifted}})
-                    - $signed({{32'b0, divisor}});
-                wire [63:0] whole_product = in_distance * 64'd{twin.gain};
-            """,
-            helps=(
-                "load == begun",
-                f"remaining == (age < {late - 2} ? {late - 2} - age : 0)",
-                "remaining == 0 || load || divisor != 0",
-            ),
-            reached=("remaining == 1",),
-            refuted_by=(
-                (r"if \(fits\)", "if (!fits)"),
-                (r"divisor <= 1;", "divisor <= 0;"),
-                (r"wire \[16:0\] product", "wire [15:0] product"),
-            ),
-            clocks=late + 2,
-        ),
-    ]
-
-
 def exp_memory(twin):
     return [read_only(twin, ((r"0: word <= ", "0: word <= 1 + "),))]
 
 
-PARTS = {"divider": divider, "exp_memory": exp_memory}
+PARTS = {"exp_memory": exp_memory}

@@ -1,0 +1,110 @@
+"""divider against its twin.
+
+Sweeps: every pair of an extreme distance and an extreme width, with widths of 0, of 1 and of each
+single bit among them; for 400 widths, the distances around the one at which the quotient saturates;
+2000 random pairs.
+Drives: the pairs that the recorded frames bring, as close as the block takes them; then those of
+the sweep likewise, in random order with gaps and resets, and closer than the block takes them.
+Checks: the quotient bit for bit, and the clock in which it appears; that it stays; that a pair
+which is followed too soon has no quotient.
+Does not prove: that all pairs are right (tests/test_visualisation.py compares random ones with the
+steps of the twin).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.case_library import OTHER_PROFILES
+from tb.common.recorded_frames import check_recorded
+from tb.common.stimulus import spread
+from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+
+CASES = OTHER_PROFILES
+
+INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
+OUTPUTS = {"out_data": UNSIGNED}
+# How many pairs are played at a time, so that the recording stays small.
+CHUNK = 1024
+
+
+def extremes(bits):
+    top = (1 << bits) - 1
+    return np.array([0, 1, 2, 3, 5, top // 2, top // 2 + 1, top - 1, top])
+
+
+def pairs(bench):
+    twin, rng = bench.twin, bench.rng
+    most, widest = (1 << twin.distance_width) - 1, (1 << twin.width_width) - 1
+    # A comparison with 0 that ignores a bit takes a width with only that bit for 0.
+    some = np.union1d(extremes(twin.width_width), 1 << np.arange(twin.width_width))
+    grid = np.meshgrid(extremes(twin.distance_width), some)
+    widths = np.sort(rng.integers(1, widest + 1, 400))
+    # The first quotient that saturates has distance * gain / width = 2 ** integer bits.
+    border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
+    near = border + rng.integers(-1, 3, 400)
+    about, at, quotients = twin.about_border
+    closest = np.argsort(np.abs(quotients - (1 << twin.out_width)), kind="stable")
+    closest = np.concatenate(
+        [
+            closest[beyond[closest]][:20]
+            for beyond in (quotients >> twin.out_width > 0, quotients >> twin.out_width == 0)
+        ]
+    )
+    distances = [grid[0].ravel(), np.clip(near, 0, most), about[closest]]
+    distances.append(rng.integers(0, most + 1, 2000))
+    every = [grid[1].ravel(), widths, at[closest], rng.integers(0, widest + 1, 2000)]
+    return {"in_distance": np.concatenate(distances), "in_width": np.concatenate(every)}
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process, interval=bench.twin.interval)
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    items = pairs(bench)
+    for start in range(0, len(items["in_width"]), CHUNK):
+        part = {name: values[start : start + CHUNK] for name, values in items.items()}
+        await check_stream(bench, part, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    bench.finish(at_least=2400)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_gaps_and_resets(
+        bench, pairs(bench), INPUTS, OUTPUTS, twin.process, interval=twin.interval
+    )
+
+
+@cocotb.test()
+async def early(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_early(bench, pairs(bench), INPUTS, OUTPUTS, twin.process, twin.interval)
+
+
+@cocotb.test()
+async def stays(dut):
+    """Check that a quotient stays until ``out_width`` clocks before the next one."""
+    bench = Bench(dut)
+    twin, rng, count = bench.twin, bench.rng, 200
+    every = pairs(bench)
+    order = rng.integers(0, len(every["in_width"]), count)
+    items = {name: values[order] for name, values in every.items()}
+    pause = rng.integers(twin.interval - 1, 3 * twin.interval, count)
+    drive = spread(rng, items, "in_valid", gap=0.0, tail=bench.latency + 4, pause=pause)
+    recording = await bench.play(drive, ["out_valid", "out_data"])
+    left = recording.rows("out_valid")
+    clocks = np.diff(left, append=recording.clocks + twin.out_width) - twin.out_width
+    first = np.repeat(left, clocks)
+    rows = first + np.arange(len(first)) - np.repeat(np.cumsum(clocks) - clocks, clocks)
+    got, expected = (recording.unsigned("out_data", at) for at in (rows, first))
+    bench.compare("out_data", got, expected, clock=rows)
+    bench.finish(at_least=10 * count)
