@@ -192,7 +192,7 @@ def test_a_file_that_was_changed_or_taken_out_is_red_by_name(copied: Path, patte
         assert check(copied, "digests") == 1
         (result,) = read_results(copied)
         assert (result.colour, result.step) == ("red", "digests")
-        assert result.figure.startswith(f"changed: {file.relative_to(copied)} of 1,")
+        assert result.figure.startswith(f"changed: {file.relative_to(copied)} (1 in all),")
         file.unlink(missing_ok=True)
 
 
