@@ -197,9 +197,12 @@ def main() -> int:
     one = whole("THETA", SIGNAL.low, SIGNAL.high)
     theta = [one(text) for text in arguments.theta.split(",") if text]
     rig = load_scene(arguments.hardware) if arguments.hardware else None
-    # A path may have blanks in it.
-    whole_path = Path(arguments.scene).exists()
-    names = [arguments.scene] if whole_path else words("SCENE", arguments.scene)
+    # A path may have blanks in it; a long list of names is too long for one.
+    try:
+        names = [arguments.scene] if Path(arguments.scene).exists() else None
+    except OSError:
+        names = None
+    names = names or words("SCENE", arguments.scene)
     scenes = [load_scene(name) for name in names]
     asked = [(scene, description(scene, theta, rig), rig or scene) for scene in scenes]
     built = {hardware.name for *_, hardware in asked}
