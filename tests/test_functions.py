@@ -95,3 +95,10 @@ def test_3_18_at_chosen_points(power: int, width: float) -> None:
     ):
         found = power_load(position, load, centre, steepness, power)
         assert found == pytest.approx(value, abs=1e-12)
+
+
+@pytest.mark.parametrize("power", [2, 4, 6, 50])
+def test_3_18_has_the_area_of_the_gamma_function(power: int) -> None:
+    x = np.linspace(-4, 4, 200_001)
+    area = np.trapezoid(power_load(x, 0.9, 0.0, 5.0, power), x)
+    assert area == pytest.approx(0.9 * 2 * math.gamma(1 + 1 / power) / 5, rel=1e-7)

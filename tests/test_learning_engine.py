@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pages import section
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.input_error import InputError
@@ -330,3 +331,20 @@ def test_known_outputs_of_the_wrong_length_or_without_a_frame_are_not_kept(small
         desk.play([], learn=1, clocks=5 * twin.longest_equation)
         assert not desk.timeline.met["placements"]
         assert not desk.timeline.met["steps taken"]
+
+
+@pytest.mark.pages
+def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None:
+    page, program = section("learning", "As a program of an engine"), twin.program
+    frame, keep, *equations = program.lengths
+    assert f"| frame | {frame} |" in page
+    assert f"| keep | {keep} |" in page
+    assert f"| equations | {', '.join(map(str, equations))} |" in page
+    *most, last = twin.equation_clocks
+    assert f"{', '.join(map(str, most))} or {last} clocks" in page
+    clocks = 400 * 20 * sum(twin.equation_clocks)
+    assert f"take {clocks:,} clocks, {clocks / 64e3:.0f} ms" in page
+    assert f"{len(program.table) + len(program.words):,} words with the table" in page
+    assert f"{program.acc_width} bits" in page
+    assert f"{twin.placements}\n  placements" in page
+    assert f"the first {program.begun_alike} steps" in page

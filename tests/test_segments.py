@@ -9,6 +9,7 @@ import pytest
 from golden.activation import segments
 from golden.activation.gradient import gradient_for
 from golden.activation.segments import coefficient_codes
+from golden.input_error import InputError
 from golden.numbers.precision import EXACT, SIGNAL, THESIS
 from tactus.scene.data import NUMBERS
 
@@ -72,3 +73,26 @@ def test_segments_out_of_reach_are_left_out_and_change_nothing(precision, reach)
     assert len(lean.table.thresholds) < len(full.table.thresholds)
     codes = np.arange(-limit, limit + 1)
     assert np.array_equal(lean.process(codes), full.process(codes))
+
+
+def test_binary_points_of_table_4_3() -> None:
+    """For Q = 3, every coefficient has the binary point that the thesis prints."""
+    codes, frac = coefficient_codes(3, 14, 13)
+    assert frac == 13
+    for code, gradient, point in zip(
+        codes, segments.GRADIENT, THESIS_TABLE["binary_point_gradient"], strict=True
+    ):
+        assert code == int(3 * gradient * 2**point + 0.5) << (13 - point)
+
+
+def test_largest_error_of_a_gradient_word() -> None:
+    """It is the figure of the datasheet, over every Q that ``thesis`` accepts."""
+    with pytest.raises(InputError, match=r"thresholds .* coincide|leaves"):
+        gradient_for(THESIS, 1967, SIGNAL.high)
+    worst = 0.0
+    for factor in range(1, 1967):
+        codes, frac = coefficient_codes(factor, 14, 13)
+        for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
+            reach = min(1.0, upper / factor)
+            worst = max(worst, abs(code / 2**frac - gradient * factor) * reach * 8192)
+    assert 0.58 < worst < 0.59

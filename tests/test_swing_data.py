@@ -18,8 +18,10 @@ from tactus.physics.rig import Rig
 from tactus.physics.swing import Swing, swing_motion
 from tactus.physics.swing_data import (
     ANGLES,
+    BOUND,
     COLUMNS,
     FRAME_MASS,
+    LEAST_WOBBLE,
     Coding,
     independent_run,
     record,
@@ -129,3 +131,39 @@ def test_the_command(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"swing-train.csv", "swing.toml"}
     result = subprocess.run([*command, "--angles", "80"], cwd=ROOT, capture_output=True, text=True)
     assert (result.returncode, result.stderr) == (2, "error: angle: got 80, expected -60 to 60\n")
+
+
+def test_raw_signals_are_the_10_to_60_mv_of_section_6_4_2() -> None:
+    """Both ends, and the gains of 10 and 80, follow from one sensitivity, which we chose."""
+    recording = record(ANGLES[0], 1, 0.0)
+    raw = 1e3 * np.ptp(recording.sensors, axis=0) / [10, 80, 10]
+    assert raw[[0, 2]] == pytest.approx(60, rel=0.08)
+    assert raw[1] == pytest.approx(10, rel=0.08)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sensors_1_and_3_are_in_antiphase(name: str) -> None:
+    """Figure 6.14 shows this."""
+    sensors = shipped(name)
+    assert np.corrcoef(sensors[:, 0], sensors[:, 2])[0, 1] < -0.85
+    assert abs(np.corrcoef(sensors[:, 0], sensors[:, 4])[0, 1]) > 0.9
+
+
+def test_targets_are_coded_as_section_6_4_4_has_it() -> None:
+    targets = shipped("swing-train")[:, 3:]
+    assert np.abs(targets).max(axis=0) == pytest.approx(BOUND, abs=1e-4)
+    assert targets.mean(axis=0) == pytest.approx(0, abs=1e-4)
+    for name in NAMES[1:]:
+        # The seed decides how large a wobble is, independently of the training run.
+        assert np.abs(shipped(name)[:, 4:]).max() < BOUND
+        assert np.abs(shipped(name)[:, 3]).max() < BOUND / LEAST_WOBBLE
+
+
+def test_the_rig_stands_on_the_plate_as_figure_6_8_has_it() -> None:
+    rig = Rig(offset=0)
+    assert np.ptp(rig.feet, axis=0) == pytest.approx([0.6, 0.35])
+    assert rig.feet.mean(axis=0) == pytest.approx([0.455, 0.275])
+    assert rig.sensors[1] == pytest.approx([0.455, 0.275])
+    # The sensor is in line with the feet, on the axis.
+    assert rig.sensors[[0, 2], 0] == pytest.approx([rig.feet[0, 0], rig.feet[2, 0]])
+    assert rig.sensors[:, 1] == pytest.approx(0.275)
