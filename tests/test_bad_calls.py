@@ -73,6 +73,8 @@ CALLS = {
     "sim --netlist ecp5 --record": "every family, expected NETLIST=1 or NETLIST=unknown",
     "sim --record": "RECORD=1: got no NETLIST, expected 1 or unknown",
     "mutate --record --seed 2": "RECORD=1: got SEED=2, expected none",
+    f"prove --scene '{'finger ' * 50}'": "scene 'finger': no such scene, expected a path",
+    "prove --scene 'mine.toml ./mine.toml'": "expected scenes of different hardware",
     "figures netwroks": "TABLE=netwroks: no such table, .* did you mean",
     **{
         f"image {scene} --hardware=digit-reload": f"{scene}.toml: data.window: got past samples, "

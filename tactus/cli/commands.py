@@ -149,15 +149,9 @@ COMMANDS = (
     ),
     Command(
         "test",
-        "Runs the tests: all, those that TESTS= names, those that concern the block that BLOCK= "
-        "names, or with PAGES=1 those of the documentation. ALL=1 adds what takes "
-        "longer.",
-        (
-            TESTS,
-            BLOCK,
-            flag("PAGES"),
-            ALL,
-        ),
+        "Runs the tests: all, those that TESTS= names, those that name the block of BLOCK=, or "
+        "with PAGES=1 those of the documentation. ALL=1 adds what takes longer.",
+        (TESTS, BLOCK, flag("PAGES"), ALL),
     ),
     Command(
         "sim",

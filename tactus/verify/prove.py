@@ -6,6 +6,7 @@ Verilog is read by Yosys, VHDL by GHDL, whose netlist Yosys reads; neither proof
 """
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -197,12 +198,9 @@ def main() -> int:
     one = whole("THETA", SIGNAL.low, SIGNAL.high)
     theta = [one(text) for text in arguments.theta.split(",") if text]
     rig = load_scene(arguments.hardware) if arguments.hardware else None
-    # A path may have blanks in it; a long list of names is too long for one.
-    try:
-        names = [arguments.scene] if Path(arguments.scene).exists() else None
-    except OSError:
-        names = None
-    names = names or words("SCENE", arguments.scene)
+    # A path may have blanks in it. This function finds none where names are too long for one.
+    whole_path = os.path.exists(arguments.scene)
+    names = [arguments.scene] if whole_path else words("SCENE", arguments.scene)
     scenes = [load_scene(name) for name in names]
     asked = [(scene, description(scene, theta, rig), rig or scene) for scene in scenes]
     built = {hardware.name for *_, hardware in asked}

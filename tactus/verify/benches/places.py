@@ -100,19 +100,19 @@ def check_name(block: str) -> None:
     """Refuse a block that there is not, and name the one that a part is judged with."""
     known = block_names()
     if block not in known:
-        for owner in _owners(block):
+        if owner := _owner(block):
             raise InputError(f"BLOCK={block}: {block} is a part of {owner}; ask for {owner}")
         hint = suggest(block, known) or f", expected one of {', '.join(known)}"
         raise InputError(f"BLOCK={block}: no such block{hint}")
 
 
-def _owners(part: str) -> Iterator[str]:
-    """The block that a part belongs to; none for any other name."""
-    files = [path for path in ROOT.glob("golden/*/*.py") if path.stem == part]
-    for path in files:
+def _owner(part: str) -> str:
+    """The block that a part is judged with; empty for any other name."""
+    for path in (path for path in ROOT.glob("golden/*/*.py") if path.stem == part):
         for value in vars(import_module(f"golden.{path.parent.name}.{part}")).values():
             if isinstance(value, type) and issubclass(value, Block) and value.block == part:
-                yield from [value.part_of] * bool(value.part_of)
+                return value.part_of
+    return ""
 
 
 def _others() -> Iterator[str]:
