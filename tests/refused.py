@@ -41,10 +41,11 @@ class Desk:
         monkeypatch.setenv("PYTHONHASHSEED", "0")
 
     def edit(self, old: str, new: str, file: str = "mine.toml") -> None:
-        """Replace ``old``, which the file must contain, by ``new``."""
+        """Replace ``old``, which the file must contain, or the whole file by ``new``."""
         text = (self.folder / file).read_text(encoding="utf-8")
         assert old in text, f"{file} has no {old!r}"
-        (self.folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+        text = text.replace(old, new, 1) if old else new
+        (self.folder / file).write_text(text, encoding="utf-8")
 
     def call(self, command: str, *words: str) -> tuple[int, str]:
         """The exit code of a command, and its text on stderr without warnings."""
@@ -61,16 +62,18 @@ class Desk:
             line for line in said.splitlines(keepends=True) if not line.startswith("warning: ")
         )
 
-    def refuses(self, command: str, *words: str, says: str = "", faults: int = 1) -> None:
+    def refuses(self, command: str, *words: str, says: str | list[str] = "") -> None:
         """Check that a command refuses, with a line for each fault, and does not change the folder.
 
-        The first line must contain ``says``, in which ``.*`` stands for any text.
+        Each line must hold what is said of it, in which ``.*`` stands for any text.
         """
+        expected = [says] if isinstance(says, str) else says
         before = fingerprint([self.folder])
         code, said = self.call(command, *words)
         assert "Traceback" not in said, said
         assert code == 2, said
         lines = [line for line in said.splitlines() if not line.startswith("usage: ")]
-        assert len(lines) == faults, said
-        assert re.search(re.escape(says).replace(r"\.\*", ".*"), lines[0]), lines[0]
+        assert len(lines) == len(expected), said
+        for line, text in zip(lines, expected, strict=True):
+            assert re.search(re.escape(text).replace(r"\.\*", ".*"), line), line
         assert fingerprint([self.folder]) == before

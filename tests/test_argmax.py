@@ -97,23 +97,3 @@ def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) 
     names = [port.name for port in decides.ports if port.name.startswith("winner_")]
     assert len(decides.ports) == len(plain.ports) + len(names) == len(plain.ports) + 3
     assert decides.readout.holds
-
-
-REFUSED = [
-    (
-        replace(ADDER_GRAPH, activation="gradient", design="parallel"),
-        "got 'parallel' with argmax, expected adder_graph or engine or hybrid or lanes or "
-        "table_graph, because",
-    ),
-    (
-        replace(ADDER_GRAPH, interface="axi_stream"),
-        "got 'adder_graph' with interface 'axi_stream', expected engine or hybrid",
-    ),
-    (replace(ENGINE, shapes=[(3, 4, 1)]), "hardware.argmax: got true for 1 output, expected false"),
-]
-
-
-@pytest.mark.parametrize(("case", "message"), REFUSED, ids=[m[:25] for _, m in REFUSED])
-def test_what_does_not_fit_is_refused_by_name(tmp_path: Path, case: Case, message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        scene_of(case, tmp_path, hardware=DECIDES)

@@ -1,6 +1,5 @@
 """Tests the twin of axis_network, and the memory that it relies on."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,7 @@ from golden.input_error import InputError
 from golden.networks.axis_network import TDATA, AxisNetwork
 from hdl.common.fifo import fifo
 from hdl.common.signals import Stream, flag, reset, signed
-from tactus.scene import load_scene
 from tactus.verify.benches.collected import CASES
-from tb.common.cases import write_scene
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
@@ -52,33 +49,6 @@ def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
     design = CASES["axis"].scene(tmp_path, "axis").twin()
     with pytest.raises(InputError, match="axis_network s_axis_tdata: got code 32768"):
         design.process_stream([32768, 0], [0, 1])
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            '"axi_stream"',
-            '"axi"',
-            "hardware.interface: got 'axi', expected one of stream, axi_stream",
-        ),
-        (
-            'design = "hybrid"',
-            'design = "parallel"',
-            "hardware.design: got 'parallel' with interface 'axi_stream', expected engine or hyb",
-        ),
-        (
-            "[training]",
-            "[visualisation]\n[training]",
-            "hardware.interface: got 'axi_stream' with a section [visualisation], expected stream",
-        ),
-    ],
-)
-def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = write_scene(tmp_path, "odd", "exact", CASES["axis"].networks(), interface="axi_stream")
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(InputError, match=re.escape(f"{path}: {message}")):
-        load_scene(str(path))
 
 
 @pytest.mark.parametrize("name", AXIS)

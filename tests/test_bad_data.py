@@ -64,26 +64,6 @@ TABLE = {
     "a target too large": (HEADER + b"1,1,1,1,1.5\n", "mine.csv: column 'y1': got a target of 1.5"),
     "a target of 0": (HEADER + b"1,1,1,0,1\n", "mine.csv: column 'y0' holds a target of 0, whose"),
 }
-# A text of the scene, its replacement, and the message on the file that it then names.
-FILES = {
-    "another group": ('group_by = "y0"', 'group_by = "q"', "mine.csv: no column 'q', got x0, x1"),
-    "no such row": ('group_by = "y0"', "where = { x0 = 9 }", "mine.csv: no row has x0 = 9, expect"),
-    "another key": ('group_by = "y0"', "where = { q = 1 }", "mine.csv: no column 'q', got x0, x1"),
-    "another sensor": ('["x0"', '["x9"', "mine.csv: no column 'x9', got x0, x1, x2, y0, y1"),
-    "missing": ("mine.csv", "no.csv", "no.csv: no such file"),
-    "a folder": ('"mine.csv"', '"."', ".: got a folder, expected a file"),
-    "below a file": (
-        "mine.csv",
-        "mine.toml/a.csv",
-        "mine.toml/a.csv: cannot be read: Not",
-    ),
-    "a device": ("mine.csv", "/dev/zero", "/dev/zero: got no regular file, expected a file"),
-    "a name too long": ("mine.csv", "a" * 5000, "aaa: cannot be read: File name too long"),
-    "a loop of links": ("mine.csv", "loop", "loop: cannot be read: Too many levels of symbolic"),
-    "not readable": ("mine.csv", "/proc/self/mem", "/proc/self/mem: cannot be read: Input/output"),
-    "the scene": ("mine.csv", "mine.toml", "mine.toml:4: got 3 cells, expected 1"),
-    "the network": ("mine.csv", "mine.npz", "mine.npz:.*: got byte 0x.*, expected UTF-8"),
-}
 # Columns from which nothing can be learnt, by the place of the column.
 SAME = {0: "column 'x0': got 0.5 in every row", 4: "column 'y1': got 0.5 in every row"}
 
@@ -93,15 +73,6 @@ SAME = {0: "column 'x0': got 0.5 in every row", 4: "column 'y1': got 0.5 in ever
 )
 def test_vectors_are_refused(desk: Desk, content: bytes, message: str) -> None:
     (desk.folder / "mine.csv").write_bytes(content)
-    desk.refuses("bench", "mine.toml", says=message)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"), FILES.values(), ids=[name.replace(" ", "_") for name in FILES]
-)
-def test_a_file_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
-    (desk.folder / "loop").symlink_to("loop")
-    desk.edit(old, new)
     desk.refuses("bench", "mine.toml", says=message)
 
 

@@ -231,38 +231,6 @@ def test_labels_that_are_none(labels, message: str) -> None:
         ordered(labels, "place")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('classes = "gesture"', "", "data.outputs: missing, expected a list of column names"),
-        (
-            '"gesture"',
-            '"gesture"\noutputs = ["day"]',
-            "data.classes: got 'gesture' beside data.out",
-        ),
-        ('"gesture"', '"x"', "data.classes: got 'x', a sensor, expected a column"),
-        (
-            '"gesture"',
-            '"gestur"',
-            "no column 'gestur', got x, y, gesture, day; did you mean 'gestu",
-        ),
-        ('"gesture"', '""', "data.classes: got '', expected"),
-        (
-            "[network]",
-            "full_scale = { day = 1 }\n[network]",
-            "data.full_scale: got { day = 1 } with",
-        ),
-        ('"single"', '"cascade"', "network.arrangement: got 'cascade' with data.classes, expected"),
-        ('"gesture"', '"gesture"\nunits = { gesture = "g" }', "'gesture' is no sensor and no out"),
-    ],
-)
-def test_a_key_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = write_hand(tmp_path)
-    path.write_text(path.read_text().replace(old, new, 1))
-    with pytest.raises(InputError, match=re.escape(message)):
-        load_scene(str(path))
-
-
 def test_without_hidden_nodes_a_linear_layer_is_trained(tmp_path: Path, monkeypatch) -> None:
     """Gestures around three centres are told apart by straight lines."""
     path = write_hand(tmp_path)

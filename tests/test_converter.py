@@ -141,25 +141,3 @@ def test_a_scene_names_its_converter(tmp_path) -> None:
     voltages = np.array([[-8192, 8191], [3, -3]])
     through = np.array([[-8192, 8188], [4, -4]])
     assert (design.process(voltages) == design.readout.process(through)).all()
-
-
-@pytest.mark.parametrize(
-    ("lines", "message"),
-    [
-        (
-            'converter = "mcp3028"\n',
-            "front_end.converter: got 'mcp3028', expected one of .*'mcp3208",
-        ),
-        (
-            'converter = "mcp3208"\nsample_at = 0.5\n',
-            "front_end.sample_at: got 0.5 with converter 'mcp3208', expected none: the part takes",
-        ),
-        (
-            'converter = "mcp3208"\ncounter_width = 11\n',
-            "front_end: converter_reader: got counter_width=11, expected 12 to 24: for each of 2",
-        ),
-    ],
-)
-def test_a_converter_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
-    with pytest.raises(InputError, match=f"rig.toml: {message}"):
-        scene_with(tmp_path, lines).twin()

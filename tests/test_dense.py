@@ -362,12 +362,3 @@ def test_a_scene_may_name_activations_or_leave_them_to_the_file(tmp_path: Path) 
     path.write_text(text.replace("[4, 5]", '[4, 5]\nactivations = ["relu", "tanh"]'))
     with pytest.raises(InputError, match="got hidden layers of relu, sigmoid, expected relu, tanh"):
         load_scene(str(path)).twin()
-
-
-@pytest.mark.parametrize("design", ["hybrid", "parallel"])
-def test_other_designs_refuse_other_networks(tmp_path: Path, design: str) -> None:
-    path = scene_of(tmp_path, random((3, 4, 2), ("relu",)), design)
-    with pytest.raises(
-        InputError, match=rf"several.toml: hardware.design: got '{design}' for hidd"
-    ):
-        load_scene(str(path)).twin()

@@ -60,26 +60,6 @@ def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lines", "message"),
-    [
-        ("counter_width = 0\n", "front_end.counter_width: got 0, expected 1 to 24"),
-        ("sample_at = 1.5\n", "front_end.sample_at: got 1.5, expected above 0 and below 1"),
-        ("sample_at = 1e-4\n", "front_end: scan_sequencer: got sample_clock=0, expected 1 to"),
-        ("counter_width = 1\n", "front_end: scan_sequencer: got counter_width=1, expected 2 to 24"),
-        ("rate_hz = 20000\n", "front_end.rate_hz: got 20000, expected 0.0596047 to 15625, with a"),
-        ("rate_hz = 0.059\n", "front_end.rate_hz: got 0.059, expected 0.0596047 to 15625, with a"),
-        ("rate_hz = -200.0\n", "front_end.rate_hz: got -200, expected 0.0596047 to 15625"),
-        ("rate_hz = nan\n", "front_end.rate_hz: got nan, expected"),
-        ("rate_hz = inf\n", "front_end.rate_hz: got inf, expected"),
-        ("samples_at = 0.5\n", "front_end: key 'samples_at' is not known, .*'sample_at'"),
-    ],
-)
-def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
-    with pytest.raises(InputError, match=rf"rig.toml: {message}"):
-        scene_with(tmp_path, FRONT_END + lines).twin()
-
-
-@pytest.mark.parametrize(
     ("rate", "clocks", "told"),
     [
         ("200.0", 320_000, "200 Hz at 64 MHz, exactly as asked"),

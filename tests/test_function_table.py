@@ -283,60 +283,6 @@ def test_sums_beyond_a_table_are_named(tmp_path: Path, function: Function, reach
     assert saturating(load_scene(str(path))) == ([f"{expected} keeps its value"] if reach else [])
 
 
-FAULTS = {
-    'softsign = "x / (1 + abs(x"': r"functions.softsign: got 'x / \(1 \+ abs\(x', expected an expr",
-    'softsign = "log(x)"': r"functions.softsign: got 'log\(x\)', which has no finite value at x = ",
-    'softsign = "x.real"': "functions.softsign: got 'x.real', expected numbers, x, pi, e",
-    "softsign = \"__import__('os').getcwd()\"": r'softsign: got "__import__\(.os.\).getcwd\(\)", ',
-    'softsign = "sin(x, x)"': r"softsign: got 'sin\(x, x\)', expected numbers",
-    'softsign = "9 ** 9 ** 9 ** 9 * x"': "which has no finite value",
-    'softsign = ""': "network.functions.softsign: got '', expected an expression of x, points",
-    "softsign = 3": "network.functions.softsign: got 3, expected an expression of x, points",
-    "softsign = { x = [0, 1] }": "functions.softsign: got x, expected x and y, or points alone",
-    'softsign = { x = [0, 1], points = "a.csv" }': "functions.softsign: got x, points, expected x",
-    "softsign = { z = [0, 1] }": r"functions.softsign: got { z = \[0, 1\] }, expected an expr",
-    'softsign = { points = "none.csv" }': "none.csv: no such file",
-    'softsign = { points = "own.csv" }': "own.csv: no column 'x'",
-    'softsign = { points = "" }': "functions.softsign.points: got '', expected",
-    "softsign = { x = [0, 1], y = [1] }": "softsign.y: got .1., expected two or more numbers",
-    "softsign = { x = [0, 1], y = [1, 2, 3] }": "softsign: y: got 3 numbers, expected 2, one for",
-    "softsign = { x = [1, 0], y = [1, 2] }": r"softsign: x: got \[1.0, 0.0\], expected two or mor",
-    'soft-sign = "x"': "network.functions.soft-sign: got the name 'soft-sign', expected letters",
-    'softsing = "x"': "activations: 'table:softsign': no function 'softsign', expected one of soft",
-    f'softsign = "{"x + " * 100}x"': "softsign: got 401 characters, expected 300 at most",
-}
-
-
-@pytest.mark.parametrize("line", FAULTS)
-def test_a_fault_in_a_function_names_file_and_key(tmp_path: Path, line: str) -> None:
-    path = scene_of(tmp_path)
-    path.write_text(re.sub(r"softsign = .*", lambda _: line, path.read_text()))
-    with pytest.raises(InputError, match=f"own.toml: .*{FAULTS[line]}"):
-        load_scene(str(path))
-
-
-@pytest.mark.parametrize(
-    ("kinds", "message"),
-    [
-        ('["table:softsign,gaussian"]', ".*2 functions for 3 nodes, expected one for all, or one"),
-        ('["table:"]', ".*no function '', expected one of softsign, gaussian"),
-        ('["tabel:softsign"]', "got 'tabel:softsign', expected one of tanh, sigmoid, relu"),
-    ],
-)
-def test_a_fault_in_an_activation_is_told(tmp_path: Path, kinds: str, message: str) -> None:
-    with pytest.raises(InputError, match=f"own.toml: network.activations: {message}"):
-        load_scene(str(scene_of(tmp_path, kinds)))
-
-
-def test_a_file_that_names_a_function_needs_a_scene_that_defines_it(tmp_path: Path) -> None:
-    path = scene_of(tmp_path)
-    path.write_text(re.sub(r"activations = .*\n", "", path.read_text()))
-    load_scene(str(path)).twin()
-    path.write_text(re.sub(r"softsign = .*", "", path.read_text()))
-    with pytest.raises(InputError, match=r"own.npz: layer 1: 'table:softsign': no function 'soft"):
-        load_scene(str(path)).twin()
-
-
 def test_points_are_read(tmp_path: Path) -> None:
     path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
     text = path.read_text()

@@ -151,18 +151,6 @@ def test_what_does_not_fit_is_refused(
     assert all(int(count) == needed[what] for count, what, _ in found)
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ("program_words = 500", r"program_words: got 500, expected a power of two"),
-        ("operand_words = 2048", r"operand_words: got 2048, expected a power of two, 2 to 1024"),
-    ],
-)
-def test_a_size_that_cannot_be_is_refused(tmp_path: Path, keys: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        reloadable("digit", tmp_path, keys).twin()
-
-
 @pytest.mark.parametrize("relu", [False, True])
 def test_sums_that_are_too_large_are_refused(relu: bool) -> None:
     sizes = Sizes(rectifies=relu)
@@ -243,23 +231,6 @@ def test_hardware_of_each_kind_has_a_check_of_its_own() -> None:
     ]
     starts = {Sizes(**kind).check_start for kind in kinds}
     assert len(starts) == len(kinds)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("reload = true", "program_words = 512", "hardware.program_words: got 512 without reload"),
-        ("reload = true", 'reload = true\ninterface = "axi_stream"', "with interface 'axi_stream'"),
-        ("[training]", "[front_end]\n[training]", r"with a section \[front_end\]"),
-    ],
-)
-def test_a_scene_that_cannot_be_reloaded_is_refused(
-    tmp_path: Path, old: str, new: str, message: str
-) -> None:
-    path = reloadable("digit", tmp_path).path
-    path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(InputError, match=message):
-        load_scene(str(path))
 
 
 def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:

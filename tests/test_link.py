@@ -16,7 +16,7 @@ from golden.numbers.fixed import Fix
 from golden.visualisation.pulse_density import PulseDensity
 from tactus.scene import load_scene
 from tb.common.case_library import PLAIN_UART, UART
-from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
+from tb.common.cases import FRONT_END, random_mlp, write_scene
 
 PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
 CLOCK = "clock_mhz = 4.0\n"
@@ -138,45 +138,6 @@ def test_a_scene_has_a_line(tmp_path) -> None:
     loaded = scene_with(tmp_path, f"{CLOCK}reload = true", f"{PART}[uart]\n").twin()
     assert "rx" in {port.name for port in loaded.ports}
     assert loaded.image == image_packet(loaded.core.image)
-
-
-@pytest.mark.parametrize(
-    ("hardware", "sections", "message"),
-    [
-        (CLOCK, f"{FRONT_END}[uart]\n", r"front_end.converter: got none with a section \[uart\]"),
-        (CLOCK, "[uart]\n", r"front_end.converter: got none with a section \[uart\]"),
-        (
-            CLOCK,
-            f"{PART}[uart]\nbaud = 900_000\n",
-            "uart.baud: got 900000, expected within 2 % of 4 MHz divided by a whole number, such",
-        ),
-        (
-            CLOCK,
-            f"{PART}[uart]\nbaud = 1_000_001\n",
-            "uart.baud: got 1000001, expected 1 to 1000000, a bit of 4 clocks of 4 MHz",
-        ),
-        (CLOCK, f"{PART}[uart]\nbaud = 9.6\n", "uart.baud: got 9.6, expected a whole number"),
-        (CLOCK, f"{PART}[uart]\nbuad = 9600\n", "uart: key 'buad' is not known, expected baud"),
-        (
-            CLOCK,
-            f'{PART}{VISUALISATION}analogue = "pulse_density"\n',
-            r"visualisation.analogue: got 'pulse_density' without a section \[uart\], expected one",
-        ),
-        (
-            CLOCK,
-            f'{PART}{VISUALISATION}analogue = "pwm"\n[uart]\n',
-            "visualisation.analogue: got 'pwm', expected one of pulse_density",
-        ),
-        (
-            f"{CLOCK}reload = true",
-            PART,
-            r"hardware.reload: got true with a section \[front_end\], expected false: .*\[uart\]",
-        ),
-    ],
-)
-def test_a_line_that_cannot_be_is_refused(tmp_path, hardware, sections, message) -> None:
-    with pytest.raises(InputError, match=f"rig.toml: {message}"):
-        scene_with(tmp_path, hardware, sections)
 
 
 def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:

@@ -1,13 +1,11 @@
 """Tests networks with past samples: the keys of a scene, and which rows it uses."""
 
 import csv
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import Desk
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
@@ -164,67 +162,6 @@ def test_predictions_of_rows_without_a_whole_past_are_empty(
     write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
     with pytest.raises(InputError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
         predict()
-
-
-REFUSED = {
-    "window = []": "data.window: got [], expected whole numbers of frames, such as [0, 4, 8]",
-    "window = [0, 1.5]": "data.window: got [0, 1.5], expected whole numbers of frames",
-    "window = [true]": "data.window: got [true], expected whole numbers of frames",
-    "window = 4": "data.window: got 4, expected a list or a table",
-    "window = [0, -1]": "data.window: got [0, -1], expected delays from 0 to 65536",
-    "window = [0, 65537]": "data.window: got [0, 65537], expected delays from 0 to 65536",
-    "window = [4, 0]": "data.window: got [4, 0], expected ascending delays, each once",
-    "window = [0, 4, 4]": "data.window: got [0, 4, 4], expected ascending delays, each once",
-    "window = { x9 = [0] }": "data.window: 'x9' is no sensor, expected one of x0, x1, x2",
-    "window = { x0 = 3 }": "data.window.x0: got 3, expected whole numbers of frames",
-    "window = { x0 = [4, 0] }": "data.window.x0: got [4, 0], expected ascending delays",
-    "window = [0, 1]": "training.split: got 'random' with a data.window, expected 'blocks' or",
-    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got { x0 = 1 } with a data.window",
-}
-
-
-@pytest.mark.parametrize(("key", "message"), REFUSED.items(), ids=lambda text: text[:40])
-def test_a_window_is_refused(desk: Desk, key: str, message: str) -> None:
-    desk.edit('group_by = "y0"', key)
-    desk.refuses("bench", "mine.toml", says=message)
-
-
-FILES = {
-    'recordings = ["mine.csv"]\nfile = "mine.csv"': "data.recordings: got ['mine.csv'] beside data",
-    "recordings = []": "data.recordings: got [], expected names of files, each once",
-    "recordings = [5]": "data.recordings: got [5], expected names of files, each once",
-    'recordings = ["mine.csv", "./mine.csv"]': "expected names of files, each once",
-    'recordings = "mine.csv"': "data.recordings: got 'mine.csv', expected a list",
-    'recordings = [""]': "data.recordings: got '', expected the name of a file",
-    "": "data.file: missing, expected text, the name of a file, or several in data.recordings",
-}
-
-
-@pytest.mark.parametrize(("key", "message"), FILES.items(), ids=lambda text: text[:40])
-def test_recordings_are_refused(desk: Desk, key: str, message: str) -> None:
-    desk.edit('file = "mine.csv"', key)
-    desk.refuses("bench", "mine.toml", says=message)
-
-
-HARDWARE = {
-    ('design = "engine"', 'design = "parallel"'): "hardware.design: got 'parallel' with a data.win",
-    ('design = "engine"', 'design = "engine"\nreload = true'): "hardware.reload: got true with a d",
-    ("block_rows = 8", "block_rows = 5"): "training.block_rows: got 5 with a data.window that rea",
-    (
-        'outputs = ["y"]\nfull_scale = { y = 1.0 }',
-        'outputs = ["a 2 before"]',
-    ): "data.window: 'a 2 before' is a column and a",
-    ("c = [1, 5]", "c = [1, 47]"): "training.block_rows: got 8",
-}
-
-
-@pytest.mark.parametrize(("change", "message"), HARDWARE.items(), ids=lambda text: str(text)[:40])
-def test_what_does_not_go_with_a_window_is_refused(
-    past: Scene, change: tuple[str, str], message: str
-) -> None:
-    old, new = change
-    with pytest.raises(InputError, match=re.escape(message)):
-        edited(past, old, new)
 
 
 @pytest.mark.parametrize("longest", [46, 47])

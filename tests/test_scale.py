@@ -216,33 +216,6 @@ def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
         load_scene(str(scene.path)).vectors()
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ('scale = "atuo"', "data.scale: got 'atuo', expected 'auto' or a table"),
-        ("scale = 3", "data.scale: got 3, expected a table or text"),
-        (
-            "scale = { x9 = 'auto' }",
-            "data.scale: 'x9' is no sensor and no output, expected one of x0",
-        ),
-        ("scale = { x0 = 3 }", "data.scale.x0: got 3, expected 'auto' or { offset = , factor = }"),
-        ("scale = { x0 = { offset = 3 } }", "data.scale.x0: got { offset = 3 }, expected 'auto'"),
-        ("scale = { x0 = { factor = 3, of = 1 } }", "data.scale.x0: got .* expected 'auto'"),
-        ("scale = { x0 = { factor = 0 } }", "data.scale.x0.factor: got 0, expected above 0"),
-        ("scale = { x0 = { factor = inf } }", "data.scale.x0.factor: got inf, expected a number"),
-        ("scale = { x0 = { factor = true } }", "x0.factor: got true, expected a number"),
-        ("units = { x9 = 'V' }", "data.units: 'x9' is no sensor and no output"),
-        ("units = { x0 = 3 }", "data.units.x0: got 3, expected text, such as 'g'"),
-    ],
-)
-def test_a_fault_in_a_scale_is_named(small_scene: Scene, keys: str, message: str) -> None:
-    text = small_scene.path.read_text()
-    small_scene.path.write_text(text.replace("[network]", f"{keys}\n[network]"))
-    with pytest.raises(InputError, match=message) as caught:
-        load_scene(str(small_scene.path))
-    assert "small.toml" in str(caught.value)
-
-
 def with_readings(scene: Scene, column: int, values: list[str]) -> Scene:
     """The scene with other cells at the top of a column."""
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]

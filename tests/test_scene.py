@@ -20,17 +20,6 @@ def edited(scene: Scene, old: str, new: str) -> str:
     return str(scene.path)
 
 
-@pytest.mark.parametrize("other", ["./a.npz", "b/../a.npz", "link.npz"])
-def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) -> None:
-    """This holds for every name of the file, because one network would overwrite the other."""
-    small_cascade.path.with_name("link.npz").symlink_to("a.npz")
-    names = '["chain.npz", "chain-1.npz", "chain-2.npz"]'
-    path = edited(small_cascade, names, f'["chain.npz", "a.npz", "{other}"]')
-    message = f"chain.toml: network.weights: got 'a.npz' and '{other}', which are one file"
-    with pytest.raises(InputError, match=message):
-        load_scene(path)
-
-
 @pytest.mark.parametrize("name", [*scene_names(), *class_names(), *comparison_names()])
 def test_a_shipped_scene_needs_no_group_in_its_name(name: str) -> None:
     assert load_scene(Path(name).name).path == load_scene(name).path
@@ -86,11 +75,3 @@ def test_a_scene_that_names_no_activation_gets_that_of_its_precision(
     scene = load_scene(edited(small_scene, '"exact"', f'"{precision}"'))
     assert scene.activation == activation
     assert {a.block for a in scene.twin().activations} == {activation}
-
-
-def test_an_activation_that_is_not_made_for_the_precision_is_refused(small_scene: Scene) -> None:
-    edited(small_scene, '"exact"', '"thesis"')
-    path = edited(small_scene, '"gradient"', '"precise"')
-    message = "small.toml: hardware.activation: got 'precise' with precision 'thesis', expected one"
-    with pytest.raises(InputError, match=f"{message} of gradient, .*, polynomial$"):
-        load_scene(path)

@@ -1,11 +1,10 @@
 """The design table_graph: functions in small tables, sums of them, and what it refuses."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import random_mlp, write_scene
+from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -187,15 +186,6 @@ def test_other_networks_are_refused(network) -> None:
     message = "got 'table_graph' for a network with other layers, expected one of learned functions"
     with pytest.raises(InputError, match=message):
         TableGraph.of([network])
-
-
-def test_a_scene_with_another_network_is_refused(tmp_path: Path) -> None:
-    networks = [random_mlp((2, 3, 1), 1.0, 1)]
-    path = write_scene(
-        tmp_path, "mlp", "exact", networks, activation="precise", design="table_graph"
-    )
-    with pytest.raises(InputError, match=r"mlp.toml: hardware.design: got 'table_graph' for a net"):
-        load_scene(str(path)).twin()
 
 
 @pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])

@@ -21,7 +21,7 @@ from golden.visualisation.ramp import Ramp, ramp
 from tactus.core.table import read_table
 from tactus.report.measure.visualisation import quotient_error
 from tactus.scene import load_scene
-from tb.common.cases import LENGTHS, VISUALISATION, random_mlp, write_scene
+from tb.common.cases import VISUALISATION, random_mlp, write_scene
 
 APPENDIX_2 = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
 PROFILE = load_profile()
@@ -196,38 +196,6 @@ def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
     assert np.array_equal(SIGNAL.quantise([-0.2, 0.05, 0.3, 0.55, 0.8])[0], positions)
     own = replace(PROFILE, ramp=ramp(SIGNAL, 0.25, 0.8, -0.2))
     assert np.array_equal(heights, own.process(outputs[:, [4, 1, 2, 3]])[1])
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ('load = "y0"', 'laod = "y0"', "visualisation: key 'laod' is not known, .*'load'"),
-        ('load = "y0"', "load = 3", "visualisation.load: got 3, expected text"),
-        ('load = "y0"', "", "visualisation.load: got 'load', expected one of the outputs y0, y1"),
-        ('load = "y0"', 'load = "y3"', "visualisation.shape: got 'y3', which is visualisation"),
-        ('load = "y0"', 'load = "y0"\nstep = "x"', "visualisation.step: got 'x', expected a num"),
-        ('load = "y0"', 'load = "y0"\nstop = 0.82', "visualisation: ramp: 0 to 0.82 in steps of"),
-        (
-            'load = "y0"',
-            'load = "y0"\nshape_threshold = 1',
-            "visualisation.shape_threshold: got 1.0",
-        ),
-        (
-            '"hybrid"',
-            '"parallel"',
-            "hardware.design: got 'parallel' with a section .visualisation., expected",
-        ),
-        (LENGTHS, "", r"data.length_mm: 'y1' is missing, expected .* the position"),
-        ("50.8", "0.001", "visualisation: load_profile: gain=254000, expected above 0"),
-    ],
-)
-def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = drawn_scene(tmp_path, VISUALISATION)
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
-    with pytest.raises(InputError, match=rf"drawn.toml: {message}"):
-        load_scene(str(path))
 
 
 def test_real_arithmetic_is_the_equation() -> None:
