@@ -40,12 +40,12 @@ class Desk:
         monkeypatch.setattr(warnings, "formatwarning", warnings.formatwarning)
         monkeypatch.setenv("PYTHONHASHSEED", "0")
 
-    def edit(self, old: str, new: str, file: str = "mine.toml") -> None:
+    def edit(self, old: str, new: str, file: str = "mine.toml", encoding: str = "utf-8") -> None:
         """Replace ``old``, which the file must contain, or the whole file by ``new``."""
-        text = (self.folder / file).read_text(encoding="utf-8")
+        text = (self.folder / file).read_text(encoding=encoding)
         assert old in text, f"{file} has no {old!r}"
         text = text.replace(old, new, 1) if old else new
-        (self.folder / file).write_text(text, encoding="utf-8")
+        (self.folder / file).write_text(text, encoding=encoding)
 
     def call(self, command: str, *words: str) -> tuple[int, str]:
         """The exit code of a command, and its text on stderr without warnings."""

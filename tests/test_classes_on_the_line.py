@@ -15,8 +15,8 @@ from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import Monitor, csv_columns
 from tactus.monitor.placements import nearest_row
-from tactus.monitor.record import labels_of, read_label, typed
 from tactus.monitor.record import main as record
+from tactus.monitor.record import read_label, typed
 from tactus.monitor.twin_board import TwinBoard
 from tactus.network_files.network_file import write_network
 from tb.common.cases import FRONT_END, random_network
@@ -96,21 +96,6 @@ def test_labels_are_recorded(path: Path, monkeypatch, capfd) -> None:
     assert nearest_row(scene, {"gesture": "flat"}) == 1
     with pytest.raises(InputError, match=re.escape("got no row of 'nix', expected one of fist, f")):
         nearest_row(scene, {"gesture": "nix"})
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("load,gesture\n0.5,fist\n,flat\n", "column 'load': got an empty cell"),
-        ("gesture\nfist\n7\n", "column 'gesture': got 'fist', expected a number"),
-        ("gesture,day\nfist,1\n,1\n", "column 'gesture': got 'fist'"),
-    ],
-)
-def test_a_column_holds_numbers_or_labels(tmp_path: Path, text: str, message: str) -> None:
-    file = tmp_path / "labels.csv"
-    file.write_text(text)
-    with pytest.raises(InputError, match=re.escape(message)):
-        labels_of(file)
 
 
 def test_what_is_typed_is_a_label() -> None:

@@ -408,25 +408,6 @@ def test_the_scene_itself_is_not_replaced(tmp_path: Path, monkeypatch: pytest.Mo
             main()
 
 
-def test_placements_are_checked_as_a_recording_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "placements.csv"
-    header = "sensor1,sensor2,sensor3,sensor4,load,position,width,shape"
-    for text, message in (
-        ("sensor1,load\n0.1,0.9\n", "no column 'sensor2'"),
-        (f"{header}\n0,0,0,0,2,0.1,0.9,0.45\n", "column 'load': got a target of 2"),
-        (f"{header}\n0,9,0,0,0.9,0.1,0.9,0.45\n", "column 'sensor2': got 1 of 1 readings outside"),
-    ):
-        path.write_text(text)
-        monkeypatch.setattr(
-            "sys.argv", ["make recalibrate", "digit", str(path), str(tmp_path / "t")]
-        )
-        with pytest.raises(InputError, match=rf"placements.csv: {message}"):
-            main()
-        assert not (tmp_path / "t").exists()
-
-
 def test_without_placements_some_are_proposed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

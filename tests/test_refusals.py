@@ -1,6 +1,7 @@
 """A bad file is refused by one line that names it. The entries are in tests/refusals/."""
 
 import re
+import shlex
 import shutil
 import tomllib
 from collections.abc import Iterator
@@ -10,7 +11,9 @@ from typing import Any
 import pytest
 from refused import Desk
 
+from tactus.boards.board import FOLDER as BOARDS
 from tactus.core.finding import faults
+from tactus.physics.gauge_rig import FOLDER as RIGS
 from tactus.scene import scene_path
 from tactus.verify.benches.collected import CASES
 from tactus.verify.check import check
@@ -18,10 +21,18 @@ from tactus.verify.check import check
 FOLDER = Path(__file__).parent / "refusals"
 
 
+READ = {path.stem: tomllib.loads(path.read_text("utf-8")) for path in FOLDER.glob("*.toml")}
+TEXTS = {kind: read.pop("text", "").lstrip() for kind, read in READ.items()}
+# The file of a base, and the command that reads a copy of it.
+SHIPPED = {
+    "ulx3s": (BOARDS / "ulx3s.toml", ["bitstream", "digit-board"]),
+    "rig": (RIGS / "digit.toml", ["sensors"]),
+}
+
+
 def entries(kind: str) -> Iterator[Any]:
     """The name of a base, a text of its file, what stands for it, and the words of the refusal."""
-    known = tomllib.loads((FOLDER / f"{kind}.toml").read_text(encoding="utf-8"))
-    for base, edits in known.items():
+    for base, edits in READ[kind].items():
         for old, changes in edits.items():
             for new, words in changes.items():
                 text = re.sub("(.)…", lambda found: found[1] * 200_000, new)
@@ -45,3 +56,21 @@ def test_a_scene_is_refused(
     if isinstance(words, list):
         said = desk.call("bench", "mine.toml")[1].splitlines()
         assert [f"error: {text}" for text in faults(check("mine.toml", Path("build")))] == said
+
+
+@pytest.mark.parametrize(("call", "old", "new", "words"), entries("readings"))
+def test_readings_are_refused(desk: Desk, call: str, old: str, new: str, words: str) -> None:
+    (desk.folder / "mine.csv").write_text(TEXTS["readings"])
+    desk.edit(old, new, "mine.csv", "latin-1")
+    desk.refuses(*shlex.split(call), says=words)
+
+
+@pytest.mark.parametrize(("base", "old", "new", "words"), entries("shipped"))
+def test_a_board_or_a_rig_is_refused(
+    desk: Desk, base: str, old: str, new: str, words: str | list[str]
+) -> None:
+    path, call = SHIPPED[base]
+    shutil.copy(path, "mine.toml")
+    desk.edit(old, new)
+    said = [words] if isinstance(words, str) else words
+    desk.refuses(*call, "mine.toml", says=[f"mine.toml: {text}" for text in said])

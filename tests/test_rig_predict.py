@@ -165,26 +165,6 @@ def test_the_limit_is_that_of_the_held_out_rows() -> None:
     assert few.one_in == 4
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("x0,x1\n1,2\n", "no column 'x2', which is a sensor"),
-        ("x0;x1;x2\n1;2;3\n", "a semicolon between the cells"),
-        ("x0,x1,x2\n1,,3\n", "new.csv:2: column 'x1': got an empty cell"),
-        ('x0,x1,x2\n"0,5",0.1,nan\n', "expected '0.5' with a decimal point"),
-        ('x0,x1,x2\n"0,5",0.1,nan\n', "column 'x2': got 'nan'"),
-        ("x0,x1,x2,outside\n0,0,0,0\n", "column 'outside' is there already"),
-        ("x0,x1,x2,y1_predicted\n0,0,0,0\n", "column 'y1_predicted' is there already"),
-    ],
-)
-def test_faults_of_new_readings(scene: Scene, text: str, message: str) -> None:
-    source = new_csv(scene.path.parent, text)
-    with pytest.raises(InputError, match=r"new\.csv") as refused:
-        done(scene, source)
-    assert message in str(refused.value)
-    assert not source.with_name("out.csv").exists()
-
-
 @pytest.mark.parametrize("name", ["new.csv", "rig.toml", "rig.csv", "rig-1.npz", "."])
 def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n")

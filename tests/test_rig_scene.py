@@ -4,7 +4,6 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -203,41 +202,6 @@ def with_cell(text: str) -> list[str]:
 def test_faults(tmp_path: Path, outputs: str, changed: dict[str, object], fault: str) -> None:
     found = look(tmp_path, outputs, **changed)
     assert fault in "\n".join(str(f) for f in found.findings if f.verdict == FAULT), texts(found)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (
-            lambda t: text_of(TABLE, ";"),
-            "a semicolon between the cells, expected a comma; tr ';' ','",
-        ),
-        (
-            lambda t: text_of(TABLE, ";", ","),
-            "a semicolon between the cells and decimal commas, expected a comma and decimal "
-            "points; tr ';,' ',.'",
-        ),
-        (lambda t: text_of(TABLE, "\t"), "a tab between the cells, expected a comma; tr '\\t' ','"),
-        (lambda t: text_of(TABLE, "|"), "a bar between the cells"),
-        (lambda t: text_of(TABLE, "  "), "blanks between the cells"),
-        (lambda t: "sep=;\n" + text_of(TABLE, ";"), "a semicolon between the cells"),
-        (lambda t: text_of(TABLE, ",", ","), "rig.csv:2: got 10 cells, expected 5; is that a"),
-        (lambda t: t.replace("place", "force", 1), "column 'force' stands twice in the header"),
-        (lambda t: t.partition("\n")[2], "the first line holds numbers, expected the names"),
-        (lambda t: t.splitlines()[0], "got 1 lines, expected a header and at least one row"),
-        (lambda t: "", "got 0 lines"),
-        (lambda t: t + "1,2\n", "rig.csv:62: got 2 cells, expected 5"),
-        (lambda t: t.encode("utf-16"), "got UTF-16, expected UTF-8"),
-        (lambda t: t.replace("s1", "Höhe").encode("latin-1"), "rig.csv:1: got byte 0xf6"),
-    ],
-)
-def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: str) -> None:
-    path = tmp_path / "rig.csv"
-    made = change(text_of(TABLE))
-    path.write_bytes(made if isinstance(made, bytes) else made.encode())
-    with pytest.raises(InputError, match=r"rig\.csv") as refused:
-        read_csv_file(path)
-    assert message in str(refused.value)
 
 
 @pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])

@@ -12,13 +12,11 @@ import pytest
 from jsonschema import Draft7Validator
 
 from golden.input_error import InputError
-from tactus.boards import load_board
 from tactus.boards.board import BOARD
 from tactus.boards.board import FOLDER as BOARDS
-from tactus.core.cli import BETWEEN
 from tactus.core.schema import REQUIRED, Key, KeyTable, Span, json_schema
 from tactus.physics.gauge_rig import FOLDER as RIGS
-from tactus.physics.gauge_rig import RIG, load_rig
+from tactus.physics.gauge_rig import RIG
 from tactus.report.page import lists
 from tactus.scene import (
     FOLDER,
@@ -133,60 +131,6 @@ def test_the_schema_is_that_of_the_declaration() -> None:
             shown = SCHEMA["properties"][section]["properties"][name]
             assert inner.meaning, name
             assert not re.search(r"`|\]\(", shown["description"])
-
-
-@pytest.mark.parametrize(
-    ("load", "shipped", "changes", "messages"),
-    [
-        (
-            load_board,
-            BOARDS / "ulx3s.toml",
-            {'title = "ULX3S"': "title = 3", "mhz = 25.0": 'mhz = "a"', '"ecp5"': '"ecp6"'},
-            [
-                "title: got 3, expected text",
-                "device.family: got 'ecp6', expected one of ecp5, ice40; did you mean 'ecp5'?",
-                "clock.mhz: got 'a', expected a number",
-            ],
-        ),
-        (
-            load_board,
-            BOARDS / "ulx3s.toml",
-            {"\nmiso =": "\nmisso =", '"A10", at': '"A10", att', "[clock]": "[clock]\nx = 1"},
-            [
-                "clock: key 'x' is not known, expected pin, mhz, pll_pad",
-                "pins: port 'misso' is not known, expected .*; did you mean 'miso'?",
-                "pins.mosi: key 'att' is not known, expected pin, at, .*; did you mean 'at'?",
-            ],
-        ),
-        (
-            load_rig,
-            RIGS / "digit.toml",
-            {"count = 3\n": "", "length_mm = 228.6": "length_mm = true", '"mean"': '"maen"'},
-            [
-                "beam.length_mm: got true, expected a number, 1e-06 to 1000000",
-                "gauges.count: missing, expected a whole number, 1 to 32",
-                "errors.objective: got 'maen', expected mean or worst; did you mean 'mean'?",
-            ],
-        ),
-    ],
-    ids=["board", "names", "rig"],
-)
-def test_all_faults_of_a_file_are_told_at_once(
-    tmp_path: Path, load: Any, shipped: Path, changes: dict[str, str], messages: list[str]
-) -> None:
-    text = shipped.read_text()
-    for old, new in changes.items():
-        assert old in text
-        text = text.replace(old, new, 1)
-    path = tmp_path / "mine.toml"
-    path.write_text(text)
-    with pytest.raises(InputError) as refused:
-        load(str(path))
-    said = str(refused.value).split(BETWEEN)
-    assert len(said) == len(messages), said
-    for line, message in zip(said, messages, strict=True):
-        pattern = re.escape(f"{path}: {message}").replace(r"\.\*", ".*")
-        assert re.fullmatch(pattern, line), line
 
 
 @pytest.mark.parametrize(
