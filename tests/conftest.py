@@ -21,7 +21,8 @@ from tactus.core.store import VARIABLE
 from tactus.scene import Scene, load_scene
 from tactus.synth.tools import run_tool
 from tactus.verify.benches.tools import simulator_versions
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 STARTED = time.perf_counter()
 ROOT = Path(__file__).parents[1]

@@ -11,6 +11,7 @@ from golden.networks.designs import DESIGNS
 from golden.sensing.converter_parts import PARTS
 from golden.trained.window import Window
 from tactus.scene import Scene
+from tactus.verify.benches.written import scene_of
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 # The spread of the weights, from tiny up to the limits of a network.
@@ -32,7 +33,7 @@ def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
     while True:
         case = drawn_case(rng, large)
         with suppress(InputError, RuntimeError):
-            scene = case.scene(folder, f"drawn{seed}")
+            scene = scene_of(case, folder, f"drawn{seed}")
             scene.twin()
             return scene
 

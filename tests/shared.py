@@ -19,6 +19,7 @@ from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
 from tactus.verify.benches.runner import Job, Outcome, compile_vhdl, jobs, library, run_jobs
 from tactus.verify.benches.tools import language
+from tactus.verify.benches.written import scene_of
 from tactus.verify.sign_off.subject import first
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ class Shared:
             return name
         folder = self.folder / "scenes"
         folder.mkdir(parents=True, exist_ok=True)
-        self.once(f"scene {name}", lambda: CASES[name].scene(folder, name))
+        self.once(f"scene {name}", lambda: scene_of(CASES[name], folder, name))
         return str(folder / f"{name}.toml")
 
     def export(self, name: str, tongue: str) -> Path:

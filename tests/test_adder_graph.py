@@ -22,7 +22,8 @@ from golden.trained.function_network import of_parabolas
 from golden.trained.mlp import tanh
 from tactus.report.measure.adder_errors import stages
 from tactus.scene import load_scene
-from tb.common.cases import random_mlp, random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp, random_network
 from tb.common.stimulus import corner_frames
 
 pytestmark = pytest.mark.usefixtures("few_runs")

@@ -15,7 +15,8 @@ from myhdl.conversion import _toVHDL
 from tactus.cli.train import train_scene
 from tactus.export.exporter import export
 from tactus.scene import load_scene
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 WALK = re.compile(r"^ ?\d+\. .*?\[(\w+)\]\(\.\./([\w/]+\.py)\)", re.M | re.S)
 

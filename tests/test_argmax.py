@@ -14,6 +14,7 @@ from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.numbers.fixed import Fix
 from tactus.scene import Scene
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import ADDER_GRAPH
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
@@ -75,7 +76,7 @@ def test_a_tree_decides_as_the_block_that_takes_one_output_after_the_other(codes
 
 def test_a_design_of_outputs_at_once_has_a_tree(tmp_path: Path) -> None:
     plain, decides = (
-        scene_of(ADDER_GRAPH, tmp_path, hardware=hardware).twin() for hardware in ("", DECIDES)
+        changed(ADDER_GRAPH, tmp_path, hardware=hardware).twin() for hardware in ("", DECIDES)
     )
     assert replace(decides, decides=False) == plain
     added = [port.name for port in decides.ports if port.name not in {p.name for p in plain.ports}]
@@ -84,14 +85,14 @@ def test_a_design_of_outputs_at_once_has_a_tree(tmp_path: Path) -> None:
     assert decides.latency == plain.latency
 
 
-def scene_of(case: Case, folder: Path, **changes) -> Scene:
-    return replace(case, **changes).scene(folder, "mine")
+def changed(case: Case, folder: Path, **changes) -> Scene:
+    return scene_of(replace(case, **changes), folder, "mine")
 
 
 def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) -> None:
     sections = f"{VISUALISATION}{FRONT_END}counter_width = 9\n"
     (plain, decides) = (
-        scene_of(ENGINE, tmp_path, sections=sections, hardware=hardware).twin()
+        changed(ENGINE, tmp_path, sections=sections, hardware=hardware).twin()
         for hardware in ("", DECIDES)
     )
     names = [port.name for port in decides.ports if port.name.startswith("winner_")]

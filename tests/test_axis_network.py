@@ -11,13 +11,14 @@ from golden.networks.axis_network import TDATA, AxisNetwork
 from hdl.common.fifo import fifo
 from hdl.common.signals import Stream, flag, reset, signed
 from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
 
 @pytest.mark.parametrize("name", AXIS)
 def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
-    design = CASES[name].scene(tmp_path, name).twin()
+    design = scene_of(CASES[name], tmp_path, name).twin()
     assert isinstance(design, AxisNetwork)
     rng = np.random.default_rng(1)
     frames = rng.integers(-8192, 8192, (20, design.inputs))
@@ -36,7 +37,7 @@ def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
 
 
 def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
-    design = CASES["axis-cascade"].scene(tmp_path, "axis-cascade").twin()
+    design = scene_of(CASES["axis-cascade"], tmp_path, "axis-cascade").twin()
     # With two samples in a frame: too short, good, as long as the frames of the cascade, good.
     last = [1, 0, 1, 0, 0, 0, 1, 0, 1]
     data, _, errors = design.process_stream(np.arange(9), last)
@@ -46,14 +47,14 @@ def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
 
 
 def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
-    design = CASES["axis"].scene(tmp_path, "axis").twin()
+    design = scene_of(CASES["axis"], tmp_path, "axis").twin()
     with pytest.raises(InputError, match="axis_network s_axis_tdata: got code 32768"):
         design.process_stream([32768, 0], [0, 1])
 
 
 @pytest.mark.parametrize("name", AXIS)
 def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
-    design = CASES[name].scene(tmp_path, name).twin()
+    design = scene_of(CASES[name], tmp_path, name).twin()
     frames = design.frames_under_way
     # From the last sample to the clock in which the credit is returned. This is one clock after the
     # last output is fetched, when that output is on the port.
@@ -62,10 +63,10 @@ def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) ->
 
 
 def test_the_winner_is_the_tuser_of_the_last_output(tmp_path: Path) -> None:
-    design = CASES["winner-axis"].scene(tmp_path, "winner-axis").twin()
+    design = scene_of(CASES["winner-axis"], tmp_path, "winner-axis").twin()
     outputs = [[0, 5, -3, 5, 1], [-8192, -8192, -8192, -8192, 8191]]
     assert design.winners(outputs).tolist() == [1, (16383 << 16) + 4]
-    plain = CASES["axis"].scene(tmp_path, "axis").twin()
+    plain = scene_of(CASES["axis"], tmp_path, "axis").twin()
     assert "m_axis_tuser" not in {port.name for port in plain.ports}
     assert design.latency == plain.latency + 1
     with pytest.raises(InputError, match="axis_network: looks for no largest output"):

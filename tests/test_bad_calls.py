@@ -10,7 +10,8 @@ from refused import COMMANDS, Desk
 
 from tactus.cli.commands import BY_NAME
 from tactus.verify.benches.runner import BUILD
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 # Commands that need more than a scene, or none, and those that need no more.
 MORE = ("network", "figures", "scene", "check", "predict", "bitstream")

@@ -27,8 +27,9 @@ from tactus.core.store import VARIABLE
 from tactus.export.exporter import export
 from tactus.scene import Scene, load_scene
 from tactus.synth import tools
+from tactus.verify.benches.written import write_scene
 from tactus.verify.sign_off.cell_models import models_for
-from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tb.common.cases import FRONT_END, random_mlp
 
 # The scenes that are shipped for each board.
 SHIPPED = [("digit-board", "ulx3s"), ("digit-board-small", "icebreaker")]

@@ -16,6 +16,7 @@ from tactus.certify.__main__ import certify
 from tactus.certify.benches import STEP as BENCHES
 from tactus.certify.delivered import CELLS, STEPS, CertifyOptions
 from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of
 
 # One frame of each kind is played, and the bench of one entity: properties, equality and the proof
 # of every frame, which hang on options most, are about all of the design in any case.
@@ -87,7 +88,7 @@ ROWS = {name: CASES[name] for name in NAMES} | {
 @pytest.mark.all_only
 @pytest.mark.parametrize("row", [ONE, *ROWS])
 def test_no_step_is_red(row: str, tmp_path: Path) -> None:
-    scene = (ROWS | {ONE: CASES[ONE]})[row].scene(tmp_path, row)
+    scene = scene_of((ROWS | {ONE: CASES[ONE]})[row], tmp_path, row)
     wanted = replace(FEW, frames=1 + scene.twin().past)
     results = certify(scene, wanted, tmp_path)
     print(f"{row}:", ", ".join(f"{result.step} {result.colour}" for result in results))

@@ -15,7 +15,8 @@ from tactus.network_files.network_file import held_in, load_network, write_netwo
 from tactus.network_files.parsed import Ending, ParsedNetwork
 from tactus.rig.check import networks_there
 from tactus.scene import load_scene
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 DATA = Path(__file__).parent / "data"
 THREE = ("rest", "swipe", "tap")

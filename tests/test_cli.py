@@ -14,7 +14,8 @@ import pytest
 from golden.input_error import InputError, naming
 from golden.numbers.fixed import Fix
 from tactus.core.cli import REPORT, run
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
 

@@ -21,7 +21,8 @@ from tactus.report.measure.networks import scenes
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import FOLDER, Scene, class_names, load_scene, scene_names
 from tactus.synth.recorded import CELLS, LEAN, TIMING
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
 

@@ -12,7 +12,8 @@ from golden.numbers.fixed import Fix
 from golden.sensing.converter_parts import PARTS, PULL_UP_NS
 from golden.sensing.converter_reader import ConverterReader
 from tactus.scene import load_scene
-from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import FRONT_END, random_mlp
 
 FMT = Fix(14, 13)
 

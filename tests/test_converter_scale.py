@@ -18,7 +18,8 @@ from tactus.rig.check import before_training, everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings
 from tactus.train.descent.scaling import scaled
-from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import FRONT_END, random_mlp
 
 SENSORS = ["x0", "x1", "x2"]
 OTHER = "readings in another unit, such as volts, take front_end.reference"

@@ -23,7 +23,8 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
 from tactus.network_files.network_file import load_network, write_network
 from tactus.scene import load_scene
-from tb.common.cases import random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_network
 
 
 def random(shape: tuple[int, ...], kinds: tuple[str, ...], seed: int = 1, spread: float = 1.0):

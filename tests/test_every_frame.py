@@ -20,6 +20,7 @@ from tactus.scene import load_scene
 from tactus.scene.image import hardware_of, scene_image
 from tactus.verify.benches.collected import CASES, CASES_OF
 from tactus.verify.benches.runner import export
+from tactus.verify.benches.written import scene_of
 from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
 from tactus.verify.every_frame.distance import bounds, farthest
 from tactus.verify.every_frame.kept import proof_line, read_export, yosys
@@ -60,7 +61,7 @@ CASES_PROVED = [
 @pytest.mark.parametrize("case", tiered(QUICK, [*SLOW, *CASES_PROVED]))
 def test_exports_are_proved(case: str, tmp_path: Path) -> None:
     name, language = case.split()
-    scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+    scene = scene_of(CASES[name], tmp_path, name) if name in CASES else load_scene(name)
     export(scene, language, tmp_path)
     folder, given = tmp_path / scene.name / language, description(scene)
     said: list[str] = []
@@ -153,7 +154,7 @@ def test_faults_of_hardware_are_never_proved(
 def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
     """A changed bit is shown as a frame. A loader that takes no second image, and a write enable
     that stays on, are found."""
-    scene = CASES["rails-reload"].scene(tmp_path, "mine")
+    scene = scene_of(CASES["rails-reload"], tmp_path, "mine")
     export(scene, "verilog", tmp_path)
     folder, given = tmp_path / "mine" / "verilog", description(scene)
     image = scene_image(scene, hardware_of(scene))
@@ -171,7 +172,7 @@ def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
 
 
 def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
-    scene = replace(CASES["least-loop"], spread=0.05).scene(tmp_path, "one-segment")
+    scene = scene_of(replace(CASES["least-loop"], spread=0.05), tmp_path, "one-segment")
     export(scene, "verilog", tmp_path)
     folder = tmp_path / scene.name / "verilog"
     assert outcome(description(scene), folder) == "proved"
@@ -182,7 +183,7 @@ def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
 
 def test_frames_at_every_distance_are_looked_at(tmp_path: Path) -> None:
     """A frame is lost if the one before it came two clocks earlier."""
-    scene = CASES["wide-parallel"].scene(tmp_path, "wide")
+    scene = scene_of(CASES["wide-parallel"], tmp_path, "wide")
     export(scene, "verilog", tmp_path)
     folder = tmp_path / "wide" / "verilog"
     assert outcome(description(scene), folder) == "proved"
@@ -196,7 +197,7 @@ def test_frames_at_every_distance_are_looked_at(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", tiered(["lesson"], ["digit-learning"]))
 def test_an_engine_that_learns_is_proved_with_theta(name: str, tmp_path: Path) -> None:
     """With another theta in the hardware a frame is shown, which Icarus plays behind it."""
-    scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+    scene = scene_of(CASES[name], tmp_path, name) if name in CASES else load_scene(name)
     export(scene, "verilog", tmp_path)
     theta = [1300, -700, 5000, -90, 17, 3, -2222, 1][: 2 * len(scene.sensors)]
     folder, given = tmp_path / scene.name / "verilog", description(scene, theta)
@@ -418,8 +419,8 @@ def test_no_frame_is_further_from_the_trained_network_than_its_bound(
 ) -> None:
     """With a sign, for every frame of one sample, where nodes are at their worst together."""
     shapes: list[tuple[int, ...]] = [(1, 2, 1)]
-    scene = Case(shapes, "exact", seed=seed, design="engine", activation="precise").scene(
-        tmp_path, "small"
+    scene = scene_of(
+        Case(shapes, "exact", seed=seed, design="engine", activation="precise"), tmp_path, "small"
     )
     given, (network,) = description(scene), scene.networks()
     ((low, high),) = bounds(given, [layers_of(network)], scene.scheme.real)
@@ -473,7 +474,7 @@ def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_pa
 def test_a_scene_without_networks_is_refused_and_nothing_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene = CASES["least-engine"].scene(tmp_path, "mine")
+    scene = scene_of(CASES["least-engine"], tmp_path, "mine")
     scene.weights_paths[0].unlink()
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.chdir(tmp_path)

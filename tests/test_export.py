@@ -28,7 +28,8 @@ from tactus.export.exporter import MANIFEST, ORDER, compile_order
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -11,7 +11,8 @@ from golden.sensing.scan_sequencer import ScanSequencer
 from tactus.rig import check
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import CASES
-from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tactus.verify.benches.written import scene_of, write_scene
+from tb.common.cases import FRONT_END, random_mlp
 
 FMT = Fix(14, 13)
 
@@ -113,7 +114,7 @@ def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> N
     """There are four slots, and the networks take a frame every eleven clocks."""
     slow = replace(CASES["slower-cascade"], shapes=[(2 + i, 1, 1) for i in range(3)])
     scan = f"{FRONT_END}counter_width = 4\n"
-    assert replace(slow, sections=scan).scene(tmp_path, "slow").twin().interval == 16
+    assert scene_of(replace(slow, sections=scan), tmp_path, "slow").twin().interval == 16
     hasty = replace(slow, sections=scan.replace("4", "3"))
     with pytest.raises(InputError, match="a scan of 8 clocks, expected 11 or more"):
-        hasty.scene(tmp_path, "hasty").twin()
+        scene_of(hasty, tmp_path, "hasty").twin()

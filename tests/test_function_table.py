@@ -24,7 +24,8 @@ from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
 from golden.trained.function import Function
 from tactus.scene import load_scene
 from tactus.scene.codes import saturating
-from tb.common.cases import random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_network
 
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 SOFTSIGN = Function("softsign", "x / (1 + abs(x))")

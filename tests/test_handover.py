@@ -17,7 +17,8 @@ from tactus.export.exporter import compile_order
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.simulate import QUICK
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

@@ -11,7 +11,8 @@ from conftest import tiered
 from tactus.core.fingerprint import ROOT
 from tactus.core.hold import VARIABLE, held
 from tactus.verify.benches.collected import CASES_OF
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 WAITS = "from tactus.core.hold import held; import sys; from pathlib import Path\n"
 WAITS += "with held([Path(sys.argv[1])]): print('has it', flush=True); sys.stdin.read()"

@@ -24,8 +24,9 @@ from golden.trained.dense import Quantiser, Trained
 from tactus.cli.image import main
 from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
-from tactus.verify.benches.runner import plan, run_jobs
+from tactus.verify.benches.runner import bench_input, plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import LAYERED, RELOADED, RELOADED_LANES
 from tb.common.cases import Case, random_mlp, random_network
 from tb.common.images import networks_of_other_depth
@@ -272,7 +273,7 @@ def with_other_depth(name: str, folder: Path) -> list[Scene]:
     """A case of several hidden layers, and the same hardware with a network of one."""
     case = LAYERED[name]
     one = replace(case, shapes=[(5, 2, 1)], activations=("relu",))
-    return [case.scene(folder, name), one.scene(folder, f"{name}-one")]
+    return [scene_of(case, folder, name), scene_of(one, folder, f"{name}-one")]
 
 
 @pytest.mark.parametrize("kind", tiered(["shipped"], ["layers-reload", "exact-reload"]))
@@ -318,12 +319,13 @@ def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
     assert len(layered) == 2
     for name, case in (RELOADED | layered).items():
         assert isinstance(case, Case)
-        assert case.scene(tmp_path, name).twin().image
+        assert scene_of(case, tmp_path, name).twin().image
 
 
 @pytest.mark.parametrize("name", [*RELOADED, "rails-lanes-reload"])
 def test_the_bench_loads_every_shipped_scene(name: str, tmp_path: Path) -> None:
     """It passes over scenes for which the hardware of a user has no room, and over none here."""
     case = (RELOADED | RELOADED_LANES)[name]
-    found = shipped_with_room(case.scene(tmp_path, name).twin())
+    shipped = [bench_input(load_scene(other)) for other in SCENES]
+    found = shipped_with_room(scene_of(case, tmp_path, name).twin(), shipped)
     assert tuple(scene.name for scene, _ in found) == SCENES

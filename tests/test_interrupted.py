@@ -13,7 +13,8 @@ import pytest
 from test_make import environment
 
 from tactus.core.fingerprint import ROOT
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 LIMIT = 120
 # Writes a folder, while threads wait for processes that end only by a signal.

@@ -28,6 +28,7 @@ from golden.trained.dense import Quantiser, Trained, layers_of
 from tactus.cli.image import main
 from tactus.scene import Scene, load_scene
 from tactus.scene.image import scene_image
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import ENGINES, LANES, LAYERED, LEARNED, RELOADED_LANES, TABLES
 from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
@@ -262,7 +263,7 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
 
 
 def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
-    twins = [case.scene(tmp_path, name).twin() for name, case in RELOADED_LANES.items()]
+    twins = [scene_of(case, tmp_path, name).twin() for name, case in RELOADED_LANES.items()]
     for twin in twins:
         assert isinstance(twin, Lanes)
         assert twin.image

@@ -23,6 +23,7 @@ from golden.trained.dense import Quantiser
 from tactus.cli.listing import main
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.myhdl_simulation import simulate
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import LANES, OVERLAPPED
 from tb.common.cases import FRONT_END, VISUALISATION, random_network
 
@@ -174,14 +175,14 @@ def test_what_cannot_stand_around_frames_that_overlap(tmp_path, sections: str, n
     hardware = "lanes = 3\ninterval = 43"
     case = replace(loop, shapes=[(3, 5, 4)], hardware=hardware, sections=sections)
     with pytest.raises(InputError, match=rf"interval: got 43, for which .* section \[{named}\]"):
-        case.scene(tmp_path, "around").twin()
+        scene_of(case, tmp_path, "around").twin()
 
 
 def test_a_rate_makes_a_loop_too(tmp_path) -> None:
     case = replace(
         LANES["rails-lanes"], hardware="lanes = 3\nclock_mhz = 100\nframes_a_second = 2.5e6"
     )
-    twin = case.scene(tmp_path, "rate").twin()
+    twin = scene_of(case, tmp_path, "rate").twin()
     assert twin.interval == 40
     assert twin.loops
 
@@ -206,14 +207,14 @@ def test_a_frame_waits_for_the_next_loop() -> None:
 
 @pytest.mark.parametrize("name", ["rails-loop", "least-loop", "deep-loop"])
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
-    twin = OVERLAPPED[name].scene(tmp_path, name).twin()
+    twin = scene_of(OVERLAPPED[name], tmp_path, name).twin()
     codes = random_codes(twin.inputs, 8)
     results, _ = simulate(twin, codes)
     assert np.array_equal(results, twin.process(codes))
 
 
 def test_the_listing_has_a_line_for_every_word(tmp_path, capsys, monkeypatch) -> None:
-    scene = OVERLAPPED["rails-loop"].scene(tmp_path, "rails-loop")
+    scene = scene_of(OVERLAPPED["rails-loop"], tmp_path, "rails-loop")
     twin = scene.twin()
     monkeypatch.setattr("sys.argv", ["listing", str(scene.path)])
     main()

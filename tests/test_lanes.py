@@ -30,6 +30,7 @@ from golden.trained.function import TANH, Function
 from tactus.cli.listing import main
 from tactus.scene import load_scene
 from tactus.verify.benches.myhdl_simulation import simulate
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import ENGINES, LANES, LAYERED, TABLES
 
 # Clocks from frame to frame, and the lanes that are built.
@@ -185,7 +186,7 @@ def test_a_word_has_a_place_for_each_field() -> None:
     ["rails-lanes", "relu-lanes", "layers-lanes", "exact-lanes", "tables-lanes", "deep-lanes"],
 )
 def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
-    many = LANES[name].scene(tmp_path, name).twin()
+    many = scene_of(LANES[name], tmp_path, name).twin()
     codes = random_codes(many.inputs, 6)
     results, _ = simulate(many, codes)
     assert np.array_equal(results, many.process(codes))
@@ -258,7 +259,7 @@ def test_options_that_it_does_not_have(options: dict, message: str) -> None:
 @pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
 def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
     """A step names one function, so the nodes of a group have the same, and it is the one named."""
-    many = LANES[name].scene(tmp_path, name).twin()
+    many = scene_of(LANES[name], tmp_path, name).twin()
     program, neurons = many.program, many.graph.neurons
     found = Counter[Function]()
     for step, code in zip(program.scheduled(many.graph), program.lane_steps, strict=True):

@@ -22,7 +22,8 @@ from tactus.train import candidate_runs, layer_training
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.task import task_for
 from tactus.train.layer_objective import LayeredObjective
-from tb.common.cases import random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_network
 
 
 def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:

@@ -19,7 +19,8 @@ from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import lean
 from tactus.synth.budget import read_budget, write_budget
 from tactus.synth.timing import read_timing, write_timing
-from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import FRONT_END, VISUALISATION, random_mlp
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:

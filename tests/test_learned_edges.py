@@ -18,7 +18,7 @@ from tactus.report.measure.learned_edges import (
     scene_edges,
 )
 from tactus.scene import load_scene
-from tb.common.cases import write_scene
+from tactus.verify.benches.written import write_scene
 
 BENT: Edge = (-1.0, 1.0, 0.9, 0.3, -0.2, 0.1, 0.5)
 STEEP: Edge = (-3.0, 3.0, 0.6, -0.3, -0.2, 0.1, 0.3)

@@ -20,6 +20,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import taught_of
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import LESSONS
 
 SCENE = replace(load_scene("digit"), learning="lms")
@@ -36,7 +37,7 @@ def twin() -> LearningEngine:
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return LESSONS["lesson"].scene(tmp_path_factory.mktemp("lesson"), "lesson")
+    return scene_of(LESSONS["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
 
 
 def sent(frames: Codes, before: int = 0) -> list[tuple[int, int, int]]:
@@ -306,7 +307,7 @@ def test_what_does_not_learn_is_refused(tmp_path: Path, keys: str) -> None:
     else:
         case = replace(case, hardware=f"{case.hardware}\n{keys}")
     with pytest.raises(InputError, match=REFUSED[keys]):
-        case.scene(tmp_path, "refused")
+        scene_of(case, tmp_path, "refused")
 
 
 @pytest.mark.parametrize("count", [4, 7, 9])

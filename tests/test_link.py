@@ -15,8 +15,9 @@ from golden.link.uart_transmitter import UartTransmitter, bits_of
 from golden.numbers.fixed import Fix
 from golden.visualisation.pulse_density import PulseDensity
 from tactus.scene import load_scene
+from tactus.verify.benches.written import scene_of, write_scene
 from tb.common.case_library import PLAIN_UART, UART
-from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tb.common.cases import FRONT_END, random_mlp
 
 PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
 CLOCK = "clock_mhz = 4.0\n"
@@ -141,9 +142,9 @@ def test_a_scene_has_a_line(tmp_path) -> None:
 
 
 def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
-    twin = UART.scene(tmp_path, "uart").twin()
+    twin = scene_of(UART, tmp_path, "uart").twin()
     reader = replace(twin.converter_reader, pause=0)
     assert isinstance(twin, UartInstrument)
     with pytest.raises(InputError, match="uart_instrument: got analogue without a profile"):
-        replace(PLAIN_UART.scene(tmp_path, "plain").twin(), analogue=True)
+        replace(scene_of(PLAIN_UART, tmp_path, "plain").twin(), analogue=True)
     assert twin.readout.output_clocks[-1] <= reader.scan_clocks - reader.slots

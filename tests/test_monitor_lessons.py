@@ -47,6 +47,7 @@ from tactus.recalibration.sensitivity import Sensitivity
 from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import LEARN_UART, LESSONS
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
@@ -61,18 +62,18 @@ def scene() -> Scene:
 def test_a_scan_without_room_for_an_equation_is_refused(tmp_path: Path) -> None:
     case = replace(LEARN_UART, sections=LEARN_UART.sections.replace("= 9", "= 7"))
     with pytest.raises(InputError, match=r"leaves \d+ clocks in one piece, expected \d+ or more"):
-        case.scene(tmp_path, "short").twin()
+        scene_of(case, tmp_path, "short").twin()
 
 
 def test_a_front_end_without_a_line_is_refused(tmp_path: Path) -> None:
     case = replace(LEARN_UART, sections=LEARN_UART.sections.partition("[uart]")[0])
     with pytest.raises(InputError, match=r"and a section \[front_end\], expected \[uart\] too"):
-        case.scene(tmp_path, "mute")
+        scene_of(case, tmp_path, "mute")
 
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return LESSONS["lesson"].scene(tmp_path_factory.mktemp("lesson"), "lesson")
+    return scene_of(LESSONS["lesson"], tmp_path_factory.mktemp("lesson"), "lesson")
 
 
 def lessons_of(scene: Scene) -> TwinLessons:

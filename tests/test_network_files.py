@@ -17,7 +17,8 @@ from tactus.cli.network import main as convert
 from tactus.network_files.functions import EXPRESSIONS
 from tactus.network_files.network_file import load_network, write_network
 from tactus.scene import Scene, load_scene
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 SHAPE = (3, 5, 2)
 DATA = Path(__file__).parent / "data"

@@ -15,7 +15,8 @@ from tactus.core.fingerprint import ROOT, fingerprint
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.benches.simulate import analyse
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 SIZE = 1 << 20
 COMMANDS = (

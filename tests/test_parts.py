@@ -16,7 +16,8 @@ from hdl.common.rom import rom
 from hdl.common.signals import Words, flag, reset, signed, unsigned
 from tactus.scene import load_scene
 from tactus.verify.benches.myhdl_simulation import simulate
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 from tb.common.stimulus import corner_frames
 
 

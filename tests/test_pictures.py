@@ -36,6 +36,7 @@ from tactus.report.page.designs import picture
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale
 from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
@@ -156,7 +157,7 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
     ],
 )
 def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str) -> None:
-    scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+    scene = scene_of(CASES[name], tmp_path, name) if name in CASES else load_scene(name)
     root = parse(datapath(scene))
     tips = [set(tip.split(", ")) for tip in words(root, "title")[1:]]
     entities = {block.entity for block in walk(scene.twin())}
@@ -205,7 +206,7 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
 
 
 def test_outputs_at_once_are_recorded_too(tmp_path: Path) -> None:
-    scene = CASES["parallel"].scene(tmp_path, "parallel")
+    scene = scene_of(CASES["parallel"], tmp_path, "parallel")
     ports = simulate_frame(scene, 1, tmp_path)
     outputs = scene.twin().process(scene.vectors().codes[1]).tolist()
     owner = f"{scene.twin().entity}, frame out"

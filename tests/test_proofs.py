@@ -11,12 +11,13 @@ from golden.input_error import InputError
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import Job, jobs
 from tactus.verify.benches.runner import export as run_export
+from tactus.verify.benches.written import write_scene
 from tactus.verify.sign_off import record
 from tactus.verify.sign_off.proofs import PROOFS, properties_of
 from tactus.verify.sign_off.prove import check_record, command, entities, settle
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import chosen_blocks
-from tb.common.cases import random_mlp, write_scene
+from tb.common.cases import random_mlp
 from tb.common.properties import Property
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")

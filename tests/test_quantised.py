@@ -31,7 +31,8 @@ from tactus.network_files.network_file import load_network, write_network
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import file_codes, quantised_lines
 from tactus.scene.scale import Scale, on_signals
-from tb.common.cases import random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_network
 
 QONNX = "qonnx.custom_op.general"
 

@@ -26,7 +26,8 @@ from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import hidden_saturations, range_lines, saturating
-from tb.common.cases import random_network, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_network
 
 KINDS = ("relu", "leaky_relu", "linear")
 

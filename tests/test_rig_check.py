@@ -12,8 +12,9 @@ from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
 from tactus.core.table import read_table, write_table
 from tactus.rig.check import everything
 from tactus.scene import load_scene, scene_names
+from tactus.verify.benches.written import write_scene
 from tactus.verify.check import check
-from tb.common.cases import random_mlp, write_scene
+from tb.common.cases import random_mlp
 
 NAMES = ["x0", "x1", "x2", "y0", "y1"]
 

@@ -16,7 +16,8 @@ from tactus.rig.predict import check_place, predict, readings_of, write_predicti
 from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
 from tactus.scene import Scene, load_scene
 from tactus.train.descent.split import split_story
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
 

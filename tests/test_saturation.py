@@ -14,7 +14,8 @@ from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.codes import saturating
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 RIGHT = random_mlp((3, 5, 2), 1.0, 2)
 # Networks that fit the formats, and their outputs that always saturate.

@@ -22,7 +22,8 @@ from tactus.train.descent import search
 from tactus.train.descent.scaling import scaled
 from tactus.train.descent.split import split_rows
 from tactus.train.descent.task import task_for
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 # The scales of x0, x1, x2, y0, y1. An output with a relative error keeps its 0.
 SCALES = [Scale(2.5, 2.5), Scale(), Scale(-300.0, 40.0), Scale(0.0, 25.0), Scale(60.0, 70.0)]

@@ -21,8 +21,9 @@ from golden.networks.engine import Engine
 from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from tactus.scene import load_scene
+from tactus.verify.benches.written import write_scene
 from tb.common.case_library import ENGINES
-from tb.common.cases import random_mlp, write_scene
+from tb.common.cases import random_mlp
 
 SCENES = ("digit-single", "digit", "digit-multiple", "swing-cascade")
 NAMES = (*ENGINES, *SCENES)

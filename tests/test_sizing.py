@@ -23,8 +23,9 @@ from tactus.sizing.routed import clock_of, placed
 from tactus.sizing.table_luts import luts_of
 from tactus.synth.sizing import EXTRAS, networks, rows_of
 from tactus.synth.timing import read_timing
+from tactus.verify.benches.written import write_scene
 from tb.common.case_library import TABLE_GRAPHS
-from tb.common.cases import random_mlp, write_scene
+from tb.common.cases import random_mlp
 
 # What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0

@@ -33,7 +33,8 @@ from tactus.synth.cells import (
 from tactus.synth.netlist import KINDS, count, depth, total
 from tactus.synth.timing import read_timing
 from tactus.synth.tools import digest, run_tool
-from tb.common.cases import random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

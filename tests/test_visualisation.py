@@ -21,7 +21,8 @@ from golden.visualisation.ramp import Ramp, ramp
 from tactus.core.table import read_table
 from tactus.report.measure.visualisation import quotient_error
 from tactus.scene import load_scene
-from tb.common.cases import VISUALISATION, random_mlp, write_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import VISUALISATION, random_mlp
 
 APPENDIX_2 = Path(__file__).parents[1] / "scenes" / "data" / "appendix2.csv"
 PROFILE = load_profile()

@@ -15,6 +15,7 @@ from golden.sensing.frame_window import FrameWindow
 from golden.trained.window import Window
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.myhdl_simulation import simulate
+from tactus.verify.benches.written import scene_of
 from tb.common.case_library import PAST, WINDOW
 from tb.common.cases import Case
 
@@ -27,7 +28,7 @@ def block(window: Window, slots=0, spacing=100) -> FrameWindow:
 
 @pytest.fixture(scope="module")
 def past(tmp_path_factory) -> Windowed:
-    design = PAST.scene(tmp_path_factory.mktemp("past"), "past").twin()
+    design = scene_of(PAST, tmp_path_factory.mktemp("past"), "past").twin()
     assert isinstance(design, Windowed)
     return design
 
@@ -116,9 +117,9 @@ def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
 def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
     """The engine is as small as the rate allows, and keeps up with the frames."""
     case: Case = CASES["past-instrument"]
-    fast = case.scene(tmp_path, "fast").twin()
+    fast = scene_of(case, tmp_path, "fast").twin()
     slow = replace(case, sections=case.sections.replace("900000", "20000"))
-    slow_twin = slow.scene(tmp_path, "slow").twin()
+    slow_twin = scene_of(slow, tmp_path, "slow").twin()
     assert not fast.core.serial
     assert slow_twin.core.serial
     for twin in (fast, slow_twin):

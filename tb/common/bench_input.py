@@ -1,4 +1,4 @@
-"""What a bench is given of its scene: the twin of the whole design, and the recorded frames.
+"""What a bench is given of its scene: the twin of the whole design, networks, recorded frames.
 
 The runner reads the scene and writes this; the bench in the simulator reads it. So the bench does
 not read the scene again, for which it would import the twins of all designs and activations. That
@@ -6,6 +6,7 @@ would take longer than many a bench.
 """
 
 import pickle
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,21 +15,29 @@ import numpy as np
 
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
+from golden.trained.dense import Trained
 from golden.trained.window import Window
 
 
 @dataclass(frozen=True)
 class BenchInput:
-    """The twin and the recorded frames of a scene.
+    """The twin, the networks and the recorded frames of a scene.
 
     design: The twin of the scene's whole design.
     recordings, shape (frames, sensors): The codes of the frames of each recording, as they are sent
         to the hardware.
+    met: What the layers of each network meet in the data, as the scene's settings have it.
+    shipped: The same of the shipped scenes that the bench names in ``SCENES``.
     """
 
+    name: str
     design: Network
     recordings: tuple[Codes, ...]
     window: Window
+    networks: tuple[Trained, ...]
+    arrangement: str
+    met: Sequence[Sequence[float]]
+    shipped: tuple["BenchInput", ...] = ()
 
     @cached_property
     def codes(self) -> Codes:

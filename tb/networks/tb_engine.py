@@ -25,8 +25,6 @@ from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
-from tactus.scene import load_scene
-from tactus.scene.image import scene_image
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import ENGINES, LAYERED, LEARNED, RELOADED, SERIAL_ENGINES, TABLES
 from tb.common.cases import random_mlp
@@ -53,7 +51,7 @@ CASES = RELOADED | ENGINES | LAYERED | TABLES | LEARNED | SERIAL
 ALSO = ("steep-engine", "small-tables-engine")
 # How many intervals of frames are left behind the last image at least.
 BEHIND = 20
-# These have other arrangements, and another number of samples.
+# The runner gives these to the bench. They have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
 __all__ = [
@@ -103,11 +101,11 @@ def wrong_images(rng, sizes, image):
     return wrong + fitting_checks(sizes, image, words)
 
 
-def shipped_with_room(hardware):
+def shipped_with_room(hardware, shipped):
     """Those of the shipped scenes for whose networks the hardware has room, and their images."""
-    for scene in map(load_scene, SCENES):
+    for scene in shipped:
         with suppress(InputError):
-            yield scene, scene_image(scene, hardware)
+            yield scene, hardware.image_for(scene.networks, scene.arrangement, scene.met)
 
 
 @test_of(loaded)
@@ -115,10 +113,10 @@ async def images_one_after_the_other(dut):
     """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
     hardware = bench.twin
-    own = load_scene(bench.configuration["scene"])
-    for scene, image in ((own, hardware.loaded), *shipped_with_room(hardware)):
+    shipped = shipped_with_room(hardware, bench.given.shipped)
+    for scene, image in ((bench.given, hardware.loaded), *shipped):
         bench.twin = hardware.running(image)
-        codes = scene.vectors().codes[: bench.frames]
+        codes = scene.codes[: bench.frames]
         image = bench.twin.image
         drive = frames_of(bench, codes, after=len(image) + 2)
         recording = await exchange(bench, drive, [Sent(0, image)])
@@ -161,7 +159,7 @@ async def networks_of_other_depth(dut):
     """Load networks with one to four hidden layers one after the other, also some without ReLU."""
     bench = Bench(dut)
     hardware = bench.twin
-    network, *_ = load_scene(bench.configuration["scene"]).networks()
+    network, *_ = bench.given.networks
     images = images_with_room(hardware, other_depths(layers_of(network)[0].quantiser))
     for number, image in enumerate(images):
         await load_and_play(bench, hardware, image, 20, f"network {number}")
@@ -211,7 +209,8 @@ async def frames_while_loading(dut):
     """Load images of two scenes in turn, in the middle of frames and of their computation."""
     bench = Bench(dut)
     rng = bench.rng
-    *_, other = bench.twin.image, *(image.to_bytes() for _, image in shipped_with_room(bench.twin))
+    shipped = shipped_with_room(bench.twin, bench.given.shipped)
+    *_, other = bench.twin.image, *(image.to_bytes() for _, image in shipped)
     sent, at = [], 0
     for number in range(12):
         data = other if number % 4 == 3 else bench.twin.image

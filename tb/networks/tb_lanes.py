@@ -24,6 +24,7 @@ from tb.common.network import (
     wrong_lengths,
 )
 from tb.networks.tb_engine import (
+    SCENES,
     frames_while_loading,
     images_one_after_the_other,
     networks_of_other_depth,
@@ -39,6 +40,7 @@ CASES = LANES | OVERLAPPED | RELOADED_LANES
 ALSO = ("relu-lanes",)
 
 __all__ = [
+    "SCENES",
     "corners_and_random",
     "frames_while_loading",
     "images_one_after_the_other",

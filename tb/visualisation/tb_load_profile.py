@@ -18,13 +18,14 @@ import cocotb
 import numpy as np
 
 from golden.visualisation.load_profile import POWER_FRAC
-from tactus.scene import load_scene
 from tb.common.bench import Bench
 from tb.common.case_library import OTHER_PROFILES
 from tb.common.profile import check_profile
 from tb.common.stimulus import random_resets, spread
 
 CASES = OTHER_PROFILES
+# A shipped scene that the runner gives to the bench.
+SCENES = ("digit-single",)
 
 INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]
@@ -34,10 +35,10 @@ CHUNK = 48
 FAR, LOST = 4 << POWER_FRAC, 6 << POWER_FRAC
 
 
-def recorded():
+def recorded(bench):
     """The outputs of a network for every third recorded frame. Those between differ little."""
-    digit = load_scene("digit-single")
-    return digit.twin().process(digit.vectors().codes[::3])
+    (digit,) = bench.given.shipped
+    return digit.design.process(digit.codes[::3])
 
 
 def extremes(bench):
@@ -130,7 +131,7 @@ async def check_each(bench, frames):
 @cocotb.test()
 async def recorded_frames(dut):
     bench = Bench(dut)
-    await check_each(bench, recorded())
+    await check_each(bench, recorded(bench))
 
 
 @cocotb.test()

@@ -6,6 +6,7 @@ from pathlib import Path
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import BUILD
 from tactus.scene import Scene
+from tactus.verify.benches.written import scene_of
 from tb.common.cases import Case
 
 BENCHES = {
@@ -40,4 +41,4 @@ def case_scene(name: str, build: Path = BUILD) -> Scene:
     """The scene of a case, written below ``build``."""
     folder = build / "cases"
     folder.mkdir(parents=True, exist_ok=True)
-    return CASES[name].scene(folder, name)
+    return scene_of(CASES[name], folder, name)

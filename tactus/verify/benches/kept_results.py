@@ -5,8 +5,9 @@ twin, the seed, the number of frames, and the versions of the tools. Failures ar
 
 A bench is given the whole design and the recorded frames of its scene. Most benches use less: their
 own twin. So the key holds the value of the twin and the code of every class in it. Some benches
-also ask for the recorded frames or for the blocks around their own. Only for these the key also
-holds the code that reads scenes, the files of the scene, and the twins of the whole design.
+also ask for the recorded frames, for the blocks around their own or for shipped scenes. Only for
+these the key also holds the code that reads scenes, the files of the scenes, and the twins of the
+whole designs.
 """
 
 import platform
@@ -19,10 +20,9 @@ from pathlib import Path
 
 from golden.common.block import Block, walk
 from tactus.core import store
-from tactus.core.closure import closure, code, code_of, digest_of, imported_by
-from tactus.core.fingerprint import ROOT
+from tactus.core.closure import closure, code, code_of, digest_of
 from tactus.synth.tools import digest
-from tactus.verify.benches.runner import Job, Outcome, run_job
+from tactus.verify.benches.runner import Job, Outcome, run_job, shipped_for
 from tactus.verify.benches.tools import version
 
 FACTS = ("compared", "seconds", "facts")
@@ -30,8 +30,8 @@ PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
 # This module gives every bench its twin, and the rest of the design to the benches that ask for it.
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
-# The effect of these modules is in the exported files.
-ELSEWHERE = ("tb.common.cases", "tb.common.case_library")
+# The effect of this module is in the exported files.
+ELSEWHERE = "tb.common.case_library"
 NAMES = ("CASES",)
 SCENE = "tactus.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.
@@ -100,13 +100,11 @@ def _twin_parts(job: Job) -> dict[str, store.Part]:
     twin = job.twin
     found: dict[str, store.Part] = {"twin": repr(twin), "twins": code_of_twins(twin)}
     modules = bench_modules(job.area, job.block)
-    if loads_scenes(modules):
-        shipped = [ROOT / "scenes"]
-        found |= {"reading": code([SCENE]), "scene": job.scene.files, "shipped": shipped}
-    elif asks_for_scene(modules):
-        design = job.scene.twin()
-        found |= {"design": repr(design), "designs": code_of_twins(design)}
-        found |= {"reading": _reading(), "scene": job.scene.files}
+    if asks_for_scene(modules):
+        scenes = [job.scene, *shipped_for(job)]
+        designs = [scene.twin() for scene in scenes]
+        found |= {"design": repr(designs), "designs": [code_of_twins(one) for one in designs]}
+        found |= {"reading": _reading(), "scene": [file for one in scenes for file in one.files]}
     return found
 
 
@@ -116,13 +114,12 @@ def _modules(area: str, block: str) -> dict[str, Path]:
 
 
 def bench_modules(area: str, block: str) -> dict[str, Path]:
-    """The bench and all modules that it imports, except those that read scenes or make cases."""
+    """The bench and all modules that it imports, except the list of cases."""
     return dict(_modules(area, block))
 
 
 def _follow_from_bench(importer: str, imported: str) -> bool:
-    others = imported in ELSEWHERE or _is_scene(imported)
-    return not others and _follow(importer, imported)
+    return imported != ELSEWHERE and _follow(importer, imported)
 
 
 def _follow(importer: str, imported: str) -> bool:
@@ -133,16 +130,6 @@ def _follow(importer: str, imported: str) -> bool:
 
 def _is_scene(module: str) -> bool:
     return module == SCENE or module.startswith(f"{SCENE}.")
-
-
-def loads_scenes(modules: dict[str, Path]) -> bool:
-    """Whether a bench reads scenes by itself."""
-    return any(
-        _is_scene(imported)
-        for name, path in modules.items()
-        if name.startswith("tb.") and name != BENCH
-        for imported in imported_by(name, path)
-    )
 
 
 def asks_for_scene(modules: dict[str, Path]) -> bool:

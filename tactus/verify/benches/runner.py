@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -263,13 +264,32 @@ def with_parts(job: Job) -> list[Job]:
     return [job, *map(of, parts_of(job.twin))]
 
 
+def shipped_for(job: Job) -> list[Scene]:
+    """The shipped scenes that a bench plays besides the one that it runs in."""
+    bench = import_module(f"tb.{job.area}.tb_{job.block}")
+    return [load_scene(name) for name in getattr(bench, "SCENES", ())]
+
+
+def bench_input(scene: Scene, shipped: Iterable[Scene] = ()) -> BenchInput:
+    """What a bench is given of its scene and of shipped ones."""
+    return BenchInput(
+        scene.name,
+        scene.twin(),
+        scene.vectors().recordings,
+        scene.window,
+        tuple(scene.networks()),
+        scene.arrangement,
+        scene.settings().met,
+        tuple(map(bench_input, shipped)),
+    )
+
+
 def run_job(job: Job) -> Outcome:
     """Build and simulate one entity."""
     shutil.rmtree(job.folder, ignore_errors=True)
-    recordings = job.scene.vectors().recordings
     with writing(job.folder):
         job.folder.mkdir(parents=True)
-        BenchInput(job.scene.twin(), recordings, job.scene.window).write(job.given_file)
+        bench_input(job.scene, shipped_for(job)).write(job.given_file)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} {scene_variable(job.scene)}"
     if job.frames != FRAMES:
