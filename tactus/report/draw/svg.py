@@ -11,8 +11,6 @@ from matplotlib.figure import Figure
 
 # A phone shows this width without shrinking the letters, and a desktop two side by side.
 PLOT_INCHES = (4.6, 3.4)
-# The width of plots that share a row of a page of docs.
-PAGE_INCHES = (9.2, 4.2)
 _STYLE: dict[Any, Any] = {
     # Without a salt the ids are random. Letters are kept as text, so that a reader can search them.
     "svg.hashsalt": "tactus",

@@ -12,6 +12,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,7 @@ from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS, Precision
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file, write_json
-from tactus.core.fingerprint import ROOT
-from tactus.core.folders import BUILD, is_checkout
+from tactus.core.folders import BUILD
 from tactus.core.machine import versions
 from tactus.scene import thesis_table
 from tactus.scene.metrics import ACTIVATION_RANGE, activation_error
@@ -36,7 +36,6 @@ THESIS_FACTOR = 3
 # The options with which the thesis measured, if they are not the default. It does not print its
 # number of iterations.
 THESIS_OPTIONS: dict[str, dict[str, Any]] = {"pade": {"rho": 4.0, "iterations": 24}}
-PLOTS = ROOT / "docs" / "activations"
 
 
 @dataclass(frozen=True)
@@ -181,8 +180,8 @@ def plot_file(name: str) -> str:
     return f"{name.replace(' ', '_')}.svg"
 
 
-def plot(name: str, scheme: Scheme, path: Path) -> None:
-    """Plot the error over q as SVG, with the same bytes on every run.
+def plot(name: str, scheme: Scheme) -> str:
+    """The error over q as SVG, the same text on every run.
 
     All schemes are odd, so q starts at 0. In ``thesis`` precision Q is 8: the steps of q are
     2**-10, and q reaches beyond the end of every scheme.
@@ -212,24 +211,25 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
         axes.set_xlim(0, 5)
         axes.grid(linewidth=0.3)
         axes.legend(title=name, fontsize="small", title_fontsize="small")
-        with replace_file(path) as temporary:
-            figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": None})
+        written = StringIO()
+        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
+    # What stands before would not be HTML, and pages hold the picture as it is.
+    return written.getvalue().partition("<!DOCTYPE")[2].partition(">")[2].strip() + "\n"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make activations", description=__doc__)
     parser.add_argument("--build", type=Path, default=BUILD)
-    parser.add_argument("--plots", type=Path, default=PLOTS if is_checkout() else None)
     arguments = parser.parse_args()
     folder = arguments.build / "activations"
-    plots = arguments.plots or folder
-    stop_if_dry_run(f"measure every activation and write its plot into {plots}")
+    stop_if_dry_run(f"measure every activation and write its plot into {folder}")
     rows = measure()
     print("\n".join(table(rows)))
     write(rows, folder)
     for name, scheme in forms().items():
-        plot(name, scheme, plots / plot_file(name))
-    print(f"\nwrote {folder}/errors.csv and errors.json; plots in {plots}")
+        with replace_file(folder / plot_file(name)) as path:
+            path.write_text(plot(name, scheme), encoding="utf-8")
+    print(f"\nwrote {folder}/errors.csv, errors.json and plots")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,9 @@ The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python
 tactus.boards.variants`` record beside a scene what it takes.
 """
 
+from fractions import Fraction
+
+from golden.sensing.converter_parts import PARTS
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import Report
 from tactus.boards.record import read_record, record_path
@@ -14,6 +17,19 @@ KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
 HEADS = f"{' | '.join(KINDS)} | MHz needed | MHz reached | us"
 # Who drives a wire, seen from the board.
 INPUTS = ("miso", "rx")
+
+
+def converters() -> str:
+    """A line for each converter that a scene can name."""
+    lines = [
+        "| name | data sheet | bits | coding | clocks of a transfer | sclk at 64 MHz |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, part in PARTS.items():
+        cells = part.source, part.bits, part.coding, part.clocks
+        mhz = 32 / part.half_clocks(Fraction(64))
+        lines.append(f"| `{name}` | {' | '.join(map(str, cells))} | {mhz:.3g} MHz |")
+    return "\n".join(lines)
 
 
 def wiring() -> str:

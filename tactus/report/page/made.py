@@ -7,12 +7,14 @@ import re
 from collections.abc import Callable
 from functools import cache, partial
 
+from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import Pipeline
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.network import network
+from tactus.report.measure.activation_errors import measure, plot, plot_file, table
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.page.side_by_side import side_by_side
@@ -87,6 +89,11 @@ def pipeline() -> str:
     return "\n".join(lines)
 
 
+def activation_errors() -> str:
+    """What make activations prints."""
+    return "\n".join(f"    {line}".rstrip() for line in table(measure()))
+
+
 def demo() -> str:
     """The table at the end of the demo, without the line on what was compared."""
     lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
@@ -106,6 +113,7 @@ MADE: dict[str, Callable[[], str]] = {
     "blocks": blocks.block_table,
     "sign-off": sign_off.overview,
     "synthesis": datasheets.scene_table,
+    "converters": boards.converters,
     "wiring": boards.wiring,
     "sources": boards.pin_sources,
     "resources": boards.resources,
@@ -119,6 +127,13 @@ MADE: dict[str, Callable[[], str]] = {
     "floors": partial(picture, picture_of_floors),
     "networks": partial(picture, lambda: network(load_scene("digit"))),
     "segments": segments,
+    "activation-errors": activation_errors,
+    **{
+        f"errors-of-{plot_file(name).removesuffix('.svg')}": partial(
+            picture, partial(plot, name, scheme)
+        )
+        for name, scheme in forms().items()
+    },
     "pipeline": pipeline,
 }
 MARK = re.compile(r"<!-- made: ([\w-]+) -->")
