@@ -16,6 +16,7 @@ from tactus.core.finding import faults
 from tactus.physics.gauge_rig import FOLDER as RIGS
 from tactus.scene import scene_path
 from tactus.verify.benches.collected import CASES
+from tactus.verify.benches.written import scene_of
 from tactus.verify.check import check
 
 FOLDER = Path(__file__).parent / "refusals"
@@ -44,7 +45,7 @@ def test_a_scene_is_refused(
     desk: Desk, base: str, old: str, new: str, words: str | list[str]
 ) -> None:
     if base in CASES:
-        CASES[base].scene(desk.folder, "mine")
+        scene_of(CASES[base], desk.folder, "mine")
     elif base != "mine":
         path = scene_path(base)
         shutil.copytree(path.parent, desk.folder, dirs_exist_ok=True)
