@@ -61,32 +61,21 @@ def netlab(**changed: Any) -> bytes:
     return mat({"net": {k: v for k, v in (COLUMNS | changed).items() if v is not None}})
 
 
-def node(kind: str, inputs: str, outputs: str, **attributes: Any) -> Any:
-    return helper.make_node(kind, inputs.split(), outputs.split(), name="my", **attributes)
-
-
-CHAIN = [
-    node("MatMul", "x w1", "a"),
-    node("Add", "a b1", "b"),
-    node("Tanh", "b", "c"),
-    node("MatMul", "c w2", "d"),
-    node("Add", "b2 d", "y"),
-]
-
-
-def onnx(nodes: dict[int, Any] | None = None, **changed: Any) -> bytes:
-    """A network in which some nodes and constants are replaced. ``ends`` are inputs and outputs."""
-    width = changed.pop("width", 3)
-    ends = [
-        [helper.make_tensor_value_info(name, TensorProto.DOUBLE, [None, width]) for name in names]
-        for names in changed.pop("ends", ("x", "y"))
-    ]
+def onnx(**changed: Any) -> bytes:
+    """A network in which some constants are replaced."""
+    ends = [[helper.make_tensor_value_info(n, TensorProto.DOUBLE, [None, 3])] for n in "xy"]
     constants = COLUMNS | {"b1": MLP.b1, "b2": MLP.b2} | changed
     tensors = [
         value if isinstance(value, TensorProto) else numpy_helper.from_array(np.array(value), name)
         for name, value in constants.items()
     ]
-    steps = [(nodes or {}).get(i, kept) for i, kept in enumerate(CHAIN)]
+    steps = [
+        helper.make_node("MatMul", ["x", "w1"], ["a"]),
+        helper.make_node("Add", ["a", "b1"], ["b"]),
+        helper.make_node("Tanh", ["b"], ["c"]),
+        helper.make_node("MatMul", ["c", "w2"], ["d"]),
+        helper.make_node("Add", ["b2", "d"], ["y"]),
+    ]
     return helper.make_model(helper.make_graph(steps, "test", *ends, tensors)).SerializeToString()
 
 
@@ -155,7 +144,6 @@ ONNX = {
     "empty": (b"", "got 0 inputs and 0 outputs, expected a graph with one of each"),
     "an image": (b"\xff\xd8\xff\xe0" + bytes(100), "not an ONNX file"),
     "cut off": (onnx()[:100], "not an ONNX file"),
-    "two inputs": (onnx(ends=("xz", "y")), "got 2 inputs and 1 outputs, expected"),
     "values in a file that is missing": (
         onnx(w1=elsewhere("no.bin")),
         ".*no.bin",
@@ -163,10 +151,6 @@ ONNX = {
     "values in a file outside": (onnx(w1=elsewhere("../a.bin")), "not an ONNX file: .*outside"),
     "values in a file of the system": (onnx(w1=elsewhere("/etc/passwd")), "not an ONNX file: "),
     "values of a type that is not known": (onnx(w1=tensor(data_type=77)), "tensor 'w1' holds"),
-    "a constant that cannot be": (
-        onnx({0: node("Transpose", "w1", "a", perm=[0, 0])}),
-        "operator Transpose ('my'): cannot be applied to its constants: ",
-    ),
     "more values than any memory": (onnx(w1=tensor(dims=[1 << 40, 5])), "tensor 'w1' holds number"),
     "a size below 0": (onnx(w1=tensor(dims=[3, -1])), "tensor 'w1': got the shape [3, -1], exp"),
     "text": (
@@ -174,50 +158,6 @@ ONNX = {
         "w1: got object, expected real numbers",
     ),
     "complex": (onnx(w1=MLP.w1.T + 1j), "w1: got complex128, expected real numbers"),
-    "a convolution": (
-        onnx({0: node("Unsqueeze", "x b1", "a"), 2: node("Conv", "x w1", "a")}),
-        "operator Conv ('my'): not supported: tactus is for dense networks and has no convolution",
-    ),
-    "values that are no longer real": (
-        onnx({2: node("Cast", "b", "c", to=TensorProto.INT8)}),
-        "behind layer 1: operator Cast ('my'): to INT8, expected one of FLOAT, DOUBLE",
-    ),
-    "a slope that rises below 0": (
-        onnx({2: node("LeakyRelu", "b", "c", alpha=-0.5)}),
-        "behind layer 1: operator LeakyRelu ('my'): got the slope -0.5 below 0, expected 0 to 1",
-    ),
-    "a function without a value": (
-        onnx({2: node("Celu", "b", "c", alpha=0.0)}),
-        "operator Celu ('my'): got .*which has no finite value at x",
-    ),
-    "of another domain": (
-        onnx({2: node("Tanh", "b", "c", domain="a")}),
-        "operator Tanh ('my'):",
-    ),
-    "no weights": (onnx({0: node("Gemm", "x", "a")}), "operator Gemm ('my'): got 1 inputs"),
-    "a bias that does not fit": (
-        onnx({0: node("Gemm", "x w1 b2", "a")}),
-        "operator Gemm ('my'): got 2 values, expected 1 or 5",
-    ),
-    "an attribute of another type": (
-        onnx({0: node("Gemm", "x w1", "a", transB="yes")}),
-        "operator Gemm ('my'): got transB of another type, expected numbers",
-    ),
-    "another shape": (
-        onnx({4: node("Reshape", "d s", "y")}, s=np.array([2, -1])),
-        "operator Reshape ('my'): to [2, -1], expected one of [[-1, 2], [-1, 1]]",
-    ),
-    "a constant without a value": (
-        onnx({0: node("Constant", "", "a")}),
-        "operator Constant",
-    ),
-    "a loop": (onnx({1: node("Add", "y b1", "b")}), "operator Add ('my'): does not read 'a'"),
-    "weights in a row": (onnx(w1=MLP.w1[0]), "operator MatMul ('my'): expected the data first"),
-    "too many biases": (onnx(b1=MLP.w1), "operator Add ('my'): got a constant of shape (5, 3)"),
-    "transposed": (
-        onnx({4: node("Identity", "d", "y")}, w2=MLP.w2),
-        "behind layer 1: operator MatMul ('my'): got weights of 2 values, expected 5, as many as",
-    ),
     "NaN": (onnx(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
 }
 TABLE = [

@@ -154,10 +154,8 @@ def numbers() -> dict[str, np.ndarray]:
         "mean": rng.normal(0, 1, 4),
         "variance": rng.uniform(0.5, 2, 4),
         "slope": np.array([0.3]),
-        "slopes": np.array([0.3, 0.2, 0.3, 0.3]),
         "one": np.array(1.0),
         "minus_one": np.array(-1.0),
-        "six": np.array(6.0),
     }
     for n, (inputs, outputs) in enumerate(pairwise((3, 4, 5, 2)), start=1):
         found[f"w{n}"] = rng.normal(0, 1, (inputs, outputs))
@@ -189,76 +187,6 @@ def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
     found = load_network(path, (3, 0, 2))
     assert found.shape == (3, 4, 5, 2)
     assert np.abs(found.process(x) - expected).max() < 1e-6
-
-
-REFUSED = {
-    "two activations": (
-        chain([("Relu", "", {}), ("Tanh", "", {})], []),
-        r"behind layer 1: operator Tanh \('my_Tanh'\): stands behind another activation, expected",
-    ),
-    "before any layer": (
-        [node("Relu", "x", "a"), *chain([], [])],
-        r"net.onnx: operator Relu \('my_Relu'\): stands in front of every layer",
-    ),
-    "a slope for each node": (
-        chain([("PRelu", "slopes", {})], []),
-        r"behind layer 1: operator PRelu .*: got 2 slopes, expected one for all nodes",
-    ),
-    "a slope that falls": (
-        chain([], [("LeakyRelu", "", {"alpha": -1.0})]),
-        r"behind layer 2: operator LeakyRelu .*: got the slope -1 below 0, expected 0 to 1",
-    ),
-    "other ends": (
-        chain([("Clip", "minus_one six", {})], []),
-        r"behind layer 1: operator Clip .*: got the ends \[-1.0\] and \[6.0\], expected -1 and 1",
-    ),
-    "one end": (
-        chain([("Clip", "minus_one", {})], []),
-        r"behind layer 1: operator Clip .*: got the ends \[-1.0\] and None, expected -1 and 1",
-    ),
-    "a convolution": (
-        [node("Conv", "x w1", "a")],
-        r"operator Conv .*: not supported: tactus is for dense networks and has no convolution",
-    ),
-    "a state": ([node("LSTM", "x w1", "a")], r"operator LSTM .*: not supported: .* keep a state"),
-    "classes between layers": (
-        chain([("Softmax", "", {})], []),
-        r"behind layer 1: operator MatMul .*: not supported in the end of a classifier, expected",
-    ),
-    "whole numbers": (
-        chain([("Relu", "", {}), ("Cast", "", {"to": TensorProto.INT64})], []),
-        r"behind layer 1: operator Cast .*: to INT64, expected one of FLOAT, DOUBLE, ",
-    ),
-    "weights of another layer": (
-        [*chain([], [])[:1], node("Gemm", "a1 w3 b3", "y")],
-        r"behind layer 1: operator Gemm .*: got weights of 5 values, expected 4, as many as come",
-    ),
-    "a quantiser of no scale": (
-        [node("Quant", "x", "a")],
-        r"operator Quant .*: got 0 inputs behind the data, expected constants",
-    ),
-    "in training": (
-        chain([(NORMALISED[0], NORMALISED[1], {"training_mode": 1})], []),
-        r"behind layer 1: operator BatchNormalization .*: expected it as it is after training",
-    ),
-    "another axis": (
-        chain([("Flatten", "", {"axis": 2})], []),
-        r"behind layer 1: operator Flatten .*: got axis 2, expected 1",
-    ),
-    "no layer": (
-        [node("Identity", "x", "y")],
-        r"net.onnx: got no linear layer, expected one or more, Gemm or MatMul",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_graph_is_refused_by_layer_and_node(tmp_path: Path, name: str) -> None:
-    nodes, message = REFUSED[name]
-    if name == "before any layer":
-        nodes[1].input[0] = "a"
-    with pytest.raises(InputError, match=message):
-        load_network(graph(tmp_path, nodes, numbers()), (3, 0, 2))
 
 
 # On the engine.

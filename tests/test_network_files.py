@@ -9,7 +9,6 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
 
-from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
@@ -259,39 +258,6 @@ def test_an_operator_with_two_kinds_of_attributes_is_two_functions(tmp_path: Pat
     x = np.random.default_rng(1).uniform(-1, 1, (20, 3))
     (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
     assert np.allclose(network.process(x), expected, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (
-            {2: node("Hardmax", "b", "c")},
-            r"behind layer 1: operator Hardmax \('my_Hardmax'\): not supported, expected one of",
-        ),
-        ({1: node("Add", "a a", "b")}, "operator Add .* expected constants beside 'a'"),
-        ({2: node("Tanh", "a", "c")}, "operator Tanh .* expected a chain without branches"),
-        ({1: node("Tanh", "a", "b")}, "operator Tanh .* stands behind another activation"),
-        ({3: node("Add", "c b1", "d")}, "operator Add .* got 2 values, expected 1 or 5"),
-        ({1: node("Add", "a column", "b")}, r"operator Add .* shape \(5, 1\), expected one row"),
-        ({1: node("Mul", "a b2", "b")}, "operator Mul .* got 2 values, expected 1 or 5"),
-        ({1: node("Div", "b1 a", "b")}, "operator Div .* expected the data first"),
-        ({1: node("Div", "a zero", "b")}, "operator Div .* by numbers other than 0"),
-        ({1: node("Sub", "a", "b")}, "operator Sub .* got 1 inputs .* expected 2 and 1"),
-        ({1: node("Scaler", "a", "b")}, "operator Scaler .* not supported"),
-        ({1: scaler("a", "b")}, "operator Scaler .* attributes offset and scale"),
-        ({0: node("MatMul", "w1 x", "a")}, "operator MatMul .* expected the data first"),
-        ({0: node("Gemm", "x w1", "a", transA=1)}, "operator Gemm .* transA=1, expected 0"),
-        ({4: node("Reshape", "d b2", "y")}, r"operator Reshape .* expected one of \[\[-1, 2\]"),
-        ({4: node("Add", "b2 d", "z")}, "the output is 'y', expected 'z'"),
-    ],
-)
-def test_other_graphs_are_refused_with_the_operators_name(tmp_path, change, message) -> None:
-    nodes = [change.get(i, kept) for i, kept in enumerate(KERAS)]
-    known = constants(random_mlp(SHAPE, 1.0, 1)) | {"zero": 0.0, "column": np.ones((5, 1))}
-    path = graph(tmp_path, nodes, known)
-    with pytest.raises(InputError, match=message) as caught:
-        load_network(path, SHAPE)
-    assert "net.onnx" in str(caught.value)
 
 
 def test_netlab_structures_of_any_name(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import onnx.parser
 import pytest
 from refused import Desk
 
@@ -75,3 +76,14 @@ def test_a_board_or_a_rig_is_refused(
     desk.edit(old, new)
     said = [words] if isinstance(words, str) else words
     desk.refuses(*call, "mine.toml", says=[f"mine.toml: {text}" for text in said])
+
+
+@pytest.mark.parametrize(("form", "old", "new", "words"), entries("network"))
+def test_a_network_is_refused(desk: Desk, form: str, old: str, new: str, words: str) -> None:
+    text = TEXTS["network"]
+    assert old in text
+    model = onnx.parser.parse_model(text.replace(old, new))
+    (desk.folder / f"mine.{form}").write_bytes(model.SerializeToString())
+    desk.edit("mine.npz", f"mine.{form}")
+    desk.edit("hidden = 5", "hidden = 0")
+    desk.refuses("bench", "mine.toml", says=f"mine.{form}: .*{words}")
