@@ -150,7 +150,7 @@ def test_a_stale_record_names_the_command(
     record.write_record("proof", "output_controller", {**found, "properties": []})
     (lacking,) = check_record([rows])
     assert "another source" in stale
-    assert "other properties than prove_output_controller.py" in lacking
+    assert "other properties than tb_output_controller.py" in lacking
     assert all(command("output_controller") in text for text in (missing, stale, lacking))
 
 

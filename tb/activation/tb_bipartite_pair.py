@@ -9,10 +9,12 @@ Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over 
 import cocotb
 import numpy as np
 
+from tb.activation.tb_bipartite import EARLY_SIGN, LATE, sign
 from tb.common.bench import Bench
 from tb.common.case_library import BIPARTITE
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+from tb.common.watch import pipeline
 
 CASES = {name: case for name, case in BIPARTITE.items() if name != "bipartite-logic"}
 
@@ -37,3 +39,16 @@ async def sweep(dut):
 async def gaps_and_resets(dut):
     bench = Bench(dut)
     await check_gaps_and_resets(bench, codes(bench), INPUTS, OUTPUTS, bench.twin.process)
+
+
+# Only the sign of the second node is wrong.
+SECOND = tuple(part.replace(r"(\w+)negative_late", "(node1_)negative_late") for part in EARLY_SIGN)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(twin, LATE),
+        sign(twin.activation, "_0"),
+        sign(twin.activation, "_1", SECOND),
+    ]

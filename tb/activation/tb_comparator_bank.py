@@ -17,6 +17,7 @@ from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
 from tb.common.stimulus import all_codes
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
+from tb.common.watch import pipeline
 
 CASES = PARTS
 
@@ -52,3 +53,16 @@ async def gaps_and_resets(dut):
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
     await check_recorded(bench, {"in_mag": UNSIGNED}, OUTPUTS, expected(bench.twin))
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"out_valid <= in_valid", "out_valid <= (in_valid && (addr == 0))"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

@@ -16,6 +16,7 @@ from tb.common.bench import Bench
 from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
+from tb.common.watch import pipeline
 
 CASES = PARTS
 
@@ -60,3 +61,17 @@ async def gaps_and_resets(dut):
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
     await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"delay0_taps\[0\] <= in_valid", "delay0_taps[0] <= (in_valid || delay0_taps[0])"),
+                (r"out_valid <= delay0_taps\[\(2 - 1\)\]", "out_valid <= delay0_taps[0]"),
+                (r"delay0_taps\[1\] <= 0;", ""),
+            ),
+        ),
+    ]

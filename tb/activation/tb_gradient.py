@@ -16,6 +16,7 @@ from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
 from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
+from tb.common.watch import pipeline
 
 CASES = PARTS
 
@@ -34,3 +35,16 @@ async def gaps_and_resets(dut):
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
     await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"\.in_valid\(sum_valid\)", ".in_valid(addr_valid)"),
+                (r"\.in_valid\(mag_valid\)", ".in_valid(mag_valid && !negative)"),
+            ),
+        ),
+    ]

@@ -12,6 +12,7 @@ import cocotb
 
 from tb.common import activation
 from tb.common.case_library import both_precisions, rails
+from tb.common.watch import pipeline
 
 CASES = rails("gradient_parallel") | {
     "gradient_parallel-thesis": both_precisions("gradient_parallel")["gradient_parallel-thesis"]
@@ -26,3 +27,16 @@ async def sweep(dut):
 @cocotb.test()
 async def gaps_and_resets(dut):
     await activation.gaps_and_resets(dut)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"\.in_valid\(valid_0\)", ".in_valid(valid_0 && !negative_late)"),
+                (r"\.in_valid\(mag_valid\)", ".in_valid(in_valid)"),
+            ),
+        ),
+    ]

@@ -13,6 +13,7 @@ from tb.common.bench import Bench
 from tb.common.case_library import PARTS
 from tb.common.memory import check_memory
 from tb.common.recorded_frames import recorded_inputs
+from tb.common.watch import read_only
 
 CASES = PARTS
 
@@ -21,3 +22,16 @@ CASES = PARTS
 async def every_address(dut):
     bench = Bench(dut)
     await check_memory(bench, *recorded_inputs(bench))
+
+
+def properties(twin):
+    """Proved properties, at every address."""
+    return [
+        read_only(
+            twin,
+            (
+                (r"0: word = ", "0: word = 1 + "),
+                (r"default: word = ", "default: word = 1 + "),
+            ),
+        ),
+    ]

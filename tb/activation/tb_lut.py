@@ -13,6 +13,7 @@ import cocotb
 from tb.common import activation
 from tb.common.case_library import both_precisions, rails
 from tb.common.cases import Case
+from tb.common.watch import pipeline
 
 CASES = {
     **rails("lut"),
@@ -29,3 +30,16 @@ async def sweep(dut):
 @cocotb.test()
 async def gaps_and_resets(dut):
     await activation.gaps_and_resets(dut)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"word_valid <= segment_valid", "word_valid <= mag_valid"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

@@ -17,6 +17,7 @@ from tb.common.bench import Bench
 from tb.common.case_library import both_precisions, rails
 from tb.common.cases import Case
 from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.watch import pipeline
 
 CASES = {
     **rails("polynomial"),
@@ -45,3 +46,16 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = {"in_data": codes(bench)}
     await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"result_valid <= delay2_taps\[\(1 - 1\)\]", "result_valid <= segment_valid"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

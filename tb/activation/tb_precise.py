@@ -11,6 +11,7 @@ import cocotb
 
 from tb.common import activation
 from tb.common.case_library import PRECISE, rails
+from tb.common.watch import pipeline
 
 CASES = rails("precise") | PRECISE
 
@@ -23,3 +24,16 @@ async def sweep(dut):
 @cocotb.test()
 async def gaps_and_resets(dut):
     await activation.gaps_and_resets(dut)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"sum_valid <= delay1_taps\[\(4 - 1\)\]", "sum_valid <= delay1_taps[2]"),
+                (r"delay1_taps\[2\] <= 0;", ""),
+            ),
+        ),
+    ]

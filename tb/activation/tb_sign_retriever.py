@@ -14,6 +14,7 @@ from tb.common.bench import Bench
 from tb.common.case_library import PARTS
 from tb.common.recorded_frames import check_recorded
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
+from tb.common.watch import pipeline
 
 CASES = PARTS
 
@@ -44,3 +45,16 @@ async def gaps_and_resets(dut):
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
     await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)
+
+
+def properties(twin):
+    """Proved properties, whatever drives it."""
+    return [
+        pipeline(
+            twin,
+            (
+                (r"out_valid <= in_valid", "out_valid <= (in_valid && !in_negative)"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

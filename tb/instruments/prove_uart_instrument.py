@@ -9,7 +9,7 @@ the pulse density.
 from golden.link.uart_transmitter import BYTE_BITS
 from tb.common.properties import Property
 from tb.common.watch import busy_of, since
-from tb.instruments import prove_converter_instrument
+from tb.instruments import tb_converter_instrument
 
 ALSO = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
@@ -20,7 +20,7 @@ def properties(twin):
     if twin.learns:
         return [lessons(), rests(twin)]
     if not twin.reload:
-        return prove_converter_instrument.properties(twin)
+        return tb_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
     return [no_half_image(twin, engine), room(twin, engine), what_packets_tell(twin), rests(twin)]
 

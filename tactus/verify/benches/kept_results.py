@@ -30,8 +30,8 @@ PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
 # This module gives every bench its twin, and the rest of the design to the benches that ask for it.
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
-# The effect of this module is in the exported files.
-ELSEWHERE = "tb.common.case_library"
+# The effect of cases is in the exported files, and properties are proved apart from benches.
+ELSEWHERE = re.compile(r"tb\.(common\.(case_library|properties|watch)|\w+\.prove_\w+)$")
 NAMES = ("CASES",)
 SCENE = "tactus.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.
@@ -114,12 +114,12 @@ def _modules(area: str, block: str) -> dict[str, Path]:
 
 
 def bench_modules(area: str, block: str) -> dict[str, Path]:
-    """The bench and all modules that it imports, except the list of cases."""
+    """The bench and all modules that it imports, without cases and properties."""
     return dict(_modules(area, block))
 
 
 def _follow_from_bench(importer: str, imported: str) -> bool:
-    return imported != ELSEWHERE and _follow(importer, imported)
+    return not ELSEWHERE.match(imported) and _follow(importer, imported)
 
 
 def _follow(importer: str, imported: str) -> bool:

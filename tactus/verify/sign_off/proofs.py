@@ -1,6 +1,6 @@
-"""The properties of every block, which stand beside its bench as ``prove_<block>.py``.
+"""The properties of every block: in its bench, or beside it as ``prove_<block>.py``.
 
-Those of its parts stand there, too: in ``PARTS``, by the part's name.
+There those of its parts stand, too: in ``PARTS``, by the part's name.
 """
 
 from collections.abc import Callable
@@ -10,17 +10,19 @@ from typing import Any
 
 from golden.common.block import Block, parts_of
 from tactus.core.fingerprint import ROOT
+from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job
 from tb.common.properties import Property
 
-PROOFS = {
+_BESIDE = {
     path.stem.removeprefix("prove_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/prove_*.py"))
 }
+PROOFS = {name: bench for name, bench in BENCHES.items() if hasattr(bench, "properties")} | _BESIDE
 _OF: dict[str, Callable[[Any], list[Property]]] = {
-    name: make
-    for block, module in PROOFS.items()
-    for name, make in {block: module.properties, **getattr(module, "PARTS", {})}.items()
+    name: module.properties for name, module in PROOFS.items()
+} | {
+    name: make for module in _BESIDE.values() for name, make in getattr(module, "PARTS", {}).items()
 }
 
 
