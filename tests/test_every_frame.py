@@ -31,7 +31,7 @@ from tactus.verify.every_frame.sums import Space, Sum, UnsupportedError, Value, 
 from tactus.verify.every_frame.unrolled import Unrolled
 from tactus.verify.every_frame.values import Values
 from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
-from tactus.verify.prove import hardware, main, prove_netlist
+from tactus.verify.prove import hardware, prove_netlist
 from tb.common.cases import Case
 
 # A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
@@ -469,22 +469,6 @@ def test_hardware_that_cannot_be_read_is_refused(body: str, message: str, tmp_pa
         said = str(reason)
     assert re.search(message, said)
     assert "\n" not in said
-
-
-def test_a_scene_without_networks_is_refused_and_nothing_is_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scene = scene_of(CASES["least-engine"], tmp_path, "mine")
-    scene.weights_paths[0].unlink()
-    before = sorted(tmp_path.rglob("*"))
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["prove", "--scene", str(scene.path)])
-    with pytest.raises(InputError, match=r"no such network; make train SCENE=... writes it$"):
-        main()
-    assert sorted(tmp_path.rglob("*")) == before
-    monkeypatch.setattr("sys.argv", ["prove", "--scene", "digit-parallel digit-parallel"])
-    with pytest.raises(InputError, match=r"^SCENE=digit-parallel digit-parallel: expected scenes"):
-        main()
 
 
 def test_a_missing_yosys_is_named_in_one_line(

@@ -187,44 +187,6 @@ def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Pa
     assert [float(c) for c in cells[:4]] == pytest.approx(codes.mean(axis=0), abs=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["sim", ""], "TO=: missing, expected a .csv file"),
-        (["sim", "a.csv", "--labels=no.csv"], "no.csv: no such file"),
-        (["sim", "a.csv", "--labels=bad.csv"], "bad.csv:2: column 'load': got 'x', expected a num"),
-        (
-            ["sim", "a.csv", "--labels=name.csv"],
-            "name.csv: column 'lode': got no output of .*",
-        ),
-        (["twin", "a.csv", "--labels=name.csv"], ": a simulated .*; did you mean 'load'?"),
-        (["sim", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
-        (["x", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
-        (["x", "a.csv", "--labels=none.csv"], "none.csv: column 2 has no name, expected that of"),
-        (["sim", "bad.csv"], "bad.csv: is there already"),
-        (["sim", "a.csv", "--frames=0"], "FRAMES=0: expected a whole number, 1 to"),
-    ],
-)
-def test_what_record_refuses(
-    words: list[str],
-    message: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("bad.csv").write_text("load\nx\n")
-    Path("twice.csv").write_text("sensor1\n1\n")
-    Path("name.csv").write_text("lode\n1\n")
-    Path("none.csv").write_text("load,\n1,1\n")
-    monkeypatch.setattr("sys.argv", ["record", "digit-board", *words])
-    assert run(recording.main) == 2
-    said = capfd.readouterr().err
-    assert re.search(re.escape(message).replace(r"\.\*", ".*"), said), said
-    assert said.count("\n") == 1
-    assert not Path("a.csv").exists()
-
-
 def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
     """The first two packets come before any image.
 

@@ -399,15 +399,6 @@ def test_an_engine_gets_a_new_image_and_no_new_hardware(
     assert exported[0] == exported[1]
 
 
-def test_the_scene_itself_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = load_scene("digit")
-    csv = placements(tmp_path, scene)
-    for target in (scene.path, scene.path.parent, scene.path.with_name("other.toml")):
-        monkeypatch.setattr("sys.argv", ["make recalibrate", "digit", str(csv), str(target)])
-        with pytest.raises(InputError, match="expected another: its networks would be replaced"):
-            main()
-
-
 def test_without_placements_some_are_proposed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

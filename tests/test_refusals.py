@@ -1,5 +1,6 @@
 """A bad file is refused by one line that names it. The entries are in tests/refusals/."""
 
+import os
 import re
 import shlex
 import shutil
@@ -21,8 +22,6 @@ from tactus.verify.benches.written import scene_of
 from tactus.verify.check import check
 
 FOLDER = Path(__file__).parent / "refusals"
-
-
 READ = {path.stem: tomllib.loads(path.read_text("utf-8")) for path in FOLDER.glob("*.toml")}
 TEXTS = {kind: read.pop("text", "").lstrip() for kind, read in READ.items()}
 # The file of a base, and the command that reads a copy of it.
@@ -32,13 +31,17 @@ SHIPPED = {
 }
 
 
+def repeated(text: str) -> str:
+    return re.sub("(.)…", lambda found: found[1] * 200_000, text)
+
+
 def entries(kind: str) -> Iterator[Any]:
     """The name of a base, a text of its file, what stands for it, and the words of the refusal."""
     for base, edits in READ[kind].items():
         for old, changes in edits.items():
             for new, words in changes.items():
-                text = re.sub("(.)…", lambda found: found[1] * 200_000, new)
-                yield pytest.param(base, old, text, words, id=ascii(f"{base}: {new or old}")[1:60])
+                name = ascii(f"{base}: {new or old}")[1:60]
+                yield pytest.param(base, old, repeated(new), words, id=name)
 
 
 @pytest.mark.parametrize(("base", "old", "new", "words"), entries("scene"))
@@ -87,3 +90,48 @@ def test_a_network_is_refused(desk: Desk, form: str, old: str, new: str, words: 
     desk.edit("mine.npz", f"mine.{form}")
     desk.edit("hidden = 5", "hidden = 0")
     desk.refuses("bench", "mine.toml", says=f"mine.{form}: .*{words}")
+
+
+@pytest.fixture
+def crowded(desk: Desk) -> Desk:
+    """A desk with many files beside the scene that are not scenes."""
+    (desk.folder / "folder.toml").mkdir()
+    (desk.folder / "folder.npz").mkdir()
+    (desk.folder / "loop.toml").symlink_to("loop.toml")
+    (desk.folder / "device.toml").symlink_to("/dev/full")
+    (desk.folder / "other").mkdir()
+    for name in ("other.npz", "other.svg", "other/mine.npz"):
+        (desk.folder / name).write_text("of the user", encoding="utf-8")
+    for name in ("pipe", "pipe.npz", "pipe.toml"):
+        os.mkfifo(desk.folder / name)
+    scene = (desk.folder / "mine.toml").read_text(encoding="utf-8")
+    (desk.folder / "untrained.toml").write_text(scene.replace("mine.npz", "no.npz"))
+    (desk.folder / "latin.toml").write_bytes(b"# \xe9\n")
+    (desk.folder / "binary.toml").write_bytes(bytes(99))
+    return desk
+
+
+@pytest.mark.parametrize(("call", "words"), READ["calls"]["calls"].items(), ids=ascii)
+def test_a_call_is_refused(crowded: Desk, call: str, words: str) -> None:
+    crowded.refuses(*shlex.split(repeated(call)), says=words)
+
+
+@pytest.mark.parametrize(
+    ("call", "name", "words"),
+    [
+        (call, *entry)
+        for call, ways in READ["calls"]["in_the_way"].items()
+        for entry in ways.items()
+    ],
+)
+def test_what_stands_in_the_way_is_named(desk: Desk, call: str, name: str, words: str) -> None:
+    scene_of(CASES["rails-reload"], desk.folder, "loaded")
+    path = desk.folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if name.endswith("/"):
+        path.unlink(missing_ok=True)
+        path.mkdir()
+    else:
+        path.touch()
+    desk.refuses(*call.split(), says=words)
+    assert path.exists()

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.network_files.network_file import save_network
-from tactus.rig.predict import check_place, predict, readings_of, write_prediction
+from tactus.rig.predict import predict, readings_of, write_prediction
 from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
 from tactus.scene import Scene, load_scene
 from tactus.train.descent.split import split_story
@@ -164,17 +163,6 @@ def test_the_limit_is_that_of_the_held_out_rows() -> None:
     )
     assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
     assert few.one_in == 4
-
-
-@pytest.mark.parametrize("name", ["new.csv", "rig.toml", "rig.csv", "rig-1.npz", "."])
-def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
-    source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n")
-    with pytest.raises(
-        InputError,
-        match=r"is read by this command, expected|got a folder, expected",
-    ):
-        check_place(scene, source, scene.path.parent / name)
-    check_place(scene, source, scene.path.parent / "out.csv")
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:

@@ -4,7 +4,6 @@ from functools import cache
 
 import pytest
 
-from golden.input_error import InputError
 from tactus.scene import DEFAULT_SCENES, load_scene, scene_names
 from tactus.verify.benches.collected import BENCHES, CASES_OF
 from tactus.verify.benches.places import blocks_in, places
@@ -34,19 +33,3 @@ def test_every_block_is_found_without_a_scene(block: str) -> None:
 def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
     (place,) = places("digit-single", "hybrid")
     assert (place.scene.name, place.why) == ("digit-single", "")
-
-
-@pytest.mark.parametrize(
-    ("scene", "block", "message"),
-    [
-        (None, "grad_eqm", "BLOCK=grad_eqm: no such block; did you mean 'grad_eqn'?"),
-        (None, "zzz", "BLOCK=zzz: no such block, expected one of abs_unit, "),
-        ("digit", "grad_eqm", "BLOCK=grad_eqm: no such block; did you mean 'grad_eqn'?"),
-        ("digit", "grad_eqn", "scene digit has no such block, .*; scene thesis contains it, "),
-        ("thesis", "adder_graph", "scene thesis has no such block, .*; scene digit-fast contains"),
-        ("thesis", "axis_network", "has no such block, .*; case axis-chain of its bench contains"),
-    ],
-)
-def test_a_block_that_is_not_there(scene: str | None, block: str, message: str) -> None:
-    with pytest.raises(InputError, match=message.replace("?", r"\?")):
-        places(scene, block)
