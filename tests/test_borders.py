@@ -64,7 +64,7 @@ def test_a_sum_saturates_from_its_border_on() -> None:
     low, high = neuron.ends
     kept = cut(np.array([low - 1, low, high - 1, high]), neuron.out_shift, Rounding.ROUND)
     assert kept.tolist() == [SMALL.low - 1, SMALL.low, SMALL.high, SMALL.high + 1]
-    below, above = neuron.borders
+    below, above = neuron.borders_of("sum", np.array(neuron.weights), neuron.bias)
     assert (below.at, above.at) == (low, high)
     assert not below.unreachable
     assert not above.unreachable

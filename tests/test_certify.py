@@ -35,7 +35,7 @@ from tactus.certify.formulas import write_formulas
 from tactus.certify.recordings import frames_of
 from tactus.certify.results import OUTPUT, StepResult, read_results
 from tactus.export.exporter import compile_order
-from tactus.verify.benches.runner import with_parts
+from tactus.verify.benches.runner import Job, with_parts
 
 SCENE = "rails-engine"
 SEED = 3
@@ -77,11 +77,17 @@ def copied(certificate: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(certificate, tmp_path / "copy"))
 
 
+def matrix(shared: Shared) -> Job:
+    """The first matrix of a small graph of adders."""
+    jobs = with_parts(shared.subject("adder_graph"))
+    return next(job for job in jobs if job.block == "constant_matrix")
+
+
 @pytest.fixture
 def adders(certificate: Path, shared: Shared, tmp_path: Path) -> Path:
     """The properties of a small graph of adders, beside the script that asks them."""
     folder = tmp_path / "adders"
-    job = shared.subject("constant_matrix")
+    job = matrix(shared)
     shutil.copytree(job.hdl_folder, folder / "design" / "verilog")
     write_formulas([job], folder)
     shutil.copy(certificate / "check.sh", folder)
@@ -293,7 +299,7 @@ def test_a_tool_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
     ids=["another sign", "two bits fewer", "another shift"],
 )
 def test_a_wrong_sum_is_refuted(shared: Shared, adders: Path, pattern: str, wrong: str) -> None:
-    file = adders / "design" / "verilog" / f"{shared.subject('constant_matrix').entity}.v"
+    file = adders / "design" / "verilog" / f"{matrix(shared).entity}.v"
     text, count = re.subn(pattern, wrong, file.read_text(encoding="utf-8"), count=1)
     assert count
     file.write_text(text, encoding="utf-8")

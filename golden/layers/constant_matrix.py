@@ -2,26 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
-from golden.layers.closest import closest
 from golden.layers.kept_graph import graph_of
 from golden.layers.sharing import Matrix
 from golden.layers.shift_add import Ends, Row, ShiftAdd, clocks_of, sum_ends
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import FACTOR_LIMIT
 
-# Dropped bits move a result by a unit or so, so a sum in the middle between two results may still
-# miss the wanted one.
-TRIES = 6
 # Twins compute in 64 bits.
 _MOST_WIDTH = 62
 
@@ -71,6 +66,7 @@ class ConstantMatrix(Block):
     """
 
     block = "constant_matrix"
+    part_of = "adder_graph"
     area = "layers"
     in_fmt: Fix
     out_fmt: Fix
@@ -248,65 +244,6 @@ class ConstantMatrix(Block):
             (min(high, max(low, least)), min(high, max(low, most))) for low, (least, most) in pairs
         )
 
-    @property
-    def unreachable(self) -> dict[str, str]:
-        ends = [(f"in_data_{k}", "sample", self.in_fmt, e) for k, e in enumerate(self.in_ends)]
-        if self.finishes or self.in_ends:
-            results = enumerate(self.result_ends)
-            ends += [(f"out_data_{i}", "result", self.out_fmt, e) for i, e in results]
-        return {
-            f"{port}={code}": f"this {what} is {low} to {high}"
-            for port, what, fmt, (low, high) in ends
-            for code in (fmt.low, fmt.high)
-            if not low <= code <= high
-        }
-
-    @property
-    def ends(self) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
-        """For each row, the frames that drive its sum to its lower and to its upper end."""
-        samples = self.sample_ends
-        return tuple(
-            (
-                tuple(e[w < 0] for w, e in zip(row, samples, strict=True)),
-                tuple(e[w >= 0] for w, e in zip(row, samples, strict=True)),
-            )
-            for row in self.weights
-        )
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        return _borders(self)
-
-    def beside(self, row: int, at: int) -> Codes:
-        """Frames whose result of a row is just below ``at``, and frames whose result just is not.
-
-        They are always the same for the same row, so a bench that drives them comes as close to the
-        border as ``borders`` says.
-
-        Returns: shape (frames, inputs).
-        """
-        return _beside(self, row, at)
-
-    def ties(self, row: int) -> Codes:
-        """Frames whose sum of a row lies half way between two results, if some are found.
-
-        In further frames a single bit of the sum says that it does not, next to an odd result.
-
-        Returns: shape (frames, inputs).
-        """
-        return _ties(self, row)
-
-    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
-        (frames,) = inputs
-        samples = np.moveaxis(np.asarray(frames), -1, 0)
-        found = {f"result {i}": word for i, word in enumerate(self.words(samples))}
-        numbers = self.graph.numbers(samples)
-        for i, (row, finish) in enumerate(zip(self.graph.rows, self.row_finishes, strict=True)):
-            if finish.even:
-                result, rest = _split(row, numbers[row.node], self.drop(row))
-                found[f"last bit of tie {i}"] = (result & 1)[rest == 0]
-        return found
-
     def drop(self, row: Row) -> int:
         """By how many places a row shifts the number of its node right to get the result."""
         return self.out_shift - row.shift - self.graph.lows[row.node]
@@ -333,61 +270,6 @@ class ConstantMatrix(Block):
         words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
         clipped = np.clip(np.stack(words, axis=-1), self.result_lows, self.out_fmt.high)
         return clipped.astype(np.int64)
-
-
-@lru_cache(maxsize=64)
-def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
-    """The values at which each row saturates."""
-    found = []
-    for i, ends in enumerate(matrix.ends):
-        least, most = (matrix.quantities(np.array([end]))[f"result {i}"][0] for end in ends)
-        finish = matrix.row_finishes[i]
-        below = "is rectified" if finish.rectified else "saturates below"
-        for name, at in (
-            (below, matrix.result_lows[i]),
-            ("saturates above", matrix.out_fmt.high + 1),
-        ):
-            within, why = 1, ""
-            if least < at <= most:
-                words = matrix.quantities(matrix.beside(i, at))[f"result {i}"]
-                within = int(max(at - words[words < at].max(), words[words >= at].min() - at + 1))
-            else:
-                why = f"result {i} is {least} to {most}"
-            found.append(Border(f"result {i} {name}", f"result {i}", at, within, why))
-        if finish.even:
-            tie = f"last bit of tie {i}"
-            bits = matrix.quantities(matrix.ties(i))[tie]
-            why = "" if len(np.unique(bits)) == 2 else "no frame of those tried gives both bits"
-            found.append(Border(f"result {i} becomes even", tie, 1, 1, why))
-    return tuple(found)
-
-
-@lru_cache(maxsize=256)
-def _beside(matrix: ConstantMatrix, row: int, at: int) -> Codes:
-    weights, bias, rng = np.array(matrix.weights[row]), matrix.biases[row], np.random.default_rng(0)
-    found = list(matrix.ends[row])
-    for word in (at - 1, at) * TRIES:
-        middle = (word << matrix.out_shift) + ((1 << matrix.out_shift) >> 1)
-        frame = closest(matrix.sample_ends, weights, bias, 0, middle, word == at, rng)
-        if frame is not None:
-            found.append(tuple(frame.tolist()))
-    return np.array(found)
-
-
-@lru_cache(maxsize=256)
-def _ties(matrix: ConstantMatrix, row: int) -> Codes:
-    weights, bias, rng = np.array(matrix.weights[row]), matrix.biases[row], np.random.default_rng(0)
-    low, high = matrix.result_ends[row]
-    words, unit = np.linspace(low, high, TRIES, dtype=np.int64).tolist(), 1 << matrix.out_shift
-    halfway = {near * unit for word in words for near in (word & ~1, word | 1)}
-    bits = [1 << place for place in range(matrix.out_shift)]
-    apart = {(exact | unit) + bit for exact in halfway for bit in bits}
-    found = []
-    for exact in sorted(halfway | apart):
-        frame = closest(matrix.sample_ends, weights, bias, 0, exact, True, rng)
-        if frame is not None and bias + int(frame @ weights) == exact:
-            found.append(frame)
-    return np.array(found, dtype=np.int64).reshape(-1, matrix.inputs)
 
 
 def _split(row: Row, number: Any, drop: int) -> tuple[Any, Any]:

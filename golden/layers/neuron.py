@@ -2,9 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, group, input_port, output_port
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
@@ -24,6 +21,7 @@ class Neuron(NodeSum):
     """
 
     block = "neuron"
+    part_of = "parallel"
     section = "5.2.1"
     factor: int | None = None
 
@@ -56,14 +54,6 @@ class Neuron(NodeSum):
     def scaled_width(self) -> int:
         """Bits of the sum after the product with its factor."""
         return self.acc_width + ((self.factor or 1) - 1).bit_length()
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        return tuple(self.borders_of("sum", np.array(self.weights), self.bias, self.factor or 1))
-
-    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
-        (frames,) = inputs
-        return {"sum": self.exact(frames)}
 
     def scaled(self, acc: Codes) -> Codes:
         return acc if self.factor is None else acc * self.factor

@@ -243,7 +243,7 @@ HARDWARE = KeyTable(
             Whole(Span(1, 10_000), absent=True),
             0,
             "Only for `adder_graph`. How often the [search for sums that results share]"
-            "(blocks/constant_matrix.md) is run for each matrix. More runs "
+            "(blocks/adder_graph.md) is run for each matrix. More runs "
             "take longer, and their graph never has more bits of adders in as many clocks.",
             "up to 40, fewer for a large matrix",
         ),

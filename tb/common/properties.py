@@ -35,7 +35,8 @@ class Property:
     arrays: Whether memories are arrays for the solver instead of one register for each word. That
         is far less work where the property is about any one word. It does not work for memories
         with given contents.
-    whole: Whether it says all that the block does, so that a part of which it holds is not mutated.
+    whole: Whether it says, with the others of a part, all that the part does. Then the part is not
+        mutated.
     """
 
     name: str

@@ -2,9 +2,11 @@
 
 from tb.common.properties import Property
 from tb.common.watch import ago, pipeline
+from tb.layers.constant_matrix_proof import constant_matrix
 
-# A network without tables that finds its largest output.
-ALSO = ("exact-graph",)
+# A network without tables, with ReLUs and halves that go to the even code, that finds its largest
+# output; sums of three operands.
+ALSO = ("exact-graph", "operands-graph")
 
 
 def at_once(twin):
@@ -123,4 +125,4 @@ def argmax_tree(twin):
     ]
 
 
-PARTS = {"argmax_tree": argmax_tree}
+PARTS = {"argmax_tree": argmax_tree, "constant_matrix": constant_matrix}

@@ -114,12 +114,15 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
     """The entities that stand for a block.
 
     They are its first entity in the first case of its bench, and in the cases that its proofs name
-    in ``ALSO``; each with its parts that have properties.
+    in ``ALSO``; each with its parts that have properties, of several alike the first.
 
     export: Makes the entity from block and case.
     """
-    found = [export(block, case) for case in cases(block)]
-    return [one for job in found for one in with_parts(job) if one == job or properties_of(one)]
+    found = []
+    for job in (export(block, case) for case in cases(block)):
+        first = {one.block: one for one in reversed(with_parts(job))}
+        found += [job, *(one for one in with_parts(job)[1:] if one in first.values())]
+    return [one for one in found if one.block == block or properties_of(one)]
 
 
 def cases(block: str) -> list[str]:
