@@ -94,15 +94,11 @@ def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
         lines.append(f"sample_bits = {rng.integers(4, 9)}")
         lines.append(f"hidden_bits = {rng.integers(4, 9)}")
         lines.append(f"output_bits = {rng.integers(4, 15)}")
-    if design == "lanes" and rng.random() < 0.7:
-        lines.append(f"lanes = {rng.integers(2, 17)}")
-    if design == "lanes" and rng.random() < 0.3:
-        lines.append('pipeline = "deep"')
     if design == "engine":
         for key, values in (
             ("segment_width", [6, 7, 8]),
             ("pipeline", ['"deep"', '"short"']),
-            ("multiplier", ['"serial"', '"dsp"']),
+            ("lanes", ["0", "1", "2", "3", "9"]),
             ("reload", ["true"]),
         ):
             if rng.random() < 0.3:

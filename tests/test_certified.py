@@ -52,17 +52,15 @@ ROWS = {name: CASES[name] for name in NAMES} | {
         hardware="lanes = 2\nreload = true\noperand_words = 256\nsegment_width = 12"
         '\npipeline = "deep"\ntable_blocks = 4\nprogram_words = 4096',
     ),
-    "serial-axis": replace(CASES["axis-past"], hardware='multiplier = "serial"'),
-    "loop-axis": replace(CASES["axis-past"], design="lanes", hardware="lanes = 2\ninterval = 30"),
+    "serial-axis": replace(CASES["axis-past"], hardware="lanes = 0"),
+    "loop-axis": replace(CASES["axis-past"], hardware="lanes = 2\ninterval = 30"),
     "lanes-drawn": replace(
         CASES["drawn-past"],
-        design="lanes",
         hardware="lanes = 2",
         sections=f"{CASES['drawn-past'].sections}\n[front_end]\ncounter_width = 7\n",
     ),
     "lanes-uart": replace(
         CASES["wide-converter"],
-        design="lanes",
         hardware="clock_mhz = 12.0\nlanes = 2\nargmax = true",
         sections=f"{CASES['wide-converter'].sections}\n[uart]\n",
     ),
@@ -112,6 +110,6 @@ def test_every_option_of_a_design_has_a_row(name: str) -> None:
     ]
     activations = design.known_activations or [one for one in SCHEMES if one != "bipartite"]
     words = [*design.arrangements, *design.precisions, *design.options, *activations]
-    if name in ("engine", "lanes", "hybrid"):
+    if name in ("engine", "hybrid"):
         words += ["axi_stream", "[front_end]", "converter", "[uart]", "[visualisation]", "argmax"]
     assert [word for word in words if not any(word in scene for scene in scenes)] == []

@@ -95,7 +95,7 @@ def test_a_table_is_cut_to_what_sums_reach() -> None:
 
 # On the engine.
 
-OPTIONS = [{}, {"pipeline": "deep"}, {"multiplier": "serial"}, {"segment_width": 8}]
+OPTIONS = [{}, {"pipeline": "deep"}, {"lanes": 0}, {"segment_width": 8}]
 
 
 @pytest.mark.parametrize("options", OPTIONS, ids=str)
@@ -148,7 +148,7 @@ def test_tables_that_take_too_much_memory_are_refused() -> None:
     functions = tuple(Function(f"f{n}", f"exp(-x * x) * 0.{n}") for n in range(1, 10))
     first = Dense(np.full((9, 1), 20.0), np.zeros(9), "table:f1 to f9", functions=functions)
     dense = network_of([first, Dense(np.ones((1, 9)), np.zeros(1))])
-    for options in ({}, {"multiplier": "serial"}):
+    for options in ({}, {"lanes": 0}):
         with pytest.raises(InputError, match="functions: got 18432 words, 1024 for each of 18 bl"):
             Engine.of([dense], Settings(options={"segment_width": 7, **options}))
         Engine.of([dense], Settings(options={"segment_width": 8, **options}))

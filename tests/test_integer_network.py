@@ -26,7 +26,7 @@ from tb.common.cases import random_network
 
 TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))
 KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
-OPTIONS: list[dict[str, object]] = [{}, {"pipeline": "deep"}, {"multiplier": "serial"}]
+OPTIONS: list[dict[str, object]] = [{}, {"pipeline": "deep"}, {"lanes": 0}]
 
 
 def frames_of(inputs: int) -> Codes:

@@ -77,7 +77,7 @@ def test_what_is_loaded_computes_what_the_scene_does(name: str, tmp_path: Path) 
     expected = Engine.of(scene.mlps(), arrangement=scene.arrangement).process(codes)
     assert np.array_equal(running.process(codes), expected)
     # A row of the image for each word of the program, and no clock more than without an image.
-    many = replace(scene, design="lanes", design_options={"lanes": 3}).twin()
+    many = replace(scene, design="engine", design_options={"lanes": 3}).twin()
     assert running.output_clocks == many.output_clocks
     assert len(image.words) == 512 + 4 * (len(many.program.words) + 1)
 
@@ -208,7 +208,7 @@ def test_what_does_not_fit_is_refused() -> None:
     ):
         hardware.image_for([functions])
     learned = LEARNED["learned-engine"].networks()
-    with pytest.raises(InputError, match="network: got sums of functions with design 'lanes'"):
+    with pytest.raises(InputError, match=r"hardware\.lanes: got several for sums of functions"):
         lanes_for(functions, program_words=2048).image_for(learned)
     built_in = Lanes.of([wide])
     with pytest.raises(InputError, match="its program is part of the hardware, expected reload"):

@@ -35,7 +35,6 @@ from tb.common.case_library import ENGINES, LANES, LAYERED, TABLES
 
 # Clocks from frame to frame, and the lanes that are built.
 SHIPPED = {
-    "comparison/digit-lanes1": (236, 1),
     "comparison/digit-lanes2": (153, 2),
     "comparison/digit-lanes4": (130, 4),
     "comparison/digits-lanes8": (397, 8),

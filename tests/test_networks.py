@@ -209,7 +209,7 @@ def test_activations_of_different_latency_are_refused(name: str, change: dict) -
             "engine: got .* weights of a 3:1024:1024:2 network, expected",
         ),
         ("adder_graph", (3, 1024, 1024, 2), "adder_graph: got .* weights of a "),
-        ("lanes", (3, 1024, 2), "lanes: got .* samples, hidden nodes and outputs of a 3:1024:2 "),
+        ("engine", (3, 1024, 2), "engine: got .* samples, hidden nodes and outputs of a 3:1024:2 "),
     ],
 )
 def test_a_network_that_no_program_holds_is_refused_before_it_is_quantised(

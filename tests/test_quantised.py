@@ -229,7 +229,7 @@ def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan)
         hidden_codes(network, codes), file_codes(held, samples * plan.unit), strict=True
     ):
         assert np.array_equal(ours, theirs)
-    for option in ({}, {"multiplier": "serial"}):
+    for option in ({}, {"lanes": 0}):
         engine = Engine.of([network], Settings(options=option))
         found = engine.process(codes)
         assert np.array_equal(found, as_output(expected))

@@ -30,8 +30,8 @@ NAMES = (*ENGINES, *SCENES)
 
 
 @cache
-def engine(name: str, multiplier: str, lean: bool = True) -> Engine:
-    settings = Settings(options={"multiplier": multiplier}, lean=lean)
+def engine(name: str, lanes: int, lean: bool = True) -> Engine:
+    settings = Settings(options={"lanes": lanes}, lean=lean)
     if name in ENGINES:
         case = ENGINES[name]
         return Engine.of(case.networks(), settings, case.arrangement)
@@ -42,7 +42,7 @@ def engine(name: str, multiplier: str, lean: bool = True) -> Engine:
 @pytest.mark.parametrize("lean", [True, False])
 @pytest.mark.parametrize("name", NAMES)
 def test_results_are_those_with_a_multiplier(name: str, lean: bool) -> None:
-    serial, dsp = (engine(name, multiplier, lean) for multiplier in ("serial", "dsp"))
+    serial, dsp = (engine(name, lanes, lean) for lanes in (0, 1))
     rng = np.random.default_rng(3)
     frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, serial.inputs))
     frames[:100] = rng.choice([SIGNAL.low, -1, 0, SIGNAL.high], (100, serial.inputs))
@@ -51,7 +51,7 @@ def test_results_are_those_with_a_multiplier(name: str, lean: bool) -> None:
 
 @pytest.mark.parametrize("name", ["digit-single", "digit"])
 def test_a_frame_is_computed_within_a_scan(name: str) -> None:
-    assert engine(name, "serial").output_clocks[-1] <= 4096
+    assert engine(name, 0).output_clocks[-1] <= 4096
 
 
 @pytest.mark.parametrize("segment_width", [7, 8, 9])
@@ -83,7 +83,7 @@ def reads(serial: Engine) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_operand_is_read_too_early(name: str) -> None:
-    serial = engine(name, "serial")
+    serial = engine(name, 0)
     ready = dict.fromkeys(range(serial.inputs), 0)
     counted = 0
     for clock, (word, plane) in enumerate(reads(serial)):
@@ -106,7 +106,7 @@ def test_no_operand_is_read_too_early(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_passes_leave_out_zeros_alone(name: str) -> None:
     """A term is read in each plane in which its operand has bits, and in no other."""
-    serial = engine(name, "serial")
+    serial = engine(name, 0)
     seen: dict[tuple[int, int], list[int]] = defaultdict(list)
     neuron = -1
     for word, plane in reads(serial):
@@ -129,8 +129,8 @@ def test_passes_leave_out_zeros_alone(name: str) -> None:
 
 
 def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
-    hardware = {"multiplier": "serial", "pipeline": "deep"}
-    with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
+    hardware = {"lanes": 0, "pipeline": "deep"}
+    with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep' with lanes 0"):
         Engine.of(ENGINES["least-engine"].networks(), Settings(options=hardware))
 
 
@@ -151,16 +151,14 @@ def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:
 
 
 def test_a_budget_takes_the_smallest_that_keeps_to_it(tmp_path) -> None:
-    slow, fast = (
-        budgeted(tmp_path, f'multiplier = "{kind}"').output_clocks[-1] for kind in ("serial", "dsp")
-    )
+    slow, fast = (budgeted(tmp_path, f"lanes = {lanes}").output_clocks[-1] for lanes in (0, 1))
     assert slow > fast
     for clocks, serial in ((slow, True), (slow - 1, False), (fast, False)):
         assert budgeted(tmp_path, f"clocks = {clocks}").serial is serial
     with pytest.raises(InputError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
         budgeted(tmp_path, f"clocks = {fast - 1}")
-    with pytest.raises(InputError, match=rf"expected {slow} or more, which multiplier 'serial'"):
-        budgeted(tmp_path, f'multiplier = "serial"\nclocks = {slow - 1}')
+    with pytest.raises(InputError, match=rf"expected {slow} or more, which .* lanes = 0"):
+        budgeted(tmp_path, f"lanes = 0\nclocks = {slow - 1}")
 
 
 def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:

@@ -213,8 +213,10 @@ def auto_tables(folder: Path, lines: str) -> Scene:
 def test_small_tables_are_compared_for_learned_functions(tmp_path: Path) -> None:
     rows, refused = compared(auto_tables(tmp_path, ""))
     assert {one.candidate.design for one in refused} == {
-        *("lanes", "hybrid", "parallel", "adder_graph")
+        *("engine", "hybrid", "parallel", "adder_graph")
     }
+    lanes = [one.candidate.options["lanes"] for one in refused if "lanes" in one.candidate.options]
+    assert min(lanes) > 1
     tables = {row.candidate.name: row for row in rows if row.candidate.design == "table_graph"}
     assert list(tables) == [f"table_graph, adders_per_clock {count}" for count in (5, 2, 1)]
     for row in tables.values():
@@ -253,8 +255,8 @@ def test_auto_takes_lanes_whose_frames_overlap(tmp_path: Path) -> None:
     plain = {
         row.candidate.name: row.interval for row in compared(auto(tmp_path, "", shape=shape))[0]
     }
-    wanted = plain["lanes, lanes 4"] - 5
-    assert plain["lanes, lanes 8"] <= wanted
+    wanted = plain["engine, lanes 4"] - 5
+    assert plain["engine, lanes 8"] <= wanted
     scene = auto(tmp_path, f"interval = {wanted}", shape=shape)
     assert scene.choice is not None
     row, smaller = scene.choice.row, scene.choice.smaller
@@ -263,13 +265,15 @@ def test_auto_takes_lanes_whose_frames_overlap(tmp_path: Path) -> None:
     assert row.multipliers == 4
     assert smaller.interval > wanted
     chosen, missed, _ = scene.choice.lines()
-    assert chosen.startswith(f"chosen: lanes, lanes 4, interval {row.interval}: {row.clocks} clock")
+    assert chosen.startswith(
+        f"chosen: engine, lanes 4, interval {row.interval}: {row.clocks} clock"
+    )
     assert f"every {smaller.interval} clocks, {smaller.interval - wanted} too many" in missed
     assert scene.chosen.twin() == scene.twin() == row.network
     lines = f"lanes = 4\ninterval = {row.interval}"
     networks = [random_mlp(shape, 1.0, 4)]
     path = write_scene(
-        tmp_path, "named", "exact", networks, "single", "precise", design="lanes", hardware=lines
+        tmp_path, "named", "exact", networks, "single", "precise", design="engine", hardware=lines
     )
     assert load_scene(str(path)).twin() == scene.twin()
 

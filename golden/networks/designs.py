@@ -14,8 +14,10 @@ def _found() -> dict[str, type[Design]]:
             continue
         for value in vars(import_module(f"golden.networks.{module.name}")).values():
             # The block of a design is its module's name. An imported design is found in its own
-            # module.
-            if isinstance(value, type) and issubclass(value, Design) and value.block == module.name:
+            # module. One without arrangements is built by another design.
+            if not (isinstance(value, type) and issubclass(value, Design) and value.arrangements):
+                continue
+            if value.block == module.name:
                 designs[value.block] = value
     return designs
 

@@ -1,8 +1,9 @@
 """Engine: computes a whole scene with a program and one multiplier, or none."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -17,6 +18,9 @@ from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of, own_image
 from golden.engine.image_loader import ImageLoader
 from golden.engine.integer_network import IntegerNetwork
+from golden.engine.lane_groups import assign_to_lanes
+from golden.engine.lane_pipeline import LanePipeline
+from golden.engine.loop_schedule import shortest_loop
 from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
@@ -42,8 +46,7 @@ from golden.numbers.precision import EXACT
 from golden.trained.dense import Trained
 from golden.trained.function import TANH
 
-# The kinds of multiplier, the smallest hardware first.
-KINDS = ("serial", "dsp")
+MOST_LANES = 16
 # Some devices build smaller memories from LUTs, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
 # With fewer bits, Yosys repeats the test for saturation for each bit that it selects.
@@ -67,8 +70,9 @@ NAMED = 8
 class Engine(Design):
     """Every neuron of a scene, one product per clock (ours; single, multiple and cascade alike).
 
-    With ``multiplier = "serial"`` the engine has no multiplier, and a product takes as many clocks
-    as its operand has bits. The results are the same.
+    With ``lanes = 0`` the engine has no multiplier, and a product takes as many clocks as its
+    operand has bits. With several lanes, or frames that overlap, it is a ``Lanes``. The results are
+    the same.
 
     acc_width: Bits of the sum. All sums of the program fit in them.
     integers: The networks in whole numbers from which the graph was made.
@@ -80,16 +84,18 @@ class Engine(Design):
     """
 
     block = "engine"
-    arrangements = together = ("single", "multiple", "cascade")
+    arrangements: ClassVar[tuple[str, ...]] = ("single", "multiple", "cascade")
+    together: ClassVar[tuple[str, ...]] = arrangements
     precisions = (EXACT.name,)
     known_activations = ("precise",)
     activation_choices = False
     most_nodes = (1 << SOURCE[1]) - 1
     options: ClassVar[tuple[str, ...]] = (
+        "lanes",
         "segment_width",
         "pipeline",
-        "multiplier",
         "clocks",
+        "interval",
         "reload",
         "program_words",
         "operand_words",
@@ -115,16 +121,22 @@ class Engine(Design):
         if budget:
             left = replace(settings, options=chosen)
             return cls._within(budget, networks, left, arrangement, variant)
-        serial = chosen.pop("multiplier", "dsp") == "serial"
+        lanes, interval = chosen.pop("lanes", 1), chosen.pop("interval", 0)
+        if not 0 <= lanes <= MOST_LANES:
+            raise InputError(f"hardware.lanes: got {lanes}, expected 0 to {MOST_LANES}")
+        several: Any = import_module("golden.networks.lanes").Lanes
+        own = replace(settings, options={**chosen, "lanes": lanes, "interval": interval})
+        if lanes > 1:
+            many: Self = several.build(networks, own, arrangement, variant)
+            return many
+        serial = lanes == 0
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
             raise InputError(
-                f"hardware.pipeline: got {depth!r} with multiplier 'serial', expected 'short'"
+                f"hardware.pipeline: got {depth!r} with lanes 0, expected lanes 1 or more"
             )
         if serial and reload:
-            raise InputError(
-                "hardware.reload: got true with multiplier 'serial', expected multiplier 'dsp'"
-            )
+            raise InputError("hardware.reload: got true with lanes 0, expected lanes 1 or more")
         integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
         graph = cls.graph_for(integers, lean)
         # Straight functions alone need no table, so the width of its segments is any.
@@ -144,7 +156,7 @@ class Engine(Design):
             program = assemble_serial(graph, table, SerialPipeline())
         else:
             program = assemble(graph, table, pipeline)
-        return cls(
+        built = cls(
             program,
             acc_width,
             integers,
@@ -153,6 +165,10 @@ class Engine(Design):
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
+        if 0 < interval < built.interval and lanes:
+            many = several.build(networks, own, arrangement, variant)
+            return many
+        return built
 
     @classmethod
     def _within(
@@ -165,17 +181,18 @@ class Engine(Design):
     ) -> Self:
         """The smallest engine whose last output leaves at most ``clocks`` after the last sample."""
         chosen = settings.options
-        # Without a multiplier there is one pipeline, and no image.
-        kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
-        kinds = [str(chosen["multiplier"])] if "multiplier" in chosen else kinds
-        for kind in kinds:
-            tried = replace(settings, options={**chosen, "multiplier": kind})
+        # Without a multiplier there is one pipeline, no image, and no loop.
+        fast = chosen["pipeline"] != "short" or chosen.get("reload")
+        interval: Any = chosen.get("interval", 0)
+        for lanes in [chosen["lanes"]] if "lanes" in chosen else [0, 1][bool(fast) :]:
+            tried = replace(settings, options={**chosen, "lanes": lanes})
             engine = cls.build(networks, tried, arrangement, variant)
-            if engine.output_clocks[-1] <= clocks:
+            late = not lanes and 0 < interval < engine.interval
+            if engine.output_clocks[-1] <= clocks and not late:
                 return replace(engine, budget=clocks)
         raise InputError(
             f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
-            f"multiplier {kind!r} takes"
+            f"an engine with lanes = {lanes} takes"
         )
 
     @property
@@ -208,6 +225,30 @@ class Engine(Design):
     @property
     def busy(self) -> int:
         return self.output_clocks[-1] + self.program.pipeline.free - 1
+
+    @property
+    def lanes(self) -> int:
+        """The number of multipliers."""
+        return int(not self.serial)
+
+    @property
+    def loops(self) -> bool:
+        """Whether its program is a loop, in which frames overlap."""
+        return False
+
+    @property
+    def options_built(self) -> Mapping[str, object]:
+        return {"lanes": self.lanes}
+
+    @property
+    def shortest_interval(self) -> int:
+        """That of the shortest loop that is found, or else its interval."""
+        sums = any(layer.added for network in self.integers for layer in network.layers)
+        if self.serial or self.loaded or sums:
+            return self.interval
+        pipeline = LanePipeline(self.program.pipeline.memory_registers)
+        found = shortest_loop(assign_to_lanes(self.graph, 1), pipeline, self.interval)
+        return found.length if found else self.interval
 
     @property
     def serial(self) -> bool:

@@ -26,18 +26,25 @@ from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
-from golden.networks.engine import LEAST_ACC_WIDTH, LEAST_ADDR_WIDTH, WHOLE_ACC_WIDTH, Engine
+from golden.networks.engine import (
+    LEAST_ACC_WIDTH,
+    LEAST_ADDR_WIDTH,
+    MOST_LANES,
+    WHOLE_ACC_WIDTH,
+    Engine,
+)
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.trained.dense import Trained
 
 LANES = 2
-MOST_LANES = 16
 
 
 @dataclass(frozen=True)
 class Lanes(Engine):
     """Every neuron of a scene, one product of each lane per clock (ours).
+
+    It is what ``Engine`` builds for several lanes, or for frames that overlap.
 
     The neurons, their formats and so the results are those of ``Engine``.
 
@@ -46,6 +53,7 @@ class Lanes(Engine):
     """
 
     block = "lanes"
+    arrangements: ClassVar[tuple[str, ...]] = ()
     options: ClassVar[tuple[str, ...]] = (
         "lanes",
         "segment_width",
@@ -70,7 +78,7 @@ class Lanes(Engine):
             **settings.options,
         }
         lanes, width = chosen["lanes"], chosen["segment_width"]
-        reload, asked = chosen.pop("reload", False), chosen.pop("interval", None)
+        reload, asked = chosen.pop("reload", False), chosen.pop("interval", 0)
         if not 1 <= lanes <= MOST_LANES:
             raise InputError(f"hardware.lanes: got {lanes}, expected 1 to {MOST_LANES}")
         integers = integer_networks(arrangement, networks, settings.met, width)
@@ -100,7 +108,7 @@ class Lanes(Engine):
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-        interval = built.interval if asked is None else asked
+        interval = asked or built.interval
         if interval >= built.interval:
             return built
         if built.loaded:
@@ -113,8 +121,8 @@ class Lanes(Engine):
     def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
         if any(layer.added for network in integers for layer in network.layers):
             raise InputError(
-                "network: got sums of functions with design 'lanes', which looks up one function "
-                "in a sum, expected design 'engine'"
+                "hardware.lanes: got several for sums of functions, expected 1 or 0, which look up "
+                "one function after the other"
             )
         return super().graph_for(integers, lean)
 

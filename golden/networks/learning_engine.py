@@ -46,10 +46,11 @@ class LearningEngine(Network):
         taught: Its networks behind sensors that are corrected.
         constants: The step and the leak of each output; see ``golden.learning.gradient``.
         """
-        if engine.serial or engine.loaded or engine.program.pipeline.memory_registers:
+        other = engine.lanes != 1 or engine.loops or engine.loaded
+        if other or engine.program.pipeline.memory_registers:
             raise InputError(
-                "hardware.learning: got 'lms' with multiplier 'serial', pipeline 'deep' or reload, "
-                "expected none of them"
+                "hardware.learning: got 'lms' with lanes other than 1, frames that overlap, "
+                "pipeline 'deep' or reload, expected none of them"
             )
         if engine.integers != taught.networks:
             raise InputError(

@@ -21,14 +21,14 @@ from tactus.scene import Scene, load_scene
 
 def variants(scene: Scene) -> dict[str, Scene]:
     """The variants, by names that say how the engine multiplies and what stands beside it."""
-    kinds = {"one multiplier": "dsp", "no multiplier": "serial"}
+    kinds = {"one multiplier": 1, "no multiplier": 0}
     found = {}
-    for name, kind in kinds.items():
-        options = {"multiplier": kind}
+    for name, lanes in kinds.items():
+        options = {"lanes": lanes}
         bare = replace(scene, design_options=options, visualisation=None)
         found[name] = bare
         found[f"{name}, profile"] = replace(bare, visualisation=scene.visualisation)
-        if kind == "dsp":
+        if lanes:
             loaded = {**options, **scene.design_options}
             found[f"{name}, reload"] = replace(bare, design_options=loaded)
     return found | {"as it is": scene}

@@ -18,7 +18,6 @@ from golden.layers.listing import listing as adders
 from golden.learning.listing import lesson_listing
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.learning_engine import LearningEngine
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.scene import load_scene
@@ -43,7 +42,7 @@ def main() -> None:
     if not engines:
         raise InputError(
             f"{scene.path}: hardware.design: got {scene.design}, which has no program, expected "
-            f"{Engine.block}, {Lanes.block} or {AdderGraph.block}"
+            f"{Engine.block} or {AdderGraph.block}"
         )
     (engine,) = engines
     stop_if_dry_run(f"print the program of {engine.entity}")

@@ -9,7 +9,6 @@ import numpy as np
 
 from golden.input_error import InputError, naming
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from tactus.sizing.candidates import CANDIDATES, Refused, Sized, SizingTask, all_sized, settings_for
 from tactus.sizing.choice import Choice, choose
@@ -89,10 +88,10 @@ def check_demand(scene: Scene, network: Network, framed: Network) -> None:
     }
     named = next((name for name, there in around.items() if there), "")
     with naming(scene.path):
-        if named and isinstance(network, Lanes) and network.loops:
+        if named and isinstance(network, Engine) and network.loops:
             raise InputError(
                 f"hardware.interval: got {scene.demand.interval}, for which frames overlap in "
-                f"'lanes', with {named}, expected more clocks, or no such section"
+                f"'engine', with {named}, expected more clocks, or no such section"
             )
         scene.demand.refuse(network, f"design {scene.design}")
         replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

@@ -37,10 +37,9 @@ HARDWARE = KeyTable(
     {
         "design": Key(
             Text((*DESIGNS, UNDECIDED)),
-            meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
-            "a program; it takes any arrangement in `exact` precision with the activation "
-            "`precise`. [lanes](blocks/lanes.md) is an engine with 1 to 16 multipliers, which "
-            "takes fewer clocks for the same networks. "
+            meaning="How the networks are built. [engine](blocks/engine.md) has a program and one "
+            "multiplier, or as many as `lanes` says; it takes any arrangement in `exact` precision "
+            "with the activation `precise`. "
             "[hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
             "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
             "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
@@ -87,7 +86,7 @@ HARDWARE = KeyTable(
             "stream",
             "The ports of the top entity. `stream` gives it the ports of the network. `axi_stream` "
             "puts the network behind AXI4-Stream with back-pressure "
-            "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` and `lanes` "
+            "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` "
             "without front end and visualisation.",
         ),
         "argmax": Key(
@@ -97,19 +96,19 @@ HARDWARE = KeyTable(
             "`winner_valid` beside its stream of outputs: the number of the largest output, how "
             "far the second largest is below it, and when both are there "
             "([argmax](blocks/argmax.md)). This is the class that a network for classes decides "
-            "for. It is for two outputs or more. `engine`, `hybrid` and `lanes` have it with any "
+            "for. It is for two outputs or more. `engine` and `hybrid` have it with any "
             "front end. `adder_graph` and `table_graph` give their outputs in one clock and have a "
             "tree ([adder_graph](blocks/adder_graph.md)). Behind `axi_stream` both "
             "numbers are `m_axis_tuser` of the last output "
             "([axis_network](blocks/axis_network.md)).",
         ),
-        "multiplier": Key(
-            Text(("dsp", "serial")),
-            "",
-            "Only for `engine`. `dsp` uses one multiplier. `serial` works [without a "
-            "multiplier](blocks/engine.md#without-a-multiplier): it takes about twelve times "
-            "the clocks and gives the same results.",
-            "`dsp`",
+        "lanes": Key(
+            Whole(),
+            None,
+            "Only for `engine`. The number of multipliers, 0 to 16. The results are the same with "
+            "any. More lanes take fewer clocks. [Without one](blocks/engine.md#without-a-"
+            "multiplier) a frame takes about thirteen times the clocks.",
+            "1; with `clocks`, 0 or 1",
         ),
         "learning": Key(
             Text(("lms",)),
@@ -124,21 +123,14 @@ HARDWARE = KeyTable(
         "pipeline": Key(
             Text(("short", "deep")),
             "",
-            "Only for `engine` and `lanes`. `deep` puts registers behind their memories. The clock "
+            "Only for `engine` with lanes. `deep` puts registers behind their memories. The clock "
             "can then be faster, and a frame takes some clocks more.",
             "`short`",
-        ),
-        "lanes": Key(
-            Whole(absent=True),
-            0,
-            "Only for `lanes`. The number of multipliers, 1 to 16. The results are those of an "
-            "engine with one.",
-            "2",
         ),
         "segment_width": Key(
             Whole(absent=True),
             0,
-            "Only for `engine` and `lanes`. The number of bits of a hidden sum, 9, 8 or 7, that "
+            "Only for `engine`. The number of bits of a hidden sum, 9, 8 or 7, that "
             "lie within a [segment of tanh](blocks/engine.md#numeric-behaviour); 7 to 13 where "
             "every table is that of another function. With fewer bits the error is smaller and the "
             "table has more words.",
@@ -156,9 +148,9 @@ HARDWARE = KeyTable(
         "interval": Key(
             Whole(absent=True),
             0,
-            "The most clocks from one frame to the next. In `lanes` frames [overlap]"
-            "(blocks/lanes.md#frames-that-overlap) if they must. Any other design that takes more "
-            "is refused, and `auto` chooses another one.",
+            "The most clocks from one frame to the next. In `engine` frames [overlap]"
+            "(blocks/lanes.md#frames-that-overlap) if they must and it has lanes. Any other "
+            "design that takes more is refused, and `auto` chooses another one.",
             "no limit",
         ),
         "frames_a_second": Key(
@@ -184,7 +176,7 @@ HARDWARE = KeyTable(
         "reload": Key(
             Flag(),
             False,
-            "Only for `engine` and `lanes`. With `true` the program is not part of the hardware: "
+            "Only for `engine` with lanes. With `true` the program is not part of the hardware: "
             "it is an image that is loaded ([image_loader](blocks/image_loader.md)). The hardware "
             "then depends only on `program_words`, `operand_words`, `table_blocks`, "
             "`segment_width`, `pipeline` and `lanes`, on whether the scene's own network has ReLU, "
@@ -196,8 +188,8 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only with `reload`. The number of words of the program memory, a power of two. With "
-            "`lanes` each half of a lane's memory has as many: 8192 at most, and no fewer than the "
-            "tables take, which for tanh are 512.",
+            "several lanes each half of a lane's memory has as many: 8192 at most, and no fewer "
+            "than the tables take, which for tanh are 512.",
             "512",
         ),
         "operand_words": Key(
@@ -210,9 +202,9 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only with `reload`. The number of blocks for [tables of functions]"
-            "(networks.md#functions-of-your-own) in the program memory, or in that of each lane. "
-            "With any blocks, each image brings the functions of its own network, as many as the "
-            "blocks hold; without them there is the table of tanh alone.",
+            "(networks.md#functions-of-your-own) in the program memory, or in that of each of "
+            "several lanes. With any blocks, each image brings the functions of its own network, "
+            "as many as the blocks hold; without them there is the table of tanh alone.",
             "what the scene's own functions take",
         ),
         "adders_per_clock": Key(
@@ -367,16 +359,22 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
         refuse_choices(hardware, known, path)
         return {}
     design = DESIGNS[hardware["design"]]
-    for name in known:
-        if hardware[name] and name not in design.options:
+    given = {name: hardware[name] for name in known if _given(hardware, name)}
+    for name in given:
+        if name not in design.options:
             fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
             raise InputError(
-                f"{path}: hardware.{name}: got {written(hardware[name])} with design "
+                f"{path}: hardware.{name}: got {written(given[name])} with design "
                 f"{design.block!r}, "
                 f"expected design {fitting}"
             )
     # That from frame to frame may be given as a rate; see Scene.settings.
-    return {n: hardware[n] for n in design.options if hardware[n] and n != "interval"}
+    return {n: hardware[n] for n in design.options if _given(hardware, n) and n != "interval"}
+
+
+def _given(hardware: dict[str, Any], name: str) -> bool:
+    """Whether the scene sets an option; of all of them, only lanes may be 0."""
+    return bool(hardware.get(name)) or (name == "lanes" and hardware.get(name) is not None)
 
 
 def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -> None:
@@ -384,7 +382,7 @@ def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -
     # In thesis precision the activation is part of what is asked for.
     own = ["activation", "activation_options"] if hardware["precision"] == EXACT.name else []
     for name in (*names, *own):
-        if hardware[name]:
+        if _given(hardware, name):
             raise InputError(
                 f"{path}: hardware.{name}: got {written(hardware[name])} with design "
                 f"{UNDECIDED!r}, expected none: it is chosen with the design"
@@ -471,7 +469,7 @@ ONLY: dict[str, tuple[object, ...]] = {
     "design": (Engine.block,),
     "interface": ("stream",),
     "argmax": (False,),
-    "multiplier": ("", "dsp"),
+    "lanes": (None, 1),
     "pipeline": ("", "short"),
     "reload": (False,),
     "segment_width": (0,),
@@ -485,7 +483,7 @@ def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
         return
     got = f"with learning {hardware['learning']!r}"
     for key, known in ONLY.items():
-        if hardware[key] not in known:
+        if hardware.get(key) not in known:
             raise InputError(
                 f"{path}: hardware.{key}: got {written(hardware[key])} {got}, expected "
                 f"{written(known[-1])}"

@@ -1,9 +1,12 @@
 """Reads scenes, by name or from a file."""
 
+import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import MissingFileError, suggest
+from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
 from tactus.core.files import check_file
 from tactus.core.finding import Finding, collect_faults, refuse
@@ -90,7 +93,7 @@ def _names_in(group: str) -> list[str]:
 def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by a path that ends in ``.toml``.
 
-    The group in front of a name, as in ``comparison/digit-lanes1``, may be left out.
+    The group in front of a name, as in ``comparison/digit-lanes4``, may be left out.
     """
     known = [*scene_names(), *class_names()]
     every = [*known, *comparison_names()]
@@ -106,7 +109,7 @@ def load_scene(name: str) -> Scene:
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, list(named))}"
         ) from None
-    raw = read_toml(path)
+    raw = in_todays_words(read_toml(path), path)
     check_names(raw, SCENE, path)
     found: list[Finding] = []
     with collect_faults(found):
@@ -120,6 +123,31 @@ def load_scene(name: str) -> Scene:
         outputs_or_classes(data, path)
     refuse(found)
     return _scene(values, files, path)
+
+
+def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
+    """A scene file with what older files say of the engine, in the words of today.
+
+    The design `lanes` was the engine with several lanes, and `multiplier` said whether it has one.
+    """
+    hardware = raw.get("hardware")
+    if not isinstance(hardware, dict):
+        return raw
+    found = dict(hardware)
+    if found.get("design") == "lanes":
+        found = {"lanes": 2, **found, "design": Engine.block}
+    if found.get("multiplier") in ("dsp", "serial"):
+        found.setdefault("lanes", int(found["multiplier"] == "dsp"))
+        del found["multiplier"]
+    if found != hardware:
+        _note(f"{path}: [hardware] is read as design = {Engine.block!r}, lanes = {found['lanes']}")
+    return raw | {"hardware": found}
+
+
+@cache
+def _note(text: str) -> None:
+    """Say it once."""
+    print(f"note: {text}", file=sys.stderr)
 
 
 def _expanded(name: str) -> Path:

@@ -286,7 +286,7 @@ class Scene:
         given = self.networks() if networks is None else networks
         options, design = dict(self.design_options), DESIGNS.get(self.design)
         if self.learning:
-            options["multiplier"] = "dsp"
+            options["lanes"] = 1
         if self.demand.interval and design and "interval" in design.options:
             options.setdefault("interval", self.demand.interval)
         # One hidden layer of tanh needs no range, and so no frames.

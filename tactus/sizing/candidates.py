@@ -41,8 +41,12 @@ class Candidate:
         return ", ".join([self.design, *(f"{key} {self.options[key]}" for key in self.options)])
 
 
-# Options that a scene's own design does not keep: limits, and those of an engine that is loaded.
-LEFT_OUT = ("clocks", "interval", "reload", "program_words", "operand_words", "table_blocks")
+# Options that a scene's own design does not keep: limits, what the candidates of an engine differ
+# in, and what belongs to one that is loaded.
+LEFT_OUT = (
+    *("clocks", "interval", "lanes", "pipeline"),
+    *("reload", "program_words", "operand_words", "table_blocks"),
+)
 
 
 def adders(count: int) -> Candidate:
@@ -61,19 +65,18 @@ def tables(count: int, **bits: int) -> Candidate:
 
 def lanes(count: int, interval: int = 0) -> Candidate:
     """An engine with so many multipliers side by side, whose frames may overlap."""
-    return Candidate("lanes", {"lanes": count, **({"interval": interval} if interval else {})})
+    return Candidate("engine", {"lanes": count, **({"interval": interval} if interval else {})})
 
 
-SERIAL = Candidate("engine", {"multiplier": "serial", "pipeline": "short"})
-SHORT = Candidate("engine", {"multiplier": "dsp", "pipeline": "short"})
-DEEP = Candidate("engine", {"multiplier": "dsp", "pipeline": "deep"})
+SERIAL, SHORT = lanes(0), lanes(1)
+DEEP = Candidate("engine", {"lanes": 1, "pipeline": "deep"})
 HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
 # A design more is a line here.
 CANDIDATES = (
     SERIAL,
     SHORT,
     DEEP,
-    *map(lanes, (1, 2, 4, 8, 16)),
+    *map(lanes, (2, 4, 8, 16)),
     HYBRID,
     PARALLEL,
     adders(5),
@@ -195,9 +198,11 @@ class Refused:
 
 
 def kind_of(design: str, options: Mapping[str, object]) -> str:
-    """A design, and whether it is an engine without a multiplier, or adds three operands."""
-    if options.get("multiplier") == "serial":
-        return f"{design} serial"
+    """A design, how many multipliers an engine has, and whether adders have three operands."""
+    if design == "engine" and not options.get("lanes", 1):
+        return "engine serial"
+    if design == "engine" and (options.get("lanes", 1) != 1 or options.get("interval")):
+        return "lanes"
     return f"{design} ternary" if options.get("adder_operands") == 3 else design
 
 

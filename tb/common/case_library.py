@@ -253,11 +253,10 @@ SOFT, BELL = ("soft", "x / (1 + abs(x))"), ("bell", "1 / (1 + x * x)")
 # Several multipliers: odd numbers of nodes, lanes and outputs; fewer nodes than lanes; weights of
 # several parts; networks that read each other's outputs, and networks side by side; and several
 # layers, so that results of each lane and of all lanes alike are read.
-LANE = replace(ENGINE, shapes=[(3, 5, 3)], design="lanes", hardware="lanes = 3")
+LANE = replace(ENGINE, shapes=[(3, 5, 3)], hardware="lanes = 3")
 LANES = {
     "rails-lanes": LANE,
     "least-lanes": replace(LANE, shapes=[(1, 1, 1)], hardware="lanes = 2", spread=1.0),
-    "alone-lanes": replace(LANE, hardware="lanes = 1"),
     "huge-lanes": replace(LANE, shapes=[(4, 3, 2)], hardware="lanes = 2", spread=100.0),
     "chain-lanes": replace(
         LANE,
@@ -372,7 +371,7 @@ TABLES = {
         shapes=[(2, 3, 1)],
         activations=("table:bell,soft,bell",),
         functions=(SOFT, BELL),
-        hardware='multiplier = "serial"',
+        hardware="lanes = 0",
         spread=1.0,
     ),
     # A short program, and each weight is one step of it.
@@ -418,7 +417,7 @@ LAYERED = {
         ENGINE,
         shapes=[(2, 3, 4, 1)],
         activations=("leaky_relu", "tanh"),
-        hardware='multiplier = "serial"',
+        hardware="lanes = 0",
     ),
     "ranged-engine": replace(
         ENGINE, shapes=[(12, 3, 3, 2)], activations=("leaky_relu", "relu"), seed=0, spread=1.5
@@ -494,7 +493,7 @@ RELOADED_LANES = {
 # For a block inside an engine: the sums reach every segment of the table, or few of a finer one, or
 # there are registers behind the memories.
 ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
-SERIAL = 'multiplier = "serial"\n'
+SERIAL = "lanes = 0\n"
 SERIAL_ENGINES = {
     name.replace("engine", "serial"): replace(case, hardware=f"{case.hardware}\n{SERIAL}")
     for name, case in ENGINES.items()
@@ -549,7 +548,7 @@ WINDOWS = {
     ),
     "few-past": replace(PAST, shapes=[(2, 2, 2)], design="hybrid", window=Window(((2,), (1,)))),
     "serial-past": replace(PAST, hardware=SERIAL),
-    "loop-past": replace(PAST, design="lanes", hardware="lanes = 2\ninterval = 20"),
+    "loop-past": replace(PAST, hardware="lanes = 2\ninterval = 20"),
 }
 
 # A pair of nodes and a single one, with a q wider than 18 bits, a q below 2, and tables in LUTs.
@@ -632,7 +631,7 @@ UART_INSTRUMENTS = {
     "past-uart": replace(
         UART,
         shapes=[(4, 3, 4)],
-        design="lanes",
+        design="engine",
         hardware="clock_mhz = 4.0\nlanes = 2",
         window=Window(((0, 1), (0, 2))),
         spread=4.0,

@@ -43,7 +43,7 @@ CASES = {
     "axis-loop": replace(
         AXIS,
         shapes=[(2, 3, 3)],
-        design="lanes",
+        design="engine",
         activation="precise",
         hardware="lanes = 2\ninterval = 26",
     ),
