@@ -348,4 +348,3 @@ def test_the_pages_have_the_figures_of_the_program(twin: LearningEngine) -> None
     assert f"{len(program.table) + len(program.words):,} words with the table" in page
     assert f"{program.acc_width} bits" in page
     assert f"{twin.placements}\n  placements" in page
-    assert f"the first {program.begun_alike} steps" in page
