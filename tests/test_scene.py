@@ -9,7 +9,7 @@ from golden.input_error import InputError
 from tactus.network_files.network_file import provenance_path
 from tactus.report.page.summary import built
 from tactus.scene import Scene, comparison_names, load_scene, scene_names
-from tactus.scene.reading import class_names
+from tactus.scene.reading import class_names, in_todays_words
 
 
 def edited(scene: Scene, old: str, new: str) -> str:
@@ -23,6 +23,22 @@ def edited(scene: Scene, old: str, new: str) -> str:
 @pytest.mark.parametrize("name", [*scene_names(), *class_names(), *comparison_names()])
 def test_a_shipped_scene_needs_no_group_in_its_name(name: str) -> None:
     assert load_scene(Path(name).name).path == load_scene(name).path
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ({"design": "lanes", "lanes": 4}, {"design": "engine", "lanes": 4}),
+        ({"design": "lanes"}, {"design": "engine", "lanes": 2}),
+        ({"design": "engine", "multiplier": "serial"}, {"design": "engine", "lanes": 0}),
+        ({"multiplier": "dsp"}, {"lanes": 1}),
+    ],
+)
+def test_older_words_of_the_engine_are_read_with_a_note(old: dict, new: dict, capsys) -> None:
+    path = Path(f"{old}.toml")
+    assert in_todays_words({"hardware": old}, path) == {"hardware": new}
+    said = ", ".join(f"{key} = {value!r}" for key, value in new.items())
+    assert capsys.readouterr().err == f"note: {path}: [hardware] is read as {said}\n"
 
 
 @pytest.mark.parametrize(

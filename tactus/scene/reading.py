@@ -140,7 +140,8 @@ def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
         found.setdefault("lanes", int(found["multiplier"] == "dsp"))
         del found["multiplier"]
     if found != hardware:
-        _note(f"{path}: [hardware] is read as design = {Engine.block!r}, lanes = {found['lanes']}")
+        new = [f"{key} = {found[key]!r}" for key in ("design", "lanes") if key in found]
+        _note(f"{path}: [hardware] is read as {', '.join(new)}")
     return raw | {"hardware": found}
 
 
