@@ -376,37 +376,6 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     assert text[rest:].startswith("<img src=x>long")
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["digit-board", ""], "PORT=: missing, expected sim, twin or a serial port"),
-        (
-            ["digit-board", "/dev/nowhere"],
-            "PORT=/dev/nowhere: cannot be opened: no such port; there is",
-        ),
-        (["digit-board", "."], "PORT=.: cannot be opened: Is a directory"),
-        (
-            ["digit-board", "sim", "--baud=fast"],
-            "BAUD=fast: expected a whole number, 300 to 12000000",
-        ),
-        (["digit-lode", "sim"], "did you mean 'digit-load'?"),
-        (["swing-single", "sim", "--hardware=digit-board"], "data.sensors: got 3, expected 4, as"),
-        (
-            ["digit", "sim"],
-            "got no section [uart], expected one, as scene digit-board has, or HARD",
-        ),
-    ],
-)
-def test_what_cannot_be_is_one_line(
-    words: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    monkeypatch.setattr("sys.argv", ["monitor", *words])
-    assert run(main) == 2
-    said = capfd.readouterr().err
-    assert message in said
-    assert said.count("\n") == 1
-
-
 def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
     with (
         TwinBoard(scene, 10.0) as simulated,

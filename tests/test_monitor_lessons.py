@@ -516,25 +516,6 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     assert told == [refusal, "", refusal, refusal, ""]
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["twin", "--drift=0.03"], "DRIFT=0.03: expected 2 numbers with a comma between, each"),
-        (["sim", "--drift=a,b"], "DRIFT=a,b: expected 2 numbers with a comma between, each from"),
-        (["/dev/nowhere", "--drift=0.03,0.02"], "DRIFT=: got PORT=/dev/nowhere, expected twin or "),
-        (["twin", "--drift=0.03,0.02", "--seed=-1"], "SEED=-1: expected a whole number, 0 to 429"),
-    ],
-)
-def test_a_drift_that_cannot_be_is_refused(
-    words: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    monkeypatch.setattr("sys.argv", ["monitor", "digit-board", *words])
-    assert run(main) == 2
-    said = capfd.readouterr().err
-    assert said.startswith(f"error: {message}")
-    assert said.count("\n") == 1
-
-
 def test_the_command_teaches_a_drifted_board_of_twins(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
