@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 from refused import Desk
@@ -148,3 +149,9 @@ def few_runs() -> Iterator[None]:
         sharing.shared.cache_clear()
         yield
     sharing.shared.cache_clear()
+
+
+def recorded_of(name: str) -> dict[str, np.ndarray]:
+    """What the framework that wrote an ONNX file of tests/data computes for some samples."""
+    with np.load(ROOT / "tests" / "data" / "recorded.npz") as arrays:
+        return {key.partition("/")[2]: arrays[key] for key in arrays if key.startswith(f"{name}/")}

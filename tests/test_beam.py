@@ -1,7 +1,13 @@
-"""Tests the cantilever and its gauges: equations 3.1 to 3.5 and 3.7 to 3.9, and generated data."""
+"""Tests the digit: beam, gauges and their places, bound of Cramer and Rao, the way to a code."""
 
+from __future__ import annotations
+
+import itertools
+import math
+import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +15,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.optimize import least_squares
 
 from golden.input_error import InputError
+from golden.numbers.precision import SIGNAL
+from golden.numbers.units import FULL_SCALE
 from tactus.core.table import read_table
 from tactus.physics import GRAVITY
-from tactus.physics.beam import Beam, mean_arm
+from tactus.physics.beam import Beam, arm_slopes, mean_arm
+from tactus.physics.bound import (
+    MEAN_PER_DEVIATION,
+    least_deviations,
+    slopes_by_codes,
+)
+from tactus.physics.conditioning import (
+    CUTOFF,
+    Conditioning,
+    LowPass,
+    ReflectiveSensor,
+)
 from tactus.physics.digit_data import RECORDED, SENSORS, digit_data
+from tactus.physics.gauge_places import Placing
+from tactus.physics.gauge_rig import GaugeRig, load_rig
+from tactus.physics.known_loads import least_errors
 from tactus.physics.strain_sensor import (
     COLUMNS,
     FARTHEST,
@@ -25,6 +48,8 @@ from tactus.physics.strain_sensor import (
     loads_from_codes,
     read_sensors,
 )
+from tactus.report import gauges
+from tactus.scene.metrics import error_scale
 
 ROOT = Path(__file__).parents[1]
 BEAM = Beam()
@@ -187,3 +212,214 @@ def test_the_mean_arm_is_the_integral_over_the_load(d: float, h: float, triangul
     kinks = [0.0] if abs(d) >= h else sorted({0.0, -d})
     expected = quad(lambda u: density(u) * max(d + u, 0), -h, h, points=kinks, epsabs=1e-14)[0]
     assert mean_arm(d, h, triangular) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+TABLE = read_table(RECORDED, [*SENSORS, *COLUMNS])
+TARGETS = TABLE[:, len(SENSORS) :]
+DIGIT = Beam()
+SENSORS_FITTED = fit_sensors(TABLE, DIGIT)
+SCALE = error_scale(TARGETS, COLUMNS, {"position": FULL_SCALE, "width": FULL_SCALE})
+NOISE = np.full(len(SENSORS), 0.002)
+# Load A covers sensor 3 here, a quarter of the width away from its middle.
+WITHIN = np.array([0.9, 0.63, 0.9, 0.45])
+
+
+def readings(codes: np.ndarray) -> np.ndarray:
+    return read_sensors(SENSORS_FITTED, loads_from_codes(codes, DIGIT))
+
+
+@pytest.mark.parametrize("triangular", [False, True])
+def test_slopes_of_the_arm_are_its_finite_differences(triangular: bool) -> None:
+    # The middle and the ends of the load are avoided, because the second derivative jumps there.
+    d, h, e = np.linspace(-0.0301, 0.0303, 61), 0.02, 1e-7
+    by_distance, by_half_width = arm_slopes(d, h, triangular)
+    moved = (mean_arm(d + e, h, triangular) - mean_arm(d - e, h, triangular)) / (2 * e)
+    wider = (mean_arm(d, h + e, triangular) - mean_arm(d, h - e, triangular)) / (2 * e)
+    assert by_distance == pytest.approx(moved, abs=1e-4)
+    assert by_half_width == pytest.approx(wider, abs=1e-4)
+    assert (by_half_width[np.abs(d) > h] == 0).all()
+    assert by_half_width.max() == pytest.approx(1 / 6 if triangular else 1 / 4, abs=1e-3)
+
+
+def test_slopes_of_the_readings_are_their_finite_differences() -> None:
+    slopes, e = slopes_by_codes(SENSORS_FITTED, TARGETS), 1e-6
+    assert slopes.shape == (143, 4, 3)
+    for k in range(3):
+        step = e * np.eye(4)[k]
+        expected = (readings(TARGETS + step) - readings(TARGETS - step)) / (2 * e)
+        assert slopes[:, :, k] == pytest.approx(expected, abs=1e-8)
+
+
+def test_the_bound_is_the_inverse_of_the_information() -> None:
+    rng = np.random.default_rng(1)
+    slopes, noise = rng.normal(size=(20, 5, 3)), rng.uniform(0.5, 2, 5)
+    whitened = slopes / noise[:, np.newaxis]
+    information = whitened.swapaxes(-1, -2) @ whitened
+    expected = np.sqrt(np.diagonal(np.linalg.inv(information), axis1=-2, axis2=-1))
+    assert least_deviations(slopes, noise) == pytest.approx(expected, rel=1e-9)
+    assert least_deviations(slopes, 2.0) == pytest.approx(2 * least_deviations(slopes, 1.0))
+
+
+def test_what_no_reading_holds_has_no_bound_and_leaves_the_others_theirs() -> None:
+    absent = np.array([[1.0, 0, 0], [0, 1, 0], [0, 1, 0]])
+    assert least_deviations(absent, 1.0) == pytest.approx([1, 1 / np.sqrt(2), np.inf])
+    # Two parameters that change the readings alike, in different units, cannot be distinguished.
+    alike = np.outer([0.1, 0.7, 0.3, 0.2], [0, 1, 3e-6]) + np.outer([0.9, -0.1, 0, -0.1], [1, 0, 0])
+    assert least_deviations(alike, 1.0) == pytest.approx([1 / np.sqrt(0.83), np.inf, np.inf])
+
+
+def test_least_squares_reach_the_bound() -> None:
+    """Least squares is an efficient estimator, so its deviation over many draws is the bound.
+
+    Its mean error is sqrt(2 / pi) of the bound. With 600 draws the deviation is known to 3 %.
+    """
+    noise, rng = 2e-4, np.random.default_rng(1)
+    exact = readings(WITHIN[np.newaxis])[0]
+
+    def miss(codes: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        return readings(np.append(codes, WITHIN[3])[np.newaxis])[0] - seen
+
+    found = np.array(
+        [
+            least_squares(miss, WITHIN[:3], args=(exact + noise * rng.standard_normal(4),)).x
+            for _ in range(600)
+        ]
+    )
+    bound = least_deviations(slopes_by_codes(SENSORS_FITTED, WITHIN[np.newaxis]), noise)[0]
+    assert found.std(axis=0) == pytest.approx(bound, rel=0.1)
+    assert np.abs(found - WITHIN[:3]).mean(axis=0) == pytest.approx(
+        MEAN_PER_DEVIATION * bound, rel=0.1
+    )
+
+
+@pytest.fixture(scope="module")
+def known() -> dict[bool, np.ndarray]:
+    rng = np.random.default_rng(1)
+    return {
+        which: least_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE, which, 10, rng)
+        for which in (False, True)
+    }
+
+
+@pytest.fixture(scope="module")
+def rig() -> GaugeRig:
+    return load_rig("digit")
+
+
+def test_errors_are_those_of_readings_with_what_is_known_beforehand(rig: GaugeRig) -> None:
+    """The reference is least squares on the readings and one prior reading of each unknown."""
+    places = [0.05, 0.12, 0.16]
+    found = Placing(rig).errors(places)
+    for n in range(0, len(found), 37):
+        rows, noise = [], []
+        for place in places:
+            unit = StrainSensor(1.0, 0.0, place, rig.beam)
+            gain = rig.full_scale / np.abs(unit.read(rig.placements)).max()
+            rows.append(gain * unit.slopes(rig.placements)[n])
+            noise.append(math.hypot(rig.noise, gain * rig.noise_strain))
+        rows.append(np.array([1 / rig.masses[1], 0, 0]))
+        noise.append(rig.cell_noise)
+        rows += list(np.eye(3))
+        noise += list(rig.spreads)
+        whitened = np.array(rows) / np.array(noise)[:, np.newaxis]
+        deviations = np.linalg.norm(np.linalg.pinv(whitened), axis=1)
+        expected = MEAN_PER_DEVIATION * deviations * rig.percent[n]
+        assert found[n] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("objective", ["mean", "worst"])
+def test_the_best_is_that_of_all_pairs(rig: GaugeRig, objective: str) -> None:
+    few = replace(
+        rig, count=2, span=(0.06, 0.16), objective=objective, outputs=("load", "position")
+    )
+    placing = Placing(few)
+    pairs = [
+        (placing.score(placing.errors_of(placing._all[list(pair)].sum(axis=0))), pair)
+        for pair in itertools.combinations(range(0, len(placing.places), 2), 2)
+        if placing.places[pair[1]] - placing.places[pair[0]] >= few.apart
+    ]
+    assert placing.score(placing.errors(placing.best())) <= min(score for score, _ in pairs)
+
+
+def test_the_command_prints_and_writes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["make sensors", "digit", "--build", str(tmp_path)])
+    gauges.main()
+    printed = capsys.readouterr().out
+    picture = (tmp_path / "sensors" / "digit" / "sensors.svg").read_text()
+    for label in ("compared", "best found"):
+        assert f">{label}</text>" in picture
+        assert len(re.findall(rf"^{label} ", printed, re.M)) == 3
+    rows = (tmp_path / "sensors" / "digit" / "sensors.csv").read_text().splitlines()
+    assert len(rows) == 1 + 6
+
+
+TIME = np.arange(20_000) / 200
+
+
+def rng() -> np.random.Generator:
+    return np.random.default_rng(1)
+
+
+def amplitude(hertz: float) -> float:
+    """The amplitude of a sine of 1 V after the high pass, when it has settled."""
+    passed = Conditioning(1.0).amplify(np.sin(2 * math.pi * hertz * TIME), 0.0)
+    return float(np.sqrt(2 * (passed[len(TIME) // 2 :] ** 2).mean()))
+
+
+def test_the_parts_of_section_6_4_2_give_its_cutoff() -> None:
+    assert 1 / (2 * math.pi * 560e3 * 4.7e-6) == pytest.approx(CUTOFF, rel=0.01)
+
+
+@pytest.mark.parametrize("hertz", [0.06, 0.7, 5.0])
+def test_the_high_pass_is_first_order(hertz: float) -> None:
+    expected = 1 / math.sqrt(1 + (CUTOFF / hertz) ** 2)
+    assert amplitude(hertz) == pytest.approx(expected, rel=2e-3)
+
+
+def test_gain_clipping_and_quantisation() -> None:
+    volts = np.array([0.0, 0.01, 0.05, 0.2, -0.2])
+    codes, clipped = Conditioning(10, cutoff=0).convert(volts, 0.0)
+    assert codes.tolist() == [0, 819, 4096, SIGNAL.high, SIGNAL.low]
+    assert clipped == 2
+
+
+def test_the_sensor_is_linear_within_its_range_and_flat_beyond() -> None:
+    sensor = ReflectiveSensor(rest=4.0, sensitivity=500, linear=1e-3)
+    assert sensor.read([0, 4e-4, -1e-3, 1e-3, 2e-3, -5], rng()) == pytest.approx(
+        [4.0, 4.2, 3.5, 4.5, 4.5, 3.5]
+    )
+
+
+def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None:
+    filtered = LowPass(cutoff=25.0, rate=1000.0)
+    time = np.arange(20_000) / 1000
+    for hertz in (2.5, 25.0):
+        passed = filtered.passed(np.sin(2 * math.pi * hertz * time))[10_000:]
+        expected = 1 / math.sqrt(1 + (hertz / 25) ** 2)
+        assert np.sqrt(2 * (passed**2).mean()) == pytest.approx(expected, rel=2e-3)
+    # For white noise this is the sum of the squares of the impulse response.
+    impulse = filtered.passed(np.r_[0.0, 1.0, np.zeros(5000)])
+    assert math.sqrt((impulse**2).sum()) == pytest.approx(filtered.noise_left, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ReflectiveSensor(linear=0), "linear: got 0, expected 1e-06 to 1"),
+        (lambda: ReflectiveSensor(noise=-1), "noise: got -1, expected 0 to 10"),
+        (lambda: ReflectiveSensor().read([np.nan], rng()), "deflection: got nan"),
+        (lambda: Conditioning(1, cutoff=100), "cutoff: got 100, expected 0 to 99.8"),
+        (lambda: Conditioning(1).amplify([np.inf], 0), "volts: got inf"),
+        (lambda: Conditioning(1).amplify([], 0), r"volts: got shape \(0,\), expected \(n,\)"),
+        (lambda: LowPass(cutoff=0), "cutoff: got 0, expected 1e-06 to "),
+        (lambda: LowPass(rate=50), "cutoff: got 25"),
+        (lambda: LowPass().passed([]), r"volts: got shape \(0,\), expected \(n,\)"),
+        (lambda: LowPass().passed([0, np.nan]), "volts: got nan"),
+        (lambda: LowPass().settling(0), "part: got 0"),
+    ],
+)
+def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call()

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
+from conftest import recorded_of
 from onnx import TensorProto, helper, numpy_helper
 
 from golden.input_error import InputError
@@ -37,8 +38,8 @@ def test_a_classifier_from_scikit_learn(name: str) -> None:
     assert held_in(path).ending == ending
     network = load_network(path, (3, 0, shape[-1]))
     assert network.shape == shape
-    with np.load(path.with_suffix(".npz")) as recorded:
-        values, expected = network.process(recorded["x"]), recorded["labels"].tolist()
+    recorded = recorded_of(name)
+    values, expected = network.process(recorded["x"]), recorded["labels"].tolist()
     places = values.argmax(axis=1) if shape[-1] > 1 else (values[:, 0] > 0).astype(int)
     assert [ending.labels[place] for place in places] == expected
     assert len(set(expected)) == max(shape[-1], 2)
@@ -169,9 +170,9 @@ def test_one_output_tells_two_classes_apart(tmp_path: Path, labels: tuple[str, .
     scene = load_scene(str(scene_of_classes(tmp_path, path, labels)))
     assert scene.labels == ("none", "touch")
     (member,) = scene.members
-    with np.load(path.with_suffix(".npz")) as recorded:
-        decided = member.load().process(recorded["x"]).argmax(axis=1)
-        assert [scene.labels[n] for n in decided] == recorded["labels"].tolist()
+    recorded = recorded_of(path.stem)
+    decided = member.load().process(recorded["x"]).argmax(axis=1)
+    assert [scene.labels[n] for n in decided] == recorded["labels"].tolist()
     (found,) = networks_there(scene)
     assert found.text.endswith("its classes are none, touch")
 

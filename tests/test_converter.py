@@ -1,17 +1,27 @@
-"""Tests converters on an SPI: their data, the twin that reads them, and the keys of a scene."""
+"""Tests converters on an SPI: their data, the twin that reads them, and the scale of sensors."""
 
+import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import Desk
 
 from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.numbers.fixed import Fix
-from golden.sensing.converter_parts import PARTS, PULL_UP_NS
+from golden.numbers.precision import SIGNAL
+from golden.sensing.converter_parts import PARTS, PULL_UP_NS, TWOS
 from golden.sensing.converter_reader import ConverterReader
-from tactus.scene import load_scene
+from tactus.cli.train import train_scene
+from tactus.core.finding import faults
+from tactus.core.table import read_table, write_table
+from tactus.rig.check import before_training, everything
+from tactus.scene import Scene, load_scene
+from tactus.scene.scale import Scale, on_readings
+from tactus.train.descent.scaling import scaled
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import FRONT_END, random_mlp
 
@@ -142,3 +152,197 @@ def test_a_scene_names_its_converter(tmp_path) -> None:
     voltages = np.array([[-8192, 8191], [3, -3]])
     through = np.array([[-8192, 8188], [4, -4]])
     assert (design.process(voltages) == design.readout.process(through)).all()
+
+
+SENSORS = ["x0", "x1", "x2"]
+OTHER = "readings in another unit, such as volts, take front_end.reference"
+
+
+def codes_of(part: str) -> np.ndarray:
+    """Forty frames of codes of a part, as a program prints them, with both ends among them."""
+    data = PARTS[part]
+    half = 1 << (data.bits - 1)
+    codes = np.random.default_rng(3).integers(-half, half, (40, 3))
+    codes[0], codes[1] = -half, half - 1
+    return codes if data.coding == TWOS else codes + half
+
+
+def rig(folder: Path, part: str, recorded: np.ndarray, keys: str = "", reference: str = "") -> Path:
+    """A 3:5:2 scene with a converter, its recording, and ``keys`` of its data section."""
+    mlp = on_readings(
+        random_mlp((3, 5, 2), 1.0, 1), [Scale(2048, 2048)] * 3, [Scale(0, 25), Scale(0, 100)]
+    )
+    sections = f'{FRONT_END}converter = "{part}"\ncounter_width = 13\n{reference}'
+    path = write_scene(
+        folder, "mine", "exact", [mlp], activation="precise", design="engine", sections=sections,
+        rows=len(recorded),
+    )  # fmt: skip
+    csv = path.with_suffix(".csv")
+    names = [*SENSORS, "y0", "y1"]
+    targets = read_table(csv, ["y0", "y1"]) * [25, 100]
+    write_table(csv, names, np.column_stack([recorded, targets]), 4)
+    text = path.read_text()
+    assert "full_scale = { y1 = 0.9, y2 = 0.9 }\n" in text
+    text = re.sub(r"full_scale.*\nlength_mm.*\n", keys, text)
+    path.write_text(text)
+    return path
+
+
+OUTPUTS = "y0 = { factor = 25 }, y1 = { factor = 100 }"
+NONE = f"scale = {{ {OUTPUTS} }}\n"
+
+
+def written(scale: str) -> str:
+    return f"scale = {{ {', '.join(f'{name} = {scale}' for name in SENSORS)}, {OUTPUTS} }}\n"
+
+
+def signals_of(scene: Scene, codes: np.ndarray) -> np.ndarray:
+    """The signals that the converter reader of the hardware makes from codes of its part."""
+    reader = scene.twin().converter_reader
+    assert isinstance(reader, ConverterReader)
+    return reader.process(codes % (1 << reader.part.bits))
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("keys", [NONE, written('"auto"')])
+def test_networks_are_given_what_the_hardware_will_read(
+    tmp_path: Path, part: str, keys: str
+) -> None:
+    """This holds bit for bit for every part, even if the readings cover little of its range."""
+    codes = codes_of(part)
+    path = rig(tmp_path, part, codes, keys)
+    scene = load_scene(str(path))
+    assert np.array_equal(scene.vectors().codes, signals_of(scene, codes))
+    small = codes.mean(axis=0).round() + np.random.default_rng(1).integers(0, 50, codes.shape)
+    table = read_table(path.with_suffix(".csv"), [*SENSORS, "y0", "y1"])
+    table[:, :3] = small
+    write_table(path.with_suffix(".csv"), [*SENSORS, "y0", "y1"], table, 4)
+    scene = load_scene(str(path))
+    assert np.array_equal(scene.vectors().codes, signals_of(scene, small.astype(np.int64)))
+
+
+@pytest.mark.parametrize(
+    ("part", "volts"),
+    [
+        ("mcp3208", lambda codes: 3.3 * codes / 4096),
+        ("ads8345", lambda codes: 2.5 * codes / 32768),
+    ],
+)
+def test_volts_need_the_reference_and_nothing_else(tmp_path: Path, part: str, volts) -> None:
+    codes = codes_of(part)
+    recorded = volts(codes)
+    # Without the reference nothing is known about volts.
+    path = rig(tmp_path, part, recorded, NONE)
+    with pytest.raises(InputError, match=rf"mine\.toml: data\.scale: got none .* {OTHER}"):
+        load_scene(str(path)).vectors()
+    reference = 3.3 if part == "mcp3208" else 2.5
+    path = rig(tmp_path, part, recorded, NONE, f"reference = {reference}\n")
+    scene = load_scene(str(path))
+    # Four decimals of a volt are a tenth of a code of fourteen bits.
+    assert np.abs(scene.vectors().codes - signals_of(scene, codes)).max() <= 1
+    assert not faults(everything(scene, tmp_path / "build"))
+
+
+def test_readings_that_are_signals_stay(tmp_path: Path) -> None:
+    signals = np.random.default_rng(3).uniform(-1, 0.99, (40, 3))
+    for keys in (NONE, written('"auto"'), written("{ offset = 0, factor = 1 }")):
+        scene = load_scene(str(rig(tmp_path, "mcp3208", signals, keys)))
+        expected = SIGNAL.quantise(signals.round(4), "")[0]
+        assert np.array_equal(scene.vectors().codes, expected)
+        assert np.array_equal(scaled(scene).vectors().codes, expected)
+
+
+def test_means_of_codes_are_told_to_be_codes(tmp_path: Path) -> None:
+    """They cannot be distinguished from another unit, so each sensor needs a scale."""
+    codes = codes_of("mcp3208") + 0.25
+    codes[1] -= 1
+    path = rig(tmp_path, "mcp3208", codes, NONE)
+    message = (
+        r"data\.scale: got none for readings of 0\.25 to 4094\.25 .*, expected signals of -1 to 1, "
+        r"or the codes 0 to 4095 of converter 'mcp3208', whole numbers; means of codes take "
+        r"\{ offset = 2048, factor = 2048 \} for each sensor"
+    )
+    with pytest.raises(InputError, match=message):
+        load_scene(str(path)).vectors()
+    path = rig(tmp_path, "mcp3208", codes, written("{ offset = 2048, factor = 2048 }"))
+    assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
+
+
+# The written scale, the readings, and the right scale.
+WRONG = {
+    "auto before the converter": ("{ offset = 2046, factor = 95.2 }", "", 2048, 2048),
+    "of another part": ("{ offset = 512, factor = 512 }", "", 2048, 2048),
+    "of signals": ("{ offset = 0, factor = 1 }", "", 2048, 2048),
+    "of another reference": ("{ offset = 2.5, factor = 2.5 }", "reference = 3.3\n", 1.65, 1.65),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_scale_that_is_not_the_converters_is_a_fault(tmp_path: Path, name: str) -> None:
+    scale, reference, offset, factor = WRONG[name]
+    codes = codes_of("mcp3208")
+    path = rig(
+        tmp_path, "mcp3208", codes * 3.3 / 4096 if reference else codes, written(scale), reference
+    )
+    message = (
+        f"{path}: data.scale.x0: got {scale}, expected {{ offset = {offset}, factor = {factor} }} "
+        "for each sensor, or none: "
+    )
+    for look in (everything, before_training):
+        found = faults(look(load_scene(str(path)), tmp_path / "build"))
+        assert len(found) == 1
+        assert found[0].startswith(message)
+    # The scale that the message names is right.
+    path.write_text(path.read_text().replace(scale, f"{{ offset = {offset}, factor = {factor} }}"))
+    assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["vhdl", "sim", "synth", "report", "train"],
+)
+def test_no_command_makes_hardware_with_another_scale(desk: Desk, command: str) -> None:
+    rig(desk.folder, "mcp3208", codes_of("mcp3208"), written("{ offset = 2046, factor = 95 }"))
+    says = "mine.toml: data.scale.x0: got { offset = 2046, factor = 95 }, expected { offset = 2048"
+    desk.refuses(command, "mine.toml", says=says)
+
+
+def test_nor_does_one_that_programs_a_board(desk: Desk) -> None:
+    path = rig(
+        desk.folder, "mcp3208", codes_of("mcp3208"), written("{ offset = 2046, factor = 95 }"),
+        reference="\n[uart]\n",
+    )  # fmt: skip
+    path.write_text(path.read_text().replace('"engine"', '"engine"\nreload = true'))
+    says = "data.scale.x0: got { offset = 2046, factor = 95 }, expected { offset = 2048"
+    desk.refuses("bitstream", "mine.toml", "ulx3s", says=says)
+    desk.refuses("image", "mine.toml", says=says)
+    desk.refuses("load", "mine.toml", "twin", says=says)
+    desk.refuses("monitor", "mine.toml", "twin", says=says)
+
+
+def test_readings_beyond_the_converter(tmp_path: Path) -> None:
+    codes = codes_of("mcp3208")
+    codes[5, 1] = 4096
+    path = rig(tmp_path, "mcp3208", codes, NONE)
+    message = r"got none for readings of 0 to 4096 in .*mine\.csv, expected signals of -1 to 1, or "
+    with pytest.raises(InputError, match=message):
+        load_scene(str(path)).vectors()
+    path = rig(tmp_path, "mcp3208", codes, NONE, "reference = 3000\n")
+    with pytest.raises(
+        InputError, match=r"'mcp3208' cannot read beyond it: correct front_end\.reference in"
+    ):
+        load_scene(str(path)).vectors()
+
+
+def test_training_leaves_the_scale_of_the_sensors(tmp_path: Path) -> None:
+    """It only computes the scale of the outputs."""
+    codes = codes_of("mcp3208") // 50 + 1987
+    keys = 'scale = "auto"\nfull_scale = { y0 = 25, y1 = 100 }\n'
+    path = rig(tmp_path, "mcp3208", codes, keys)
+    for network in tmp_path.glob("*.npz"):
+        network.unlink()
+    train_scene(load_scene(str(path)), tmp_path / "build", 1)
+    scene = load_scene(str(path))
+    assert scene.scales(SENSORS) == [Scale(2048, 2048)] * 3
+    assert scene.auto == ["y0", "y1"]
+    assert np.array_equal(scene.vectors().codes, signals_of(scene, codes))

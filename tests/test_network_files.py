@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
+from conftest import recorded_of
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
@@ -51,9 +52,9 @@ def test_a_network_from_scikit_learn(outputs: int) -> None:
     """An MLPRegressor through skl2onnx has Cast, MatMul, Add, Tanh, MatMul, Add, Reshape."""
     name = f"sklearn-3-5-{outputs}"
     mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
-    with np.load(DATA / f"{name}.npz") as recorded:
-        expected = recorded["y"].reshape(-1, outputs)
-        assert np.allclose(mlp.process(recorded["x"]), expected, atol=1e-6)
+    recorded = recorded_of(name)
+    expected = recorded["y"].reshape(-1, outputs)
+    assert np.allclose(mlp.process(recorded["x"]), expected, atol=1e-6)
 
 
 SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-target-3-5-1"]
@@ -61,21 +62,21 @@ SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-
 
 @pytest.mark.parametrize("name", SCALED_FILES)
 def test_a_pipeline_with_a_scaler_from_scikit_learn(name: str) -> None:
-    """A StandardScaler is a Scaler, or Sub and Div; the target may be scaled (make_scaled.py)."""
+    """A StandardScaler is a Scaler, or Sub and Div; the target may be scaled (make_onnx.py)."""
     outputs = int(name[-1])
     mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
-    with np.load(DATA / f"{name}.npz") as recorded:
-        expected = recorded["y"].reshape(-1, outputs)
-        # scikit-learn predicts in double precision, but float32 has only 24 bits.
-        assert np.abs(mlp.process(recorded["x"]) / expected - 1).max() < 1e-6
+    recorded = recorded_of(name)
+    expected = recorded["y"].reshape(-1, outputs)
+    # scikit-learn predicts in double precision, but float32 has only 24 bits.
+    assert np.abs(mlp.process(recorded["x"]) / expected - 1).max() < 1e-6
 
 
 @pytest.mark.parametrize("name", SCALED_FILES)
 def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str) -> None:
     outputs = int(name[-1])
     path = write_scene(tmp_path, "raw", "exact", [random_mlp((3, 5, outputs), 1.0, 1)])
-    with np.load(DATA / f"{name}.npz") as recorded:
-        x, expected = recorded["x"], recorded["y"].reshape(-1, outputs)
+    recorded = recorded_of(name)
+    x, expected = recorded["x"], recorded["y"].reshape(-1, outputs)
     rows = ["x0,x1,x2,y0,y1"[: 8 + 3 * outputs]]
     rows += [",".join(map(repr, row.tolist())) for row in np.hstack([x, expected])]
     path.with_suffix(".csv").write_text("\n".join(rows))
@@ -107,8 +108,8 @@ def test_a_network_from_pytorch_and_keras(name: str) -> None:
     ``net.export("keras-4-16-4.onnx", format="onnx")``.
     """
     mlp = load_network(DATA / f"{name}-4-16-4.onnx", (4, 16, 4))
-    with np.load(DATA / f"{name}-4-16-4.npz") as recorded:
-        assert np.abs(mlp.process(recorded["x"]) - recorded["y"]).max() < 1e-6
+    recorded = recorded_of(f"{name}-4-16-4")
+    assert np.abs(mlp.process(recorded["x"]) - recorded["y"]).max() < 1e-6
     assert np.abs(mlp.b1).min() > 0
     assert np.abs(mlp.b2).min() > 0
 

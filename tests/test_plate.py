@@ -5,13 +5,75 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse.linalg import eigsh, spsolve
 
 from golden.input_error import InputError
+from golden.numbers.real import Real
 from tactus.physics.plate import Plate
-from tactus.physics.plate_grid import grid_influence, natural_frequency
 
 PLATE = Plate()
 A, B = PLATE.length, PLATE.width
+
+
+def biharmonic(plate: Plate, columns: int, rows: int) -> sparse.csc_array:
+    """The operator of the plate equation, over the stiffness, at the inner nodes (row by row)."""
+
+    def second(cells: int, length: float) -> sparse.dia_array:
+        ones = np.ones(cells - 1)
+        bands = (ones, -2 * ones, ones)
+        return sparse.dia_array((np.stack(bands), (-1, 0, 1)), shape=(cells - 1, cells - 1)) * (
+            (cells / length) ** 2
+        )
+
+    x, y = second(columns, plate.length), second(rows, plate.width)
+    fourth = (y @ y).tolil()
+    if plate.clamped:
+        # A mirrored node beyond a clamped edge has the deflection of its image; at a simply
+        # supported edge it has the negative of it. So the mirror adds 1 + 1 instead of -1 + 1.
+        for end in (0, rows - 2):
+            fourth[end, end] += 2 * (rows / plate.width) ** 4
+    identity_x = sparse.eye_array(columns - 1)
+    identity_y = sparse.eye_array(rows - 1)
+    return sparse.csc_array(
+        sparse.kron(identity_y, x @ x) + 2 * sparse.kron(y, x) + sparse.kron(fourth, identity_x)
+    )
+
+
+def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Real:
+    """Deflection of all inner nodes for 1 N at one node, m/N.
+
+    It uses the thirteen-point stencil of the plate equation, which is of second order. At the load,
+    where the curvature has no limit, the error is of second order except for a logarithm.
+
+    load, shape (2,): xi and eta in m; the load acts at the nearest inner node.
+    columns, rows: Cells along x and y.
+
+    Returns, shape (rows - 1, columns - 1): Node (i, j) is at y = (i + 1) b / rows, x = (j + 1) a /
+        columns.
+    """
+    operator = biharmonic(plate, columns, rows)
+    xi, eta = np.asarray(load, dtype=np.float64)
+    j = int(np.clip(round(xi / plate.length * columns), 1, columns - 1)) - 1
+    i = int(np.clip(round(eta / plate.width * rows), 1, rows - 1)) - 1
+    pressure = np.zeros((rows - 1, columns - 1))
+    pressure[i, j] = columns * rows / (plate.length * plate.width * plate.stiffness)
+    result: Real = spsolve(operator, pressure.ravel()).reshape(pressure.shape)
+    return result
+
+
+def natural_frequency(plate: Plate, density: float, columns: int, rows: int) -> float:
+    """Lowest natural frequency in Hz; the error is of second order in the size of the cells.
+
+    density: kg/m^3; that of steel is 7850.
+    columns, rows: Cells along x and y.
+    """
+    lowest = eigsh(
+        biharmonic(plate, columns, rows), k=1, sigma=0, which="LM", return_eigenvectors=False
+    )
+    stiffness_over_mass = plate.stiffness / (density * plate.thickness)
+    return float(np.sqrt(lowest[0] * stiffness_over_mass) / (2 * np.pi))
 
 
 def at(*parts: tuple[float, float], plate: Plate = PLATE) -> np.ndarray:
@@ -139,9 +201,6 @@ def test_the_natural_frequency_is_that_of_section_6_1() -> None:
         (lambda: PLATE.influence([0, 0], [[0, 0]]), r"points: got shape \(2,\), expected \(n, 2\)"),
         (lambda: PLATE.influence([[0, 0]], [[0, 0]], 0), r"terms: got 0, expected 1 to 1e\+06"),
         (lambda: PLATE.tail([[0, 0]], [[0, 0]], 0), "terms: got 0"),
-        (lambda: grid_influence(PLATE, [0, 0], 3, 9), "columns: got 3, expected 4 to 2000"),
-        (lambda: grid_influence(PLATE, [2, 0], 9, 9), "load_x: got 2, expected 0 to 0.91"),
-        (lambda: natural_frequency(PLATE, 0, 9, 9), r"density: got 0, expected 1 to 100000"),
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:

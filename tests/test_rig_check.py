@@ -1,6 +1,9 @@
-"""Tests make check: it finds every fault at once, and no search begins with a fault."""
+"""Tests make check, which finds every fault at once, and make predict, which marks readings."""
 
+import csv
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,10 +11,15 @@ import numpy as np
 import pytest
 from refused import Desk
 
+from golden.numbers.precision import SIGNAL
 from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
-from tactus.core.table import read_table, write_table
+from tactus.core.table import read_csv_file, read_table, write_table
+from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
-from tactus.scene import load_scene, scene_names
+from tactus.rig.predict import predict, readings_of, write_prediction
+from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
+from tactus.scene import Scene, load_scene, scene_names
+from tactus.train.descent.split import split_story
 from tactus.verify.benches.written import write_scene
 from tactus.verify.check import check
 from tb.common.cases import random_mlp
@@ -200,3 +208,175 @@ def test_the_command_ends_with_2_where_there_is_a_fault(desk: Desk, path: Path) 
     folder_for_a_file(path)
     count = len(faults(findings_of(path)))
     assert desk.call("check", str(path)) == (2, f"error: {path}: {count} faults, listed above\n")
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Scene:
+    """A cascade whose networks were trained on its readings, according to their provenance."""
+    mlps = [random_mlp((3 + i, 4, 1), 0.5, i) for i in range(2)]
+    path = write_scene(
+        tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
+    )
+    scene = load_scene(str(path))
+    for member, mlp in zip(scene.members, mlps, strict=True):
+        shape = ":".join(str(n) for n in mlp.shape)
+        save_network(member.weights_path, mlp, {**split_story(scene), "network": shape})
+    return load_scene(str(path))
+
+
+def new_csv(folder: Path, text: str) -> Path:
+    path = folder / "new.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def done(scene: Scene, source: Path) -> list[dict[str, str]]:
+    """The rows of the file that is written."""
+    recording = read_csv_file(source)
+    found = predict(scene, readings_of(scene, recording), trained_on(scene)[0])
+    out = source.with_name("out.csv")
+    write_prediction(scene, recording, found, out)
+    with out.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_outputs_are_those_of_the_twin(scene: Scene) -> None:
+    rows = done(scene, scene.data_path)
+    wanted = SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
+    got = np.array([[float(row["y0_predicted"]), float(row["y1_predicted"])] for row in rows])
+    # Four decimals distinguish two codes.
+    assert np.array_equal(np.rint(got * 8192), wanted * 8192)
+    assert "." in rows[0]["y0_predicted"]
+
+
+def test_every_column_stays_as_it_stands(scene: Scene) -> None:
+    source = new_csv(scene.path.parent, 'when,x2,x0,"a, b",x1\n08:15,0.10,-0,"x ""y""",1e-1\n')
+    rows = done(scene, source)
+    assert list(rows[0])[:5] == ["when", "x2", "x0", "a, b", "x1"]
+    assert list(rows[0].values())[:5] == ["08:15", "0.10", "-0", 'x "y"', "1e-1"]
+    sensors = np.array([[0, 0.1, 0.1]])
+    results = scene.outputs_in_units(scene.twin().process(scene.codes_of(sensors)))
+    assert float(rows[0]["y1_predicted"]) == pytest.approx(results[0, 1], abs=1e-4)
+    assert list(rows[0])[5:] == ["y0_predicted", "y1_predicted", "distance", "outside", "reason"]
+
+
+def test_outputs_are_in_the_units_of_the_scene(scene: Scene) -> None:
+    """The network file is the same, but an output is in another unit."""
+    text = scene.path.read_text()
+    scaled = scene.path.with_name("scaled.toml")
+    scale = "scale = { y1 = { offset = 100.0, factor = 2.0 } }\noutputs ="
+    scaled.write_text(text.replace("outputs =", scale))
+    table = read_table(scene.data_path, ["x0", "x1", "x2", "y0", "y1"])
+    table[:, 4] = 100 + table[:, 4]
+    write_table(scene.data_path, ["x0", "x1", "x2", "y0", "y1"], table, 4)
+    other = load_scene(str(scaled))
+    rows = done(other, other.data_path)
+    results = other.twin().process(other.vectors().codes)[:, 1]
+    got = np.array([float(row["y1_predicted"]) for row in rows])
+    assert np.array_equal(np.rint((got - 100) / 2 * 8192), results)
+
+
+SIDES = np.array([-1.0, 0.0, 1.0, 2.0])
+
+
+def touch(states: np.ndarray, seed: int = 0) -> np.ndarray:
+    """The readings of four sensors for forces and places, with a little noise."""
+    plain = states[:, :1] * np.exp(-((states[:, 1:] - SIDES) ** 2))
+    return plain + np.random.default_rng(seed).normal(0, 0.002, plain.shape)
+
+
+def drawn(count: int, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).uniform([1.0, -0.5], [2.0, 1.5], (count, 2))
+
+
+def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
+    """The outputs of a good network: the recorded state with the nearest readings."""
+    states = drawn(4000, seed)
+    far = ((touch(states)[:, np.newaxis] - readings) ** 2).sum(axis=2)
+    return states[far.argmin(axis=0)]
+
+
+@pytest.fixture(scope="module")
+def known() -> TrainedOn:
+    states, held = drawn(120, 1), touch(drawn(120, 2), 2)
+    outputs = estimates(held)
+    return learnt(("force", "place"), touch(states, 1), states, held, outputs, np.full(4, 1e-4))
+
+
+def reasons(known: TrainedOn, readings: np.ndarray, outputs: np.ndarray) -> list[str]:
+    return known.reasons(outputs, known.distances(readings, outputs))
+
+
+def test_swapped_columns_are_outside(known: TrainedOn) -> None:
+    fresh = touch(drawn(500, 7), 7)
+    for order in ([1, 0, 2, 3], [0, 2, 1, 3], [3, 1, 2, 0]):
+        swapped = fresh[:, order]
+        # The swap has no effect if both readings are equal.
+        differ = np.abs(swapped - fresh).max(axis=1) > 0.1
+        said = reasons(known, swapped[differ], estimates(swapped[differ]))
+        assert np.mean([UNLIKE in text for text in said]) > 0.95
+
+
+def test_an_output_beyond_its_range_is_outside(known: TrainedOn) -> None:
+    low, high = known.low, known.high
+    middle, span = (low + high) / 2, high - low
+    outputs = np.array(
+        [middle, high + 0.09 * span, high + span * np.array([0.11, 0]), low - 0.11 * span]
+    )
+    found = known.reasons(outputs, np.zeros(4))
+    assert found == [
+        "",
+        "",
+        f"force above {high[0]:g}",
+        f"force below {low[0]:g}; place below {low[1]:g}",
+    ]
+    assert known.reasons(outputs[:1], np.array([1.01])) == [UNLIKE]
+
+
+def test_the_limit_is_that_of_the_held_out_rows() -> None:
+    """Of 250 held-out rows one is farther away, and of 20 rows none is."""
+    states, held = drawn(120, 1), touch(drawn(250, 2), 2)
+    many = learnt(
+        ("force", "place"), touch(states, 1), states, held, estimates(held), np.full(4, 1e-4)
+    )
+    assert (many.distances(held, estimates(held)) > 1).sum() == 1
+    assert many.one_in == 100
+    few = learnt(
+        ("force", "place"),
+        touch(drawn(40, 1)),
+        drawn(40, 1),
+        held[:20],
+        estimates(held[:20]),
+        np.full(4, 1e-4),
+        stretches=3,
+    )
+    assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
+    assert few.one_in == 4
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "tactus.cli.predict", *words]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_the_command(scene: Scene) -> None:
+    source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n0.999,0.1,-5\n")
+    out = scene.path.parent / "out.csv"
+    out.write_text("an older one")
+    result = run(str(scene.path), str(source), str(out), "--force")
+    assert result.returncode == 0, result.stderr
+    assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout
+    assert "about 1 in 31 rows like the recorded ones is called outside, too" in result.stdout
+    # These networks are random, so their outputs for the first row are unlike any target.
+    rows = out.read_text().splitlines()
+    assert "y1 below" in rows[1]
+    assert UNLIKE not in rows[1]
+    assert rows[2].endswith(UNLIKE)
+
+
+def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
+    fresh = touch(drawn(1000, 7), 7)
+    assert sum(map(bool, reasons(known, fresh, estimates(fresh)))) <= 30

@@ -1,6 +1,11 @@
-"""Tests the swing (Appendix 7, equations 6.4 and 6.5) and the wobble."""
+"""Tests the swing (Appendix 7, equations 6.4 and 6.5), the wobble, its rig and its recordings."""
 
+import hashlib
 import math
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +14,10 @@ from hypothesis import strategies as st
 from scipy.signal import find_peaks
 
 from golden.input_error import InputError
+from golden.numbers.precision import SIGNAL
+from tactus.core.table import read_table
 from tactus.physics import GRAVITY
+from tactus.physics.rig import Rig
 from tactus.physics.swing import (
     METHODS,
     Motion,
@@ -18,6 +26,17 @@ from tactus.physics.swing import (
     foot_forces,
     swing_motion,
     undamped_angle,
+)
+from tactus.physics.swing_data import (
+    ANGLES,
+    BOUND,
+    COLUMNS,
+    FRAME_MASS,
+    LEAST_WOBBLE,
+    Coding,
+    independent_run,
+    record,
+    write_recordings,
 )
 from tactus.physics.wobble import Wobble
 
@@ -136,3 +155,144 @@ def test_the_wobble_is_a_damped_oscillator() -> None:
     omega = 4 * math.pi
     law = acceleration + 2 * 0.1 * omega * speed + omega**2 * x
     assert np.abs(law[1:-1]).max() < 1e-3
+
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT / "scenes" / "data"
+STORY = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))
+NAMES = ("swing-train", *(f"swing-test-{n}" for n in range(1, 5)))
+SWING = Swing(frame_mass=FRAME_MASS)
+
+
+def shipped(name: str) -> np.ndarray:
+    """The run that is shipped, or one of those that are made when they are needed."""
+    if name == NAMES[0]:
+        return read_table(DATA / f"{name}.csv", list(COLUMNS))
+    return independent_run(NAMES.index(name), COLUMNS)
+
+
+def excursion(values: np.ndarray) -> float:
+    """The mean distance from end to end."""
+    return float(values[find_peaks(values)[0]].mean() - values[find_peaks(-values)[0]].mean())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shipped_recordings_are_what_their_provenance_says(name: str) -> None:
+    story = STORY[name]
+    if name == NAMES[0]:
+        assert hashlib.sha256((DATA / f"{name}.csv").read_bytes()).hexdigest() == story["sha256"]
+    assert shipped(name).shape == (story["rows"], 6) == (5000, 6)
+    assert story["clipped"] == 0
+
+
+def test_shipped_recordings_can_be_made_again(tmp_path: Path) -> None:
+    paths = write_recordings(tmp_path)
+    assert [path.name for path in paths] == [*(f"{name}.csv" for name in NAMES), "swing.toml"]
+    for path in paths[:-1]:
+        again = read_table(path, list(COLUMNS))
+        # Other versions of numpy and SciPy may round the last digit differently.
+        assert np.abs(again - shipped(path.stem)).max() <= 1.3e-4
+    again = tomllib.loads(paths[-1].read_text(encoding="utf-8"))
+    assert again["offset_mm"] == pytest.approx(STORY["offset_mm"])
+    assert again["mm_per_unit"] == pytest.approx(STORY["mm_per_unit"])
+    assert [STORY[name]["angle_degrees"] for name in NAMES] == list(ANGLES)
+    assert [STORY[name]["seed"] for name in NAMES] == [1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_four_decimals_keep_every_code(name: str) -> None:
+    sensors = shipped(name)[:, :3]
+    codes, saturated = SIGNAL.quantise(sensors)
+    assert saturated == 0
+    assert (np.round(SIGNAL.to_real(codes), 4) == sensors).all()
+
+
+def test_the_motion_is_of_the_size_of_table_6_2() -> None:
+    """Its "mean total displacement" can only be from end to end, as docs/physics.md explains."""
+    train = shipped("swing-train")[:, 3:] * STORY["mm_per_unit"]
+    found = [excursion(column) for column in train.T]
+    assert found == pytest.approx([8.9, 330, 26.8], rel=0.15)
+    # With a mean distance from rest, the mass would have to move farther than the length of its
+    # arm.
+    assert math.pi / 2 * 330 > 480 > excursion(train[:, 1])
+
+
+def test_the_coding_turns_back() -> None:
+    recording = record(20, 1, seconds=5)
+    coding = Coding.of(recording)
+    coded = coding.code(recording)
+    assert (coded[:, :3] == recording.sensors).all()
+    assert coded[:, 3:] / coding.scale + coding.offset == pytest.approx(recording.place)
+
+
+def test_the_feet_carry_what_hangs_on_them() -> None:
+    rig = Rig(swing=SWING)
+    motion = swing_motion(SWING, 0.0, 1)
+    forces = rig.forces(motion, np.full(200, 0.004), np.zeros(200))
+    assert forces.sum(axis=1) == pytest.approx((10 + FRAME_MASS) * 9.80665)
+    # These are the moments about the middle, across the frames, of 10 kg that are 4 mm off.
+    across = (forces @ (rig.feet[:, 1] - 0.275))[0]
+    assert across == pytest.approx(10 * 9.80665 * 0.004)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: record(90, 1), "angle: got 90, expected -60 to 60"),
+        (lambda: record(60, 1), r"foot forces: got -.* N at .* s, expected 0 or more"),
+        (lambda: record(10, -1), "seed: got -1"),
+        (lambda: write_recordings(Path(), angles=[]), "angles: got none, expected at least one"),
+        (lambda: Rig(frames=0.6), "frames: got 0.6, expected 0.001 to 0.55"),
+        (lambda: Rig(swing=Swing(feet=1.0)), "feet: got 1, expected 0 to 0.91"),
+    ],
+)
+def test_a_recording_outside_the_model_is_refused(call, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_the_command(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tactus.physics.swing_data", str(tmp_path)]
+    result = subprocess.run(
+        [*command, "--angles", "20", "--seed", "9"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert result.returncode == 0, result.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"swing-train.csv", "swing.toml"}
+    result = subprocess.run([*command, "--angles", "80"], cwd=ROOT, capture_output=True, text=True)
+    assert (result.returncode, result.stderr) == (2, "error: angle: got 80, expected -60 to 60\n")
+
+
+def test_raw_signals_are_the_10_to_60_mv_of_section_6_4_2() -> None:
+    """Both ends, and the gains of 10 and 80, follow from one sensitivity, which we chose."""
+    recording = record(ANGLES[0], 1, 0.0)
+    raw = 1e3 * np.ptp(recording.sensors, axis=0) / [10, 80, 10]
+    assert raw[[0, 2]] == pytest.approx(60, rel=0.08)
+    assert raw[1] == pytest.approx(10, rel=0.08)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sensors_1_and_3_are_in_antiphase(name: str) -> None:
+    """Figure 6.14 shows this."""
+    sensors = shipped(name)
+    assert np.corrcoef(sensors[:, 0], sensors[:, 2])[0, 1] < -0.85
+    assert abs(np.corrcoef(sensors[:, 0], sensors[:, 4])[0, 1]) > 0.9
+
+
+def test_targets_are_coded_as_section_6_4_4_has_it() -> None:
+    targets = shipped("swing-train")[:, 3:]
+    assert np.abs(targets).max(axis=0) == pytest.approx(BOUND, abs=1e-4)
+    assert targets.mean(axis=0) == pytest.approx(0, abs=1e-4)
+    for name in NAMES[1:]:
+        # The seed decides how large a wobble is, independently of the training run.
+        assert np.abs(shipped(name)[:, 4:]).max() < BOUND
+        assert np.abs(shipped(name)[:, 3]).max() < BOUND / LEAST_WOBBLE
+
+
+def test_the_rig_stands_on_the_plate_as_figure_6_8_has_it() -> None:
+    rig = Rig(offset=0)
+    assert np.ptp(rig.feet, axis=0) == pytest.approx([0.6, 0.35])
+    assert rig.feet.mean(axis=0) == pytest.approx([0.455, 0.275])
+    assert rig.sensors[1] == pytest.approx([0.455, 0.275])
+    # The sensor is in line with the feet, on the axis.
+    assert rig.sensors[[0, 2], 0] == pytest.approx([rig.feet[0, 0], rig.feet[2, 0]])
+    assert rig.sensors[:, 1] == pytest.approx(0.275)

@@ -1,15 +1,17 @@
-"""Tests counts of cells, depth and clock, their records, and that these are current."""
+"""Tests counts of cells, depth and clock, their records, and what is placed on an ECP5."""
 
 import json
+import re
 import subprocess
 import sys
 from collections import Counter
 from graphlib import CycleError
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import tiered
-from shared import Shared
+from shared import Shared, copied_job
 
 from golden.common.block import walk
 from golden.input_error import InputError, MissingFileError
@@ -18,7 +20,7 @@ from golden.numbers.fixed import Fix
 from tactus.core.fingerprint import ROOT
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
-from tactus.synth import recorded
+from tactus.synth import recorded, timing
 from tactus.synth.absorb import absorb
 from tactus.synth.activations import cells
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
@@ -31,9 +33,11 @@ from tactus.synth.cells import (
     synthesise_flat,
 )
 from tactus.synth.netlist import KINDS, count, depth, total
-from tactus.synth.timing import read_timing
+from tactus.synth.timing import OPERANDS, read_timing
 from tactus.synth.tools import digest, run_tool
+from tactus.verify.benches.runner import Job, run_job
 from tactus.verify.benches.written import write_scene
+from tactus.verify.sign_off.netlist import on_cells
 from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -414,3 +418,86 @@ def test_counts_of_a_scene_add_up() -> None:
     for kind in KINDS:
         assert sum(n * budget[name][kind] for name, n in parts.items()) <= budget["engine"][kind]
     assert budget["engine"][DEPTH] >= max(budget[name][DEPTH] for name in parts)
+
+
+# What a memory may return for a word that is just written, and the case in which that does harm.
+COLLISION = "if (write && write_addr == read_addr) found <= 18'bx; else found <= memory"
+ALWAYS = "if (write) found <= 18'bx; else found <= memory"
+
+
+def engine_in(shared: Shared, case: str) -> Job:
+    """The bench of the engine of a case, in Icarus."""
+    (job,) = (job for job in shared.jobs(case, "icarus") if job.block == "engine")
+    return job
+
+
+def passes_with(job: Job, text: str) -> bool:
+    """Whether the bench passes if the operand memory is read in another way."""
+    (file,) = job.hdl_folder.glob(f"{OPERANDS}.v")
+    source, count = re.subn(r"found <= memory", text, file.read_text())
+    assert count == 1
+    file.write_text(source)
+    return run_job(job).passed
+
+
+@pytest.mark.parametrize("case", tiered(["deep-engine"], ["chain-engine", "layers-serial"]))
+def test_a_word_that_is_read_while_it_is_written_is_not_used(
+    shared: Shared, tmp_path: Path, case: str
+) -> None:
+    assert passes_with(copied_job(engine_in(shared, case), tmp_path), COLLISION)
+
+
+def test_a_word_that_is_used_would_be_found(shared: Shared, tmp_path: Path) -> None:
+    job = copied_job(engine_in(shared, "deep-engine"), tmp_path)
+    assert not passes_with(job, ALWAYS)
+
+
+@pytest.mark.all_only
+def test_a_netlist_computes_what_its_twin_does(shared: Shared) -> None:
+    assert run_job(on_cells(engine_in(shared, "deep-engine"), "ecp5")).passed
+
+
+@pytest.mark.all_only
+def test_a_word_without_its_register_is_found(shared: Shared, tmp_path: Path) -> None:
+    """The register after the port of a memory, which was moved into the memory, is needed."""
+    job = on_cells(engine_in(shared, "deep-engine"), "ecp5")
+    copied = copied_job(job, tmp_path)
+    file = copied.hdl_folder / copied.files[0]
+    text, count = re.subn(r'REGMODE_B\("OUTREG"\)', 'REGMODE_B("NOREG")', file.read_text())
+    assert count
+    file.write_text(text)
+    assert not run_job(copied).passed
+
+
+# One register between many inputs and one output.
+WIDE = """
+module wide(input clk, input [{last}:0] a, output reg y);
+  always @(posedge clk) y <= ^a;
+endmodule
+"""
+
+
+@pytest.mark.parametrize(("inputs", "without"), [(363, False), (364, True)])
+def test_ports_without_pins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, inputs: int, without: bool
+) -> None:
+    """A clock, an output and 363 inputs take all 365 pins."""
+    devices: list[list[str]] = []
+
+    def place(folder: Path, aim: int, placer: str, *, device: list[str]) -> dict[str, Any]:
+        devices.append(list(device))
+        (folder / f"{placer}.json").write_text("{}")
+        ends = [{"from": {"cell": "a"}, "to": {"cell": "b"}}]
+        return {
+            "fmax": {"clk": {"achieved": 100.0}},
+            "critical_paths": [{"from": "clk", "to": "clk", "path": ends}],
+            "utilization": {
+                kind: {"used": 1} for kind in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")
+            },
+        }
+
+    monkeypatch.setattr(timing, "place", place)
+    monkeypatch.setattr(timing, "_verilog", lambda folder, top: "")
+    (tmp_path / "wide.v").write_text(WIDE.format(last=inputs - 1))
+    assert timing.route(tmp_path, "wide").clock_mhz == 100.0
+    assert [(timing.WITHOUT_PINS in device) for device in devices] == [without]

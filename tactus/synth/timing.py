@@ -31,7 +31,7 @@ AIM_MHZ = 125
 PLACER, ENGINE_PLACERS = "static", ("static", "heap")
 ROUTER = "router2"
 # These serve an engine alone. It does not use a word that is read in the clock in which it is
-# written (tests/test_ecp5.py). Without this promise Yosys builds logic around a memory that cannot
+# written (tests/test_synth.py). Without this promise Yosys builds logic around a memory that cannot
 # give the word before. And Yosys makes chains of wide multiplexers of an engine's saturation, which
 # are slow and large; a folded network is slightly faster with them.
 OPERANDS = "operand_memory*"

@@ -5,7 +5,7 @@ its range, and two codes on either side of every threshold.
 Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
 inputs that the block gets while the recorded frames run through the design.
 Checks: address and forwarded magnitude bit for bit, and the clock of each result.
-Does not prove: that the thresholds are the right ones (tests/test_segments.py does).
+Does not prove: that the thresholds are the right ones (tests/test_gradient.py does).
 """
 
 import cocotb

@@ -4,7 +4,7 @@ Sweeps: every address that the port can carry, also beyond the last word.
 Drives: each address once, then 200 addresses in random order, then those that the block gets while
 the recorded frames run through the design.
 Checks: the word bit for bit, in the same clock.
-Does not prove: that the contents are the right ones (tests/test_segments.py does).
+Does not prove: that the contents are the right ones (tests/test_gradient.py does).
 """
 
 import cocotb
