@@ -187,34 +187,24 @@ def test_network_writes_the_form_it_is_asked_for(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["net.onnx"]
 
 
-def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
-    shape = (2, 3, 1)
-    path = write_scene(tmp_path, "trained", "exact", [random_mlp(shape, 1.0, 1)])
-    contents = []
+def test_train_writes_all_networks_and_their_provenance(small_cascade: Scene) -> None:
+    """A second time it writes the same bytes."""
+    paths = small_cascade.weights_paths
+    contents = [[path.read_bytes() for path in paths]]
     try:
         for _ in range(2):
-            result = make("train", f"SCENE={path}")
+            result = make("train", f"SCENE={small_cascade.path}")
             assert result.returncode == 0, result.stderr
-            assert "2 of 2 candidates" in result.stdout
-            contents.append((tmp_path / "trained.npz").read_bytes())
-    finally:
-        shutil.rmtree(ROOT / "build" / "trained", ignore_errors=True)
-    assert contents[0] == contents[1]
-    assert 'precision = "exact"' in (tmp_path / "trained.provenance.toml").read_text()
-
-
-def test_train_writes_all_networks_of_a_cascade(small_cascade: Scene) -> None:
-    before = [path.read_bytes() for path in small_cascade.weights_paths]
-    try:
-        result = make("train", f"SCENE={small_cascade.path}")
-        assert result.returncode == 0, result.stderr
-        for name, path in zip(small_cascade.outputs, small_cascade.weights_paths, strict=True):
-            assert f"{name}: 2 of 2 candidates" in result.stdout
-            assert f'outputs = "{name}"' in provenance_path(path).read_text()
-        after = [path.read_bytes() for path in small_cascade.weights_paths]
-        assert all(a != b for a, b in zip(after, before, strict=True))
+            for name, path in zip(small_cascade.outputs, paths, strict=True):
+                assert f"{name}: 2 of 2 candidates" in result.stdout
+                told = provenance_path(path).read_text()
+                assert f'outputs = "{name}"' in told
+                assert 'precision = "exact"' in told
+            contents.append([path.read_bytes() for path in paths])
     finally:
         shutil.rmtree(ROOT / "build" / "chain", ignore_errors=True)
+    assert contents[1] == contents[2]
+    assert all(a != b for a, b in zip(*contents[:2], strict=True))
 
 
 def test_no_stray_files_beside_the_scenes() -> None:

@@ -95,7 +95,7 @@ def test_a_second_search_takes_what_the_first_has_found(tmp_path: Path) -> None:
     write_scene(tmp_path, "same", "exact", [random_mlp((3, 4, 2), 1.0, 1)])
     searches = [
         subprocess.Popen(
-            [sys.executable, "-m", "tactus.cli.train", "same.toml"],
+            [sys.executable, "-m", "tactus.cli.train", "same.toml", "--workers=1"],
             cwd=tmp_path,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
             stdout=subprocess.DEVNULL,
