@@ -5,6 +5,7 @@ import re
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import tiered
 
@@ -15,6 +16,8 @@ from studies.drift import study as drift
 from studies.gripper import study as gripper
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
 # Studies whose first row takes long, or needs what a computer without a network does not have; and
 # one that test_stability.py measures whole.
@@ -111,3 +114,12 @@ def test_a_gripper_has_the_networks_that_it_brings(
     path = tmp_path / "gripper.toml"
     path.write_bytes(gripper.SCENE.read_bytes())
     assert load_scene(str(path)).twin().core.interval == 1601
+
+
+def test_adder_graphs_in_a_row_give_what_an_engine_gives(tmp_path: Path) -> None:
+    networks = [random_mlp((inputs, 3, 1), 0.5, inputs) for inputs in (2, 3)]
+    path = write_scene(tmp_path, "row", "exact", networks, "cascade", "precise", design="engine")
+    scene = load_scene(str(path))
+    codes = scene.vectors().codes
+    row, engine = gripper.in_a_row(scene, codes), scene.twin().core.process(codes)
+    assert np.abs(row - engine).max() < 20 < np.ptp(engine, axis=0).min()

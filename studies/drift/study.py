@@ -94,7 +94,8 @@ def rows() -> Iterator[Row]:
         vectors = replace(scene, data_paths=(path_of(batch),)).vectors()
         placements, _ = grouped(vectors, None)
         before = errors(scene, placements.inputs, placements)
-        figures: Row = {"batch": batch, "rows": len(before)}
+        levels = len(np.unique(placements.targets))
+        figures: Row = {"batch": batch, "rows": len(before), "concentrations": levels}
         figures["as it is"] = round(float(before.mean()), 1)
         for touches in TOUCHES:
             figures[f"after {touches}"] = None

@@ -1,12 +1,14 @@
 """How well an engine finds force and torque of a soft gripper, beside fits of others."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from golden.numbers.fixed import Codes
 from golden.numbers.real import Real
 from studies.beans.study import fetched
 from tactus.core.files import replace_file
@@ -52,13 +54,24 @@ def bring() -> None:
                 np.savez(temporary.open("wb"), **own)
 
 
+def in_a_row(scene: Scene, samples: Codes) -> Codes:
+    """The outputs of an adder graph for each network, where each gets what those before give."""
+    graphs = replace(scene, design="adder_graph", activation="bipartite")
+    seen = samples
+    for network in scene.networks():
+        seen = np.concatenate([seen, graphs.build(network).process(seen)], axis=1)
+    return seen[:, samples.shape[1] :]
+
+
 def fits(scene: Scene, x: Real, y: Real, new: Real) -> Iterator[tuple[str, int, Real]]:
     """Each fit with the rows that it saw, and what it gives for new markers."""
     ones = np.ones((len(x), 1))
     weights = np.linalg.lstsq(np.hstack([x, ones]), y, rcond=None)[0]
     yield "linear fit", len(x), np.hstack([new, ones[: len(new)]]) @ weights
-    codes = scene.twin().core.process(scene.codes_of(new))
+    samples = scene.codes_of(new)
+    codes = scene.twin().core.process(samples)
     yield "engine, bit by bit", len(x) // 2, outputs_of(scene, codes)
+    yield "adder graphs, bit by bit", len(x) // 2, outputs_of(scene, in_a_row(scene, samples))
     try:
         trees, mlp = map(import_module, ("sklearn.ensemble", "sklearn.neural_network"))
     except ImportError:
