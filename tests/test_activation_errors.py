@@ -13,7 +13,6 @@ from tactus.report.measure import activation_errors as errors
 from tactus.report.measure.activation_errors import (
     FACTORS,
     Row,
-    measure,
     plot_file,
     table,
 )
@@ -22,8 +21,26 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[Row]:
-    return measure()
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command writes, and prints."""
+    build = tmp_path_factory.mktemp("build")
+    result = subprocess.run(
+        [sys.executable, "-m", "tactus.report.measure.activation_errors", "--build", str(build)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not result.stderr
+    (build / "printed").write_text(result.stdout)
+    return build
+
+
+@pytest.fixture(scope="module")
+def rows(folder: Path) -> list[Row]:
+    written = json.loads((folder / "activations" / "errors.json").read_text())
+    assert set(written["versions"]) == {"python", "numpy", "matplotlib"}
+    return [Row(**record) for record in written["rows"]]
 
 
 def at_three(rows: list[Row], scheme: str, arithmetic: str, options: str = "") -> Row:
@@ -57,25 +74,11 @@ def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
     assert row.mean_percent < row.mean_percent_thesis < row.thesis == 0.09
 
 
-def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) -> None:
-    result = subprocess.run(
-        [
-            *(sys.executable, "-m", "tactus.report.measure.activation_errors"),
-            *("--build", str(tmp_path / "build")),
-        ],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert not result.stderr
-    assert result.stdout.startswith("\n".join(table(rows)))
-    written = json.loads((tmp_path / "build" / "activations" / "errors.json").read_text())
-    assert set(written["versions"]) == {"python", "numpy", "matplotlib"}
-    assert [Row(**record) for record in written["rows"]] == rows
-    with (tmp_path / "build" / "activations" / "errors.csv").open() as handle:
+def test_the_command_prints_and_draws_what_it_measures(folder: Path, rows: list[Row]) -> None:
+    assert (folder / "printed").read_text().startswith("\n".join(table(rows)))
+    with (folder / "activations" / "errors.csv").open() as handle:
         assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
-    plots = {path.name for path in (tmp_path / "build" / "activations").glob("*.svg")}
+    plots = {path.name for path in (folder / "activations").glob("*.svg")}
     assert plots == set(map(plot_file, forms()))
 
 

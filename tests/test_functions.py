@@ -45,7 +45,7 @@ def test_the_limit_is_a_pulse_without_its_mean() -> None:
     assert np.allclose((limit + 2 * load * width)[~edge], pulse[~edge], atol=1e-12)
 
 
-@pytest.mark.parametrize("terms", [50, 500, 5000])
+@pytest.mark.parametrize("terms", [50, 500])
 def test_gibbs_overshoot_does_not_go_away(terms: int) -> None:
     """The peak is 1 / (P + 1) inside of the jump, and tends to 0.0895 d above the pulse."""
     load, centre, width = 0.5, 0.5, 0.25

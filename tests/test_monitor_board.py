@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import csv
-import os
+import io
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import Desk
 
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
@@ -146,29 +146,32 @@ def test_placements_of_a_list_become_a_recording(
 @pytest.mark.parametrize(
     ("labels", "typed", "said", "rows"),
     [
-        ("", "", "TO=mine.csv: not written: the input ended before the first placement", 0),
-        ("", "\n", "TO=mine.csv: not written: the input ended before the first placement", 0),
+        ("", "", "TO=rows.csv: not written: the input ended before the first placement", 0),
+        ("", "\n", "TO=rows.csv: not written: the input ended before the first placement", 0),
         ("", "0.9 0.2 0.4 0.4\n", "", 1),
-        ("labels.csv", "", "TO=mine.csv: not written: the input ended before the first placem", 0),
-        ("labels.csv", "\n", "TO=mine.csv: got 1 placements, expected 2, those of LABELS=: the", 1),
+        ("labels.csv", "", "TO=rows.csv: not written: the input ended before the first placem", 0),
+        ("labels.csv", "\n", "TO=rows.csv: got 1 placements, expected 2, those of LABELS=: the", 1),
         ("labels.csv", "\n\n", "", 2),
     ],
 )
 def test_an_input_that_ends_early_is_no_success(
-    simulated: TwinBoard, tmp_path: Path, labels: str, typed: str, said: str, rows: int
+    simulated: TwinBoard,
+    desk: Desk,
+    monkeypatch: pytest.MonkeyPatch,
+    labels: str,
+    typed: str,
+    said: str,
+    rows: int,
 ) -> None:
     """The recorded rows are kept."""
-    (tmp_path / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")
-    words = ["tactus.monitor.record", "digit-board", simulated.port, "mine.csv", "--frames=1"]
-    done = subprocess.run(
-        [sys.executable, "-m", *words, f"--labels={labels}"],
-        cwd=tmp_path, input=typed, capture_output=True, text=True, check=False,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    assert done.returncode == (2 if said else 0), done.stderr
-    assert done.stderr.startswith(f"error: {said}" if said else "")
-    assert done.stderr.count("\n") == bool(said)
-    file = tmp_path / "mine.csv"
+    (desk.folder / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")
+    monkeypatch.setattr(sys, "stdin", io.StringIO(typed))
+    words = ["digit-board", simulated.port, "rows.csv", "--frames=1", f"--labels={labels}"]
+    code, told = desk.call("record", *words)
+    assert code == (2 if said else 0), told
+    assert told.startswith(f"error: {said}" if said else "")
+    assert told.count("\n") == bool(said)
+    file = desk.folder / "rows.csv"
     assert (len(file.read_text().splitlines()) - 1 if rows else file.exists()) == rows
 
 
