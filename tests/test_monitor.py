@@ -28,8 +28,7 @@ from tactus.monitor.__main__ import main
 from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
-from tactus.monitor.messages import PAUSE
-from tactus.monitor.monitor import HEAD, Monitor, csv_columns
+from tactus.monitor.monitor import HEAD, PAUSE, Monitor, csv_columns
 from tactus.monitor.server import Server
 from tactus.monitor.twin_board import TwinBoard
 from tactus.report.page.page import environment

@@ -9,8 +9,8 @@ from pages import same_picture
 from golden.input_error import InputError
 from tactus.core.fingerprint import ROOT
 from tactus.report.page import lists
+from tactus.report.page.lists import END, begin, put
 from tactus.report.page.made import MADE, MARK, scenes
-from tactus.report.page.markers import END, begin, put
 
 pytestmark = pytest.mark.pages
 

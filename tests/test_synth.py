@@ -22,7 +22,6 @@ from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
 from tactus.synth import recorded, timing
 from tactus.synth.absorb import absorb
-from tactus.synth.activations import cells
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
 from tactus.synth.cells import (
     DEPTH,
@@ -32,6 +31,7 @@ from tactus.synth.cells import (
     synthesise,
     synthesise_flat,
 )
+from tactus.synth.lean import cells
 from tactus.synth.netlist import KINDS, count, depth, total
 from tactus.synth.timing import OPERANDS, read_timing
 from tactus.synth.tools import digest, run_tool

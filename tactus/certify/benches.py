@@ -7,13 +7,16 @@ of the library is of the same bytes, it stands for the run.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from tactus.certify.results import StepResult
-from tactus.certify.reused import same_bytes
 from tactus.report.measure.table import Cell, Table
 from tactus.verify.benches.kept_results import run_kept
 from tactus.verify.benches.results import chosen
 from tactus.verify.benches.runner import Job, Outcome, run_jobs
+from tactus.verify.sign_off.record import recorded, short
+from tactus.verify.sign_off.source import verilog
+from tactus.verify.sign_off.subject import recorded_cases
 
 STEP = "benches"
 # Of reasons why a border cannot be reached, the table has so many of each entity.
@@ -127,3 +130,13 @@ def _said(one: BenchResult) -> str:
     if one.complaint:
         return "failed"
     return "passed" if one.whole else "passed with recorded frames"
+
+
+def same_bytes(job: Job, kind: str) -> dict[str, Any] | None:
+    """The record of a kind that was made of the same Verilog as an entity; None without one."""
+    digest = short(verilog(job))
+    for record in (recorded(kind, name) for name in recorded_cases(job.block)):
+        for found in record.get("runs", [record]):
+            if found.get("verilog") == digest:
+                return dict(found)
+    return None

@@ -17,7 +17,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from golden.networks.network import Network
 from tactus.certify.benches import BenchResult, run_benches
-from tactus.certify.cells import write_cells
 from tactus.certify.equality import write_equality
 from tactus.certify.every_frame import write_every_frame
 from tactus.certify.formulas import write_formulas
@@ -28,13 +27,19 @@ from tactus.network_files.network_file import provenance_path
 from tactus.scene import Scene
 from tactus.verify.benches.runner import Job, jobs
 from tactus.verify.every_frame.netlist import READ
+from tactus.verify.sign_off import netlist
+from tactus.verify.sign_off.cell_models import models_for
 from tb.common.properties import Property
 
 SCRIPT = "check.sh"
 DIGESTS = "SHA256SUMS"
+
+
 # The only step that need not be delivered.
 CELLS = "cells"
 EVERY_FRAME = "every_frame"
+
+
 STEPS = (
     "digests",
     "vhdl",
@@ -190,3 +195,14 @@ def write_digests(folder: Path) -> dict[str, str]:
     text = "".join(f"{digest}  {name}\n" for name, digest in found.items())
     (folder / DIGESTS).write_text(text, encoding="utf-8")
     return found
+
+
+def write_cells(top: Job, family: str, folder: Path) -> None:
+    """Write ``cells/<family>`` below a folder: the top's netlist and the models of its cells."""
+    place = folder / "cells" / family
+    place.mkdir(parents=True)
+    found = netlist.cells_of(top, family)
+    for entity, text in found.items():
+        (place / f"{entity}.v").write_text(text, encoding="utf-8")
+    models = models_for(netlist.CELLS[family], "".join(found.values()))
+    (place / netlist.MODELS).write_text(models, encoding="utf-8")

@@ -17,7 +17,6 @@ from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Lessons
 from tactus.monitor.line import Line
-from tactus.monitor.messages import Messages
 
 # The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")
@@ -26,8 +25,12 @@ SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
 # A rate is counted over ``RATE_SECONDS``, or over ``RATE_ARRIVALS`` if arrivals are rarer.
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
+
+
 _COUNTS = 1 << 16
 NO_DECISION = ["", ""]
+
+
 NOT_SENT = "a lesson was not sent, because the line was cut"
 FLAG_TEXTS = {
     "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
@@ -338,3 +341,36 @@ def _position(board: Board) -> str:
     if visualisation is None or max(visualisation.results) >= len(outputs):
         return ""
     return outputs[visualisation.results[1]]
+
+
+# The least number of seconds between two messages of the same kind.
+PAUSE = 10.0
+# The most lines that the page shows.
+MOST_LINES = 30
+
+
+class Messages:
+    """Messages with the time of day; the newest comes first.
+
+    say: Called with each line as it comes, for a terminal.
+    clock: Gives a time in seconds.
+    """
+
+    def __init__(
+        self, say: Callable[[str], None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.lines: deque[str] = deque(maxlen=MOST_LINES)
+        self._say, self._clock = say, clock
+        self._last: dict[str, float] = {}
+
+    def due(self, kind: str) -> bool:
+        """Whether so much time has passed that a message of this kind may be printed again."""
+        now = self._clock()
+        return now - self._last.get(kind, -PAUSE) >= PAUSE
+
+    def tell(self, kind: str, text: str) -> None:
+        """Print a message now, even if it is not ``due``."""
+        self._last[kind] = self._clock()
+        line = f"{time.strftime('%H:%M:%S')} {text}"
+        self.lines.appendleft(line)
+        self._say(line)

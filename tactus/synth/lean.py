@@ -6,23 +6,27 @@ cells of both builds for docs/left-out.md.
 """
 
 import argparse
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from golden.common.block import Block
 from golden.input_error import InputError
 from golden.networks.left_out import left_out
 from tactus.core.cli import run_repeatable, stop_if_dry_run, words
 from tactus.core.progress import Progress
+from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene
-from tactus.synth.activations import cells
 from tactus.synth.budget import read_budget
-from tactus.synth.cells import FAMILIES
+from tactus.synth.cells import FAMILIES, synthesise
 from tactus.synth.netlist import KINDS
 from tactus.synth.recorded import LEAN, TIMING, is_recorded, read_rows, table_of, write_rows
 from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"
 COLUMNS: dict[str, type] = {f"{kind}, {how}": int for how in ("whole", "lean") for kind in KINDS}
+
+
 COLUMNS |= {"verilog": str}
 
 
@@ -116,3 +120,10 @@ def compare(scenes: list[Scene]) -> None:
 
 if __name__ == "__main__":
     run_repeatable("tactus.synth.lean", main)
+
+
+def cells(spec: Block, family: str) -> dict[str, int]:
+    """The cells of a block and its parts after ``synth_xilinx``."""
+    with tempfile.TemporaryDirectory() as name:
+        convert_hierarchy(elaborate(spec), Path(name), "verilog")
+        return synthesise(Path(name), spec.entity, family)[spec.entity]

@@ -13,11 +13,10 @@ Does not prove: what control signals do in an order that CONTROLLER 1 never make
 import cocotb
 import numpy as np
 
-from tb.common.bench import Bench
+from tb.common.bench import Bench, Recording
 from tb.common.case_library import PARTS
-from tb.common.frames import captured_rows, node_timeline
 from tb.common.recorded_frames import recorded_inputs
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames, spread
 
 CASES = PARTS
 
@@ -54,3 +53,32 @@ async def frames(dut):
             got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
             bench.compare("out_q", got, expected, frame=seen)
     bench.finish(at_least=4 * len(driven))
+
+
+def node_timeline(rng: np.random.Generator, items: dict[str, np.ndarray], gap: float):
+    """Good frames as columns: the samples, what comes with them, and the control signals.
+
+    items: For each port its values, shape (frames, inputs), which stand in the clock of the sample.
+    gap: Probability of an idle clock before each sample.
+    """
+    count, inputs = items["in_data"].shape
+    columns = {name: values.ravel() for name, values in items.items()}
+    place = np.tile(np.arange(inputs), count)
+    drive = spread(rng, columns | {"place": place}, "valid", gap, tail=6)
+    valid, place = drive.pop("valid").astype(bool), drive.pop("place")
+    drive["accumulate"] = np.roll(valid, 2).astype(np.int64)
+    drive["preset"] = np.roll(valid & (place == 0), 2).astype(np.int64)
+    drive["capture"] = np.roll(valid & (place == inputs - 1), 3).astype(np.int64)
+    return drive
+
+
+def captured_rows(recording: Recording, inputs: int):
+    """The rows of the samples, shape (frames, inputs), and the rows from which sums are held.
+
+    A product enters the accumulator two clocks after its sample. ``capture`` takes the sum that the
+    accumulator holds.
+    """
+    entered = recording.rows("accumulate") - 2
+    first = recording.rows("preset") - 2
+    assert np.array_equal(entered[::inputs], first), "preset does not open every frame"
+    return entered.reshape(-1, inputs), recording.rows("capture") + 1

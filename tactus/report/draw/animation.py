@@ -11,17 +11,21 @@ from tactus.report.draw.drawing import (
     INK,
     Point,
     dot,
+    group,
+    identifier,
     line,
+    number,
     picture,
     text,
 )
 from tactus.report.draw.load import FRAME, Beam, beam
-from tactus.report.draw.steps import steps
 from tactus.scene import Scene
 
 # How many seconds each position is shown.
 STEP = 0.6
 WIDTH, HEIGHT = 360.0, 316.0
+
+
 LEFT, RIGHT, TOP, BOTTOM = 38.0, 350.0, 42.0, 190.0
 # Where the bars start, and how long a bar of 1 is.
 ZERO, REACH = 262.0, 26.0
@@ -133,4 +137,32 @@ def _bars(readings: Real) -> list[str]:
         body.append(line([(x, ZERO), (x, end)], stroke=INK, stroke_width=7.0))
         beyond = end + 11 if reading < 0 else end - 4
         body.append(text((x, beyond), f"{reading:.2f}", 10, text_anchor="middle"))
+    return body
+
+
+# Paper, and readers who ask for less motion, get only the step in the middle.
+_STYLE = """\
+.{name}-step{{visibility:hidden;animation:{name}-show {total}s step-end infinite}}
+.{name}-still{{visibility:visible}}
+@keyframes {name}-show{{0%{{visibility:visible}}{end}%,100%{{visibility:hidden}}}}
+@media (prefers-reduced-motion:reduce){{.{name}-step{{animation:none}}}}
+@media print{{.{name}-step{{animation:none}}}}
+"""
+
+
+def steps(kind: str, scene: str, seconds: float, bodies: Sequence[list[str]]) -> list[str]:
+    """Elements that show one step at a time, again and again.
+
+    kind, scene: Those of the picture; see ``identifier``.
+    seconds: How long each step is shown.
+    bodies: The elements of each step.
+    """
+    total, name = seconds * len(bodies), identifier(kind, scene)
+    style = _STYLE.format(name=name, total=number(total), end=number(100 / len(bodies)))
+    body = ["<style>", style, "</style>"]
+    for n, step in enumerate(bodies):
+        still = f" {name}-still" if n == len(bodies) // 2 else ""
+        # Each step starts in the past, so that all run at once, each at its own point of the cycle.
+        delay = f"animation-delay:{number(seconds * n - total)}s"
+        body.append(group(step, class_=f"{name}-step{still}", style=delay))
     return body

@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import OUTPUTS
-from tactus.report.draw.looks import nth
-from tactus.report.draw.svg import PLOT_INCHES, style, svg
+from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
 
 HEIGHT = 1.6  # inches of a panel
 

@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tactus.errors.scene_errors import UNKNOWN, trained_means
-from tactus.report.draw.looks import nth
 from tactus.report.draw.plots import Plot
-from tactus.report.draw.svg import PLOT_INCHES, plain, style, svg
+from tactus.report.draw.svg import PLOT_INCHES, nth, plain, style, svg
 from tactus.report.measure.disturbance import BOUND, KINDS, NONE
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Table

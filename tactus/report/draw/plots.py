@@ -8,8 +8,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from tactus.report.draw.looks import Look, nth
-from tactus.report.draw.svg import PLOT_INCHES, style, svg
+from tactus.report.draw.svg import PLOT_INCHES, Look, nth, style, svg
 
 Points = Sequence[tuple[float, float]]
 # If the ends of an axis have a smaller ratio, powers of ten alone give too few numbers.

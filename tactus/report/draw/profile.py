@@ -5,8 +5,7 @@ from matplotlib.figure import Figure
 
 from tactus.report.draw.drawing import identifier
 from tactus.report.draw.load import FRAME, beam
-from tactus.report.draw.plot import plotted
-from tactus.report.draw.svg import PLOT_INCHES, style
+from tactus.report.draw.svg import PLOT_INCHES, plotted, style
 from tactus.scene import Scene
 
 POINTS = 400

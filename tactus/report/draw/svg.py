@@ -4,6 +4,8 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import matplotlib
@@ -67,3 +69,40 @@ def own_ids(text: str, name: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r"url\(#", f"url(#{name}-", text)
     return re.sub(r'href="#', f'href="#{name}-', text)
+
+
+def plotted(figure: Figure, name: str, title: str) -> str:
+    """A figure as one ``<svg>`` element, with a title for readers who do not see it.
+
+    name: See ``tactus.report.draw.svg.svg``.
+    """
+    # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
+    text = re.sub(r'(?<= d=")[^"]+', _shortened, svg(figure, name))
+    end = text.index(">")
+    fitting = 'role="img" style="display:block;max-width:100%;height:auto"'
+    return f"{text[:end]} {fitting}><title>{escape(title)}</title>{text[end + 1 :]}"
+
+
+def _shortened(way: re.Match[str]) -> str:
+    return re.sub(r"(\.\d\d)\d+", r"\1", way[0])
+
+
+COLOURS = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
+    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
+
+
+@dataclass(frozen=True)
+class Look:
+    """The colour and the marker of a group, and whether the marker is filled."""
+
+    colour: str
+    marker: str
+    filled: bool = True
+
+
+def nth(index: int) -> Look:
+    """The look of the group ``index`` of a plot."""
+    return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])

@@ -10,8 +10,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.physics.swing_data import RATE, independent_run
 from tactus.report.draw.drawing import identifier
-from tactus.report.draw.plot import plotted
-from tactus.report.draw.svg import PLOT_INCHES, style
+from tactus.report.draw.svg import PLOT_INCHES, plotted, style
 from tactus.scene import Scene, load_scene
 
 # The run that is drawn.

@@ -4,8 +4,8 @@ import numpy as np
 
 from golden.input_error import InputError
 from golden.numbers.real import Real
+from tactus.report.draw.animation import steps
 from tactus.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture, text
-from tactus.report.draw.steps import steps
 from tactus.report.draw.swing import NAME, RUN, Followed, follow, without_past
 from tactus.scene import Scene
 

@@ -7,10 +7,12 @@ program knows is written as the site is built (``made``).
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
+from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
 from tactus.errors.scene_errors import held_out_means, scene_errors
@@ -25,7 +27,6 @@ from tactus.report.measure.left_out import left_out
 from tactus.report.measure.table import SEED, read_csv
 from tactus.report.page import left_out as leaving
 from tactus.report.page import run_time
-from tactus.report.page.markers import put, write
 from tactus.scene import load_scene, thesis_figures, thesis_table
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 from tactus.synth.budget import read_budget
@@ -141,3 +142,33 @@ def main() -> None:
 
 if __name__ == "__main__":
     sys.exit(run(main))
+
+
+END = "<!-- to here -->"
+
+
+def begin(command: str, section: str = "") -> str:
+    """The first marker, which names the command that writes the text, and the section."""
+    return f"<!-- {section and section + ', '}from here: {command} -->"
+
+
+def put(page: Path, old: str, text: str, command: str, section: str = "") -> str:
+    """The page's text ``old`` with ``text`` between its markers.
+
+    page: The page, which the message names.
+    command, section: See ``begin``.
+    """
+    first = begin(command, section)
+    head, _, rest = old.partition(first)
+    if old.count(first) != 1 or END not in rest:
+        raise InputError(f"{page}: expected the markers {first} and {END} once each")
+    return f"{head}{first}\n\n{text}\n\n{END}{rest.partition(END)[2]}"
+
+
+def write(pages: Mapping[Path, str]) -> None:
+    """Write the pages that differ or do not exist, and say which."""
+    for page, text in pages.items():
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            with replace_file(page) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+            print(f"wrote {page.relative_to(ROOT)}")
