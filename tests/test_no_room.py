@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from conftest import tiered
 
 from golden.input_error import InputError
 from tactus.core.fingerprint import ROOT, fingerprint
@@ -22,12 +23,12 @@ SIZE = 1 << 20
 COMMANDS = (
     "tactus.export mine.toml vhdl",
     "tactus.cli.predict mine.toml mine.csv out.csv",
-    "tactus.cli.train mine.toml --force",
+    "tactus.cli.train mine.toml --force --workers=1",
     "tactus.cli.network mine.toml out.onnx",
     "tactus.report.designs mine.toml --picture=out.svg",
 )
 # Where a command names each of several places before it begins.
-FILES = {"tactus.cli.train mine.toml --force": 2}
+FILES = {"tactus.cli.train mine.toml --force --workers=1": 2}
 # What a command may say of each disk; the last is that of a disk that is imitated by a limit.
 REASONS = (
     "No space left on device",
@@ -76,7 +77,8 @@ def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Path,
             folder.chmod(0o755)
 
 
-@pytest.mark.parametrize("words", COMMANDS)
+# tests/test_cli.py has network in every run.
+@pytest.mark.parametrize("words", tiered(COMMANDS[:3], COMMANDS[3:]))
 def test_a_disk_without_room_is_one_line(disk: tuple[Path, Callable], words: str) -> None:
     folder, limit = disk
     before = fingerprint([folder])

@@ -34,8 +34,8 @@ def settle(stimulus, *blocks) -> None:
 
 @settings(max_examples=30)
 @given(
-    st.integers(2, 12),
-    st.integers(2, 10),
+    st.integers(2, 9),
+    st.integers(2, 8),
     st.integers(0, 9),
     st.sampled_from(Rounding),
 )
