@@ -135,7 +135,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
     path = scene_of(tmp_path)
     text = path.read_text().replace("[4, 4]", "0").replace('"single"', '"cascade"')
     text = text.replace('weights = "deep.npz"', 'weights = ["deep-0.npz", "deep-1.npz"]')
-    path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 5]"))
+    path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 6]"))
     monkeypatch.setattr(layer_training, "MANY_ROWS", 59)
     monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
     measure, seen = layer_training.measure, []
@@ -158,8 +158,8 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
         for _, count, candidate, result in (one for one in seen if one[0] == number):
             rows.setdefault(count, []).append(result)
             begun.add(candidate)
-        assert {count: len(found) for count, found in rows.items()} == {10: 8, 20: 4, 30: 2}
-        better = sorted(rows[10], key=lambda result: result.rank)[:4]
+        assert {count: len(found) for count, found in rows.items()} == {10: 10, 20: 5, 30: 3}
+        better = sorted(rows[10], key=lambda result: result.rank)[:5]
         # They go on from the weights that they have reached.
         assert {one.candidate for one in better} < begun
         story = read_provenance(tmp_path / name)

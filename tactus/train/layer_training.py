@@ -6,8 +6,8 @@ shifted by the mean bit-true error. The scene names the nodes of each layer, or 
 with ``training.layers``. The search tries every number of layers, with some numbers of nodes
 (``widths``), which all hidden layers of a candidate share.
 
-With many rows, networks of one hidden layer of tanh are trained here too, and Levenberg-Marquardt
-solves its normal equations, which takes a tenth of the time.
+With many rows, networks of one hidden layer of tanh are trained here too, of every number of nodes,
+and Levenberg-Marquardt solves its normal equations, which takes a tenth of the time.
 """
 
 from collections.abc import Mapping, Sequence
@@ -124,8 +124,10 @@ def layers_searched(scene: Scene, number: int = 0) -> list[tuple[int, ...]]:
     named = member.layers or ((member.hidden,) if member.hidden else ())
     if named or (scene.labels and not settings.layers):
         return [named]
+    least, most = settings.hidden
     low, high = settings.layers or (1, 1)
-    found = [(nodes,) * n for n in range(low, high + 1) for nodes in widths(*settings.hidden)]
+    sizes = widths(least, most) if settings.layers else range(least, most + 1)
+    found = [(nodes,) * n for n in range(low, high + 1) for nodes in sizes]
     # Without a hidden layer there is one network, whatever the nodes would be.
     return list(dict.fromkeys(found))
 
