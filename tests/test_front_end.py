@@ -96,19 +96,6 @@ def test_a_rate_needs_the_clock(tmp_path) -> None:
     assert load_scene(str(scene.path)).twin().interval == 500_000
 
 
-def test_a_rate_faster_than_the_network_is_refused(tmp_path) -> None:
-    section = f"{FRONT_END}counter_width = 3\nrate_hz = 7.9e6\n"
-    with pytest.raises(InputError, match="a scan of 8 clocks, expected 9 or more"):
-        scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
-
-
-def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
-    """Nine outputs take nine clocks, but a scan of three bits has only eight."""
-    section = f"{FRONT_END}counter_width = 3\n"
-    with pytest.raises(InputError, match="a scan of 8 clocks, expected 9 or more"):
-        scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
-
-
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> None:
     """There are four slots, and the networks take a frame every eleven clocks."""

@@ -48,7 +48,7 @@ from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import LEARN_UART, LESSONS
+from tb.common.case_library import LESSONS
 
 DRIFT = Drift(Disturbance(gain=0.03, offset=0.02), 1)
 KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
@@ -57,18 +57,6 @@ KNOWN = {"load": "0.9", "position": "0.45", "width": "0.9", "shape": "0.45"}
 @pytest.fixture(scope="module")
 def scene() -> Scene:
     return load_scene("digit-learning")
-
-
-def test_a_scan_without_room_for_an_equation_is_refused(tmp_path: Path) -> None:
-    case = replace(LEARN_UART, sections=LEARN_UART.sections.replace("= 9", "= 7"))
-    with pytest.raises(InputError, match=r"leaves \d+ clocks in one piece, expected \d+ or more"):
-        scene_of(case, tmp_path, "short").twin()
-
-
-def test_a_front_end_without_a_line_is_refused(tmp_path: Path) -> None:
-    case = replace(LEARN_UART, sections=LEARN_UART.sections.partition("[uart]")[0])
-    with pytest.raises(InputError, match=r"and a section \[front_end\], expected \[uart\] too"):
-        scene_of(case, tmp_path, "mute")
 
 
 @pytest.fixture(scope="module")

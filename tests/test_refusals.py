@@ -48,16 +48,17 @@ def entries(kind: str) -> Iterator[Any]:
 def test_a_scene_is_refused(
     desk: Desk, base: str, old: str, new: str, words: str | list[str]
 ) -> None:
-    if base in CASES:
-        scene_of(CASES[base], desk.folder, "mine")
-    elif base != "mine":
-        path = scene_path(base)
+    *call, name = ["bench", *base.split()][-2:]
+    if name in CASES:
+        scene_of(CASES[name], desk.folder, "mine")
+    elif name != "mine":
+        path = scene_path(name)
         shutil.copytree(path.parent, desk.folder, dirs_exist_ok=True)
         (desk.folder / path.name).rename("mine.toml")
     (desk.folder / "link.npz").symlink_to("mine.npz")
     (desk.folder / "loop").symlink_to("loop")
     desk.edit(old, new)
-    desk.refuses("bench", "mine.toml", says=words)
+    desk.refuses(*call, "mine.toml", says=words)
     if isinstance(words, list):
         said = desk.call("bench", "mine.toml")[1].splitlines()
         assert [f"error: {text}" for text in faults(check("mine.toml", Path("build")))] == said

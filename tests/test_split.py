@@ -115,26 +115,6 @@ def test_random_is_what_it_was() -> None:
         assert np.array_equal(ours, plain)
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        (
-            {"split": "blocks", "split_by": (), "block_rows": 99},
-            "got 1 blocks of about 99 rows, expected at least",
-        ),
-        ({"split": "groups", "split_by": ("lood",)}, "no column 'lood'.*did you mean 'load'"),
-    ],
-)
-def test_too_little_to_split(settings: dict[str, Any], message: str) -> None:
-    scene = digit(**settings)
-    with pytest.raises(InputError, match=message) as caught:
-        split_of(scene)
-    assert "appendix2.csv" in str(caught.value)
-    if "expected at least" in message:
-        assert "training.split of " in str(caught.value)
-        assert "digit.toml" in str(caught.value)
-
-
 PERSONS = ("anna", "bert", "carl", "dora", "emil", "fay")
 
 

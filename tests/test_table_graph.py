@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,7 +15,6 @@ from golden.networks.settings import Settings
 from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import GUARD, TableGraph
 from golden.numbers.precision import EXACT, SIGNAL
-from golden.trained.dense import Dense, DenseNetwork
 from golden.trained.function_network import FunctionNetwork
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.errors.scene_errors import provenances
@@ -172,20 +170,6 @@ def test_nothing_is_built_that_changes_no_output() -> None:
     codes = frames(2)
     real = network.layers().process(SIGNAL.to_real(codes)).clip(-1, 1)
     assert (np.abs(SIGNAL.to_real(design.process(codes)) - real) <= design.bounds).all()
-
-
-def relu_network() -> DenseNetwork:
-    hidden = Dense(np.eye(2), np.zeros(2), "relu")
-    return DenseNetwork((hidden, hidden, Dense(np.eye(2), np.zeros(2))))
-
-
-@pytest.mark.parametrize(
-    "network", [random_mlp((2, 2, 1), 1.0, 1), relu_network()], ids=["mlp", "relu"]
-)
-def test_other_networks_are_refused(network) -> None:
-    message = "got 'table_graph' for a network with other layers, expected one of learned functions"
-    with pytest.raises(InputError, match=message):
-        TableGraph.of([network])
 
 
 @pytest.mark.parametrize("key", ["sample_bits", "hidden_bits", "output_bits"])

@@ -14,7 +14,6 @@ from golden.networks.cascade import Cascade
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import tanh
 from tactus.cli import train as command
-from tactus.core.fingerprint import fingerprint
 from tactus.network_files.network_file import provenance_path, save_network
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
@@ -394,25 +393,3 @@ def test_what_is_stated_is_what_the_written_network_does(
     errors = [round(error, 4) for error in bit_true_errors(task, member.load())]
     assert 0.5 not in errors
     assert [provenance[f"{part}_rms_percent"] for part in ("validation", "test")] == errors
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("chain.csv/net.npz", r"net.npz: cannot be written: .*chain.csv: File exists"),
-        ("folder.npz", "folder.npz: cannot be written: got a folder, expected a file"),
-        ("net.onx", "net.onx: got the ending '.onx', expected one of"),
-        ("chain.mat", "chain.provenance.toml: got two networks that write it"),
-    ],
-)
-def test_where_networks_go_is_checked_before_the_search(
-    small_cascade: Scene, tmp_path: Path, name: str, message: str
-) -> None:
-    (tmp_path / "folder.npz").mkdir()
-    last = replace(small_cascade.members[-1], weights_path=tmp_path / name)
-    scene = replace(small_cascade, members=(*small_cascade.members[:-1], last))
-    before = fingerprint([tmp_path])
-    with pytest.raises(InputError, match=message):
-        command.train_scene(scene, tmp_path / "build", 1)
-    assert fingerprint([tmp_path]) == before
-    assert not (tmp_path / "build").exists()

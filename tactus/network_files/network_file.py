@@ -157,12 +157,12 @@ def check_target(path: Path) -> None:
 
 def check_targets(paths: Sequence[Path]) -> None:
     """Refuse paths where networks and their provenance cannot be written."""
+    for path in paths:
+        _form(path)
     files = [file for path in paths for file in _files(path)]
     for i, file in enumerate(files):
         if any(same_file(file, other) for other in files[:i]):
             raise InputError(f"{file}: got two networks that write it, expected a file for each")
-    for path in paths:
-        _form(path)
     check_writable(files)
 
 
