@@ -24,9 +24,10 @@ from golden.numbers.precision import EXACT
 from hdl.activation.abs_unit import abs_unit
 from hdl.common.signals import Stream, fixed, flag, reset, unsigned
 from tactus.core.fingerprint import fingerprint
-from tactus.export import exporter
+from tactus.export import exporter, myhdl_changes
 from tactus.export.exporter import MANIFEST, ORDER, compile_order
 from tactus.export.hierarchy import convert_hierarchy, elaborate
+from tactus.export.myhdl_changes import Caller, forget
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.written import write_scene
@@ -285,3 +286,38 @@ def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
             "work.pck_myhdl_011.all",
         }
         assert {u.lower() for u in used} <= allowed
+
+
+def looks() -> tuple[list[str], list[str]]:
+    """The names of a function when it is asked twice, as the instances of a block do."""
+    zeta, plain, second = 1, 2, 3
+    captured = 4
+    beta = [captured + item for item in range(2)]
+    alpha = [zeta + inner for inner in beta]
+
+    def process() -> int:
+        return second + len(alpha)
+
+    frame = sys._getframe()
+    first = list(Caller(frame).f_locals)
+    before = plain + process()
+
+    def late() -> int:
+        return before
+
+    last = list(Caller(frame).f_locals)
+    assert late()
+    forget([])
+    return first, last
+
+
+def test_plain_names_as_bound_then_those_used_inside_by_alphabet() -> None:
+    first, last = looks()
+    # A comprehension gets its first iterable as an argument, so beta is not used inside it.
+    assert first == ["plain", "beta", "process", "frame", "alpha", "captured", "second", "zeta"]
+    assert last == [*first, "first", "late", "before"]
+
+
+def test_nothing_is_kept_of_a_function_that_has_ended() -> None:
+    looks()
+    assert not myhdl_changes._seen

@@ -1,10 +1,10 @@
 """Tests the kept results of benches, so that an interrupted demo goes on where it stopped.
 
-It also tests which entities a demo simulates.
-"""
+It also tests which entities a demo simulates."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,10 @@ import pytest
 from golden.common.block import walk
 from golden.networks.network import Network
 from tactus.core import store
-from tactus.scene import Scene, load_scene
+from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from tactus.verify.benches import kept_results, results
+from tactus.verify.benches.collected import BENCHES, CASES_OF
+from tactus.verify.benches.places import blocks_in, places
 from tactus.verify.benches.runner import Job, Outcome
 from tactus.verify.benches.tools import SIMULATORS
 
@@ -206,3 +208,28 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
     assert (everything["kept"], everything["left"]) == (len(asked), 0)
     assert len(benches.ran) == left
     assert results.stored_results(benches.scene) == everything | {"kept": len(benches.planned)}
+
+
+@cache
+def blocks_of_scenes() -> dict[str, set[str]]:
+    """The blocks of every shipped scene, in the order of the scenes."""
+    return {name: blocks_in(load_scene(name)) for name in scene_names()}
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize("block", sorted(BENCHES))
+def test_every_block_is_found_without_a_scene(block: str) -> None:
+    """Default scenes come first, then other shipped scenes, then the cases of its bench."""
+    found = places(None, block)
+    assert all(block in blocks_in(place.scene) for place in found)
+    shipped = [name for name, blocks in blocks_of_scenes().items() if block in blocks]
+    default = [name for name in DEFAULT_SCENES if name in shipped]
+    names = [place.scene.name for place in found]
+    assert names == (default or shipped[:1] or CASES_OF[block][:1])
+    kind = "scene" if shipped else "case"
+    assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
+
+
+def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
+    (place,) = places("digit-single", "hybrid")
+    assert (place.scene.name, place.why) == ("digit-single", "")

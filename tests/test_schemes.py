@@ -1,12 +1,34 @@
 """Tests every activation that a scene can name, over every code that it can get."""
 
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from golden.activation.left_out import left_out
+from golden.activation.pade import fraction, pade_real
+from golden.activation.reference import (
+    inverse,
+    inverse_fraction,
+    pade_fraction,
+    rho_regression,
+    stable_below,
+    taylor,
+)
 from golden.activation.schemes import forms
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL, THESIS
+from tactus.report.measure import activation_errors as errors
+from tactus.report.measure.activation_errors import (
+    FACTORS,
+    Row,
+    plot_file,
+    table,
+)
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
@@ -105,3 +127,124 @@ def test_a_code_outside_the_format_is_refused(name: str, precision) -> None:
 def test_too_large_a_factor_names_it_and_the_format(name: str) -> None:
     with pytest.raises(InputError, match=r"Q = 200000.*Fix\(14,1?\d\)"):
         FORMS[name].build(THESIS, 200_000, SIGNAL.high)
+
+
+Q = np.linspace(-3, 3, 601)
+
+
+def test_taylor_is_the_cut_series() -> None:
+    power = 1 + 2 * Q + 4 * Q**2 / 2 + 8 * Q**3 / 6 + 16 * Q**4 / 24
+    assert taylor(Q) == pytest.approx((power - 1) / (power + 1))
+
+
+def test_the_thesis_is_right_about_series_and_fraction() -> None:
+    """The series is off by up to 2.3 % of tanh for positive q, the fraction by less than 0.25 %."""
+    positive = Q[Q > 0]
+    worst = np.abs(taylor(positive) / np.tanh(positive) - 1).max()
+    assert 100 * worst == pytest.approx(2.3, abs=0.05)
+    assert 100 * np.abs(pade_fraction(Q) - np.tanh(Q)).max() < 0.25
+    assert pade_fraction(1e-8) == pytest.approx(1e-8)
+
+
+@pytest.mark.parametrize(
+    ("rho", "limit"), [(1, 1.447), (2, 2.371), (3, 2.933), (4, 3.352), (5, 3.691)]
+)
+def test_stability_limits_of_rho(rho: float, limit: float) -> None:
+    assert stable_below(rho) == pytest.approx(limit, abs=5e-4)
+    for q, settles in ((0.999 * limit, True), (1.001 * limit, False)):
+        missing = abs(rho_regression(q, rho, 8000) - pade_fraction(q))
+        assert missing < 1e-3 if settles else missing > 10
+
+
+def test_a_rho_that_never_settles_is_refused() -> None:
+    with pytest.raises(InputError, match=r"rho: got 0.5, expected above 0.5"):
+        stable_below(0.5)
+
+
+def test_the_regression_step_by_step_is_its_closed_form() -> None:
+    for rho, iterations in ((4.0, 1), (4.0, 24), (4.5, 32)):
+        expected = np.clip(np.abs(rho_regression(Q, rho, iterations)), 0, 1) * np.sign(Q)
+        assert pade_real(Q, rho, iterations)[0] == pytest.approx(expected)
+
+
+def test_the_inverse_regression_settles_below_2_888_and_its_inversion_below_1_915() -> None:
+    a, b = fraction(Q)
+    inside = np.abs(Q) < 2.87
+    assert inverse_fraction(Q, 4000)[inside] == pytest.approx((b / a)[inside])
+    assert abs(inverse_fraction(2.89, 4000)) > 1e3
+    z = np.array([0.1, 0.9, 1.5, 1.99])
+    assert inverse(z, 4000) == pytest.approx(1 / z)
+    for q, settles in ((1.90, True), (1.93, False)):
+        h = inverse_fraction(q, 400)
+        assert h == pytest.approx(q / np.tanh(q), rel=1e-4)
+        assert (abs(q * inverse(h, 4000) - np.tanh(q)) < 1e-3) == settles
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command writes, and prints."""
+    build = tmp_path_factory.mktemp("build")
+    result = subprocess.run(
+        [sys.executable, "-m", "tactus.report.measure.activation_errors", "--build", str(build)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not result.stderr
+    (build / "printed").write_text(result.stdout)
+    return build
+
+
+@pytest.fixture(scope="module")
+def rows(folder: Path) -> list[Row]:
+    written = json.loads((folder / "activations" / "errors.json").read_text())
+    assert set(written["versions"]) == {"python", "numpy", "matplotlib"}
+    return [Row(**record) for record in written["rows"]]
+
+
+def at_three(rows: list[Row], scheme: str, arithmetic: str, options: str = "") -> Row:
+    return next(
+        row
+        for row in rows
+        if (row.scheme, row.arithmetic, row.options, row.factor) == (scheme, arithmetic, options, 3)
+    )
+
+
+def test_every_form_is_measured_in_all_its_precisions(rows: list[Row]) -> None:
+    for name, scheme in forms().items():
+        expected = {
+            (arithmetic, factor)
+            for precision in scheme.precisions
+            for factor in (FACTORS if precision.normalise else (1,))
+            for arithmetic in ((precision.name, "float") if precision.normalise else ("exact",))
+        }
+        found = [(r.arithmetic, r.factor) for r in rows if (r.scheme, r.options) == (name, "")]
+        assert set(found) == expected
+        assert len(found) == len(expected)
+
+
+def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
+    """For every scheme of piecewise curves, twice equation 4.32 is nearer to the printed figure."""
+    for name in ("gradient", "gradient_parallel", "polynomial", "lut"):
+        row = at_three(rows, name, "float")
+        assert abs(row.mean_percent_thesis - row.thesis) < 0.2 * row.thesis
+        assert abs(row.mean_percent - row.thesis) > 0.45 * row.thesis
+    row = at_three(rows, "pade", "thesis", "rho = 4, iterations = 24")
+    assert row.mean_percent < row.mean_percent_thesis < row.thesis == 0.09
+
+
+def test_the_command_prints_and_draws_what_it_measures(folder: Path, rows: list[Row]) -> None:
+    assert (folder / "printed").read_text().startswith("\n".join(table(rows)))
+    with (folder / "activations" / "errors.csv").open() as handle:
+        assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
+    plots = {path.name for path in (folder / "activations").glob("*.svg")}
+    assert plots == set(map(plot_file, forms()))
+
+
+def test_a_scheme_of_our_own_has_no_figure_of_the_thesis() -> None:
+    assert errors.thesis_figure("gradient_parallel") == 0.40
+    assert errors.thesis_figure("relu") is None
