@@ -17,18 +17,24 @@ from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
 LIMIT = 120
-# Writes a folder, while threads wait for processes that end only by a signal.
+# Writes a folder, while threads wait for processes that end only by a signal, and would keep how
+# they ended.
 THREADS = """
 import subprocess, sys, time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from tactus.core import store
 from tactus.core.cli import run
 from tactus.core.files import replace_folder
+
+def judge(n):
+    waits = lambda: subprocess.run(["sleep", "1000"]).returncode
+    return store.cached(store.key("judged", n=n), waits, Path(sys.argv[1]))
 
 def main():
     with replace_folder(Path(sys.argv[1]) / "vhdl") as folder, ThreadPoolExecutor(1) as pool:
         (folder / "half").touch()
-        waiting = [pool.submit(subprocess.run, ["sleep", "1000"]) for _ in range(3)]
+        waiting = [pool.submit(judge, n) for n in range(3)]
         time.sleep(1)
         print("ready", flush=True)
         for one in waiting:
@@ -116,7 +122,7 @@ def test_a_search_ends_with_its_workers_and_its_shared_memory(
         assert not list(Path("/dev/shm").glob(f"*[-_]{search.pid}[-_]*"))
 
 
-def test_processes_that_threads_wait_for_end_and_no_hidden_folder_stays(tmp_path: Path) -> None:
+def test_processes_that_threads_wait_for_end_and_nothing_of_theirs_stays(tmp_path: Path) -> None:
     with started(sys.executable, "-c", THREADS, str(tmp_path)) as command:
         assert command.stdout.readline() == "ready\n"
         command.terminate()

@@ -30,6 +30,8 @@ _FORK_EXEC = _posixsubprocess.fork_exec
 MOST_SEED = (1 << 32) - 1
 # What is said after each signal that asks a command to end.
 SAID = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "terminated"}
+# Set when a command is asked to end: what its threads find from then on is not to be kept.
+ENDING = threading.Event()
 # Separates the complaints in one exception, so that each is printed as an error of its own.
 BETWEEN = "\nerror: "
 REPORT = (
@@ -147,6 +149,7 @@ def _stopped_by_signals() -> Iterator[None]:
         # Make may pass on what the whole group of processes gets too.
         if not ended:
             ended.append(number)
+            ENDING.set()
             # Once before anything else, so that no process sees what the exception undoes.
             end_descendants()
             threading.Thread(target=end_more, args=(over,), daemon=True).start()
@@ -167,6 +170,7 @@ def _stopped_by_signals() -> Iterator[None]:
         over.set()
         if ended:
             end_workers()
+            ENDING.clear()
         for number, handler in before.items():
             signal.signal(number, handler)
 
