@@ -27,6 +27,7 @@ from golden.networks.network import Network
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
+from golden.trained.mlp import Mlp
 from tactus.report.measure.networks import scenes
 from tactus.report.page.datasheets import block_tables
 from tactus.report.page.sign_off import sheet
@@ -59,14 +60,15 @@ Twins = dict[str, list[Block]]
 def shipped() -> Iterator[tuple[str, Network]]:
     """The precision and the design of every scene, and of variants of it.
 
-    The networks of an engine are also folded, unless they are learned functions. A design that
+    The networks of an engine are also folded, if they have one hidden layer of tanh. A design that
     gives all outputs at once also finds the largest, and so does a scene with a front end, which
     also gets every converter. At the end comes one network in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
         yield scene.precision.name, top
-        if DESIGNS[scene.design] is Engine and not scene.training.functions:
+        foldable = all(isinstance(network, Mlp) for network in scene.networks())
+        if DESIGNS[scene.design] is Engine and foldable:
             yield (
                 scene.precision.name,
                 replace(scene, design=Hybrid.block, design_options={}, learning="").twin(),
