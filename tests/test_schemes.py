@@ -32,6 +32,7 @@ from tactus.report.measure.activation_errors import (
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
+# What does not approximate tanh needs no entry if it only rounds.
 BOUNDS = {
     "gradient": (134, 2.5),
     "gradient_parallel": (134, 2.5),
@@ -45,6 +46,8 @@ BOUNDS = {
 }
 BUILDS = [(name, precision) for name in FORMS for precision in FORMS[name].precisions]
 BUILD_IDS = [f"{name}-{precision.name}" for name, precision in BUILDS]
+OF_TANH = [(name, precision) for name, precision in BUILDS if FORMS[name].of_tanh]
+OF_TANH_IDS = [f"{name}-{precision.name}" for name, precision in OF_TANH]
 CASES = [
     (name, precision, factor)
     for name, precision in BUILDS
@@ -58,7 +61,7 @@ def every_code(precision):
 
 
 def test_every_form_has_its_bounds() -> None:
-    assert set(BOUNDS) == set(FORMS)
+    assert {name for name, _ in OF_TANH} <= set(BOUNDS) <= set(FORMS)
 
 
 @pytest.mark.parametrize(("name", "precision", "factor"), CASES, ids=IDS)
@@ -72,8 +75,10 @@ def test_error_over_every_code(name: str, precision, factor: int) -> None:
     scheme = np.clip(value.ravel(), -1, block.real_result(block.out_fmt.high))
     # The most negative code saturates, and the sign of the result at 0 may differ.
     inner = (codes > codes[0]) & (codes != 0)
-    assert 8192 * np.abs(results - np.tanh(q)).max() <= BOUNDS[name][0]
-    assert 8192 * np.abs(results - scheme)[inner].max() <= BOUNDS[name][1]
+    of_tanh, rounding = BOUNDS.get(name, (0, 1))
+    assert 8192 * np.abs(results - scheme)[inner].max() <= rounding
+    if FORMS[name].of_tanh:
+        assert 8192 * np.abs(results - np.tanh(q)).max() <= of_tanh
 
 
 @pytest.mark.parametrize(("name", "precision", "factor"), CASES, ids=IDS)
@@ -85,13 +90,17 @@ def test_odd_and_inside_the_format(name: str, precision, factor: int) -> None:
     if block.half_codes:
         assert np.array_equal(results, ~block.process(~codes))
         return
-    assert np.abs(results).max() <= SIGNAL.high
+    assert block.out_fmt == SIGNAL
+    assert SIGNAL.low <= results.min() <= results.max() <= SIGNAL.high
+    if not FORMS[name].of_tanh:
+        return
+    assert results.min() > SIGNAL.low
     positive = codes[codes > 0]
     assert np.array_equal(block.process(-positive), -block.process(positive))
     assert block.process(codes[0]) == -block.process(codes[-1])
 
 
-@pytest.mark.parametrize(("name", "precision"), BUILDS, ids=BUILD_IDS)
+@pytest.mark.parametrize(("name", "precision"), OF_TANH, ids=OF_TANH_IDS)
 @pytest.mark.parametrize("reach", [0.01, 0.3, 1.2, 1.9, 3.0])
 def test_what_is_out_of_reach_is_left_out_and_changes_nothing(name, precision, reach) -> None:
     factor = 5 if precision.normalise else 1
@@ -112,7 +121,8 @@ def test_slope_of_the_real_scheme_is_its_rise(name: str) -> None:
     rise = (value(q + step)[0] - value(q - step)[0]) / (2 * step)
     slope = value(q)[1]
     assert np.median(np.abs(slope - rise)) < 0.03
-    assert np.abs(slope - (1 - np.tanh(q) ** 2)).max() < 0.35
+    if FORMS[name].of_tanh:
+        assert np.abs(slope - (1 - np.tanh(q) ** 2)).max() < 0.35
 
 
 @pytest.mark.parametrize(("name", "precision"), BUILDS, ids=BUILD_IDS)

@@ -54,6 +54,7 @@ class Scheme:
         and has the same default; ``real`` takes those that concern it.
     precisions: The precisions for which it is made.
     half_codes: Whether its codes stand for the middle of their steps; see ``ActivationBlock``.
+    of_tanh: Whether it approximates tanh: odd, and leaves out what a neuron does not reach.
     """
 
     real: Activation
@@ -61,6 +62,7 @@ class Scheme:
     options: Mapping[str, Option] = field(default_factory=dict)
     precisions: tuple[Precision, ...] = tuple(PRECISIONS.values())
     half_codes: bool = False
+    of_tanh: bool = True
 
     def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
         """This scheme with some options set; the others keep their defaults."""
