@@ -5,7 +5,6 @@ import re
 import shlex
 import shutil
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +34,14 @@ def repeated(text: str) -> str:
     return re.sub("(.)…", lambda found: found[1] * 200_000, text)
 
 
-def entries(kind: str) -> Iterator[Any]:
+def entries(kind: str) -> list[Any]:
     """The name of a base, a text of its file, what stands for it, and the words of the refusal."""
-    for base, edits in READ[kind].items():
-        for old, changes in edits.items():
-            for new, words in changes.items():
-                name = ascii(f"{base}: {new or old}")[1:60]
-                yield pytest.param(base, old, repeated(new), words, id=name)
+    return [
+        pytest.param(base, old, repeated(new), words, id=ascii(f"{base}: {new or old}")[1:60])
+        for base, edits in READ[kind].items()
+        for old, changes in edits.items()
+        for new, words in changes.items()
+    ]
 
 
 @pytest.mark.parametrize(("base", "old", "new", "words"), entries("scene"))
