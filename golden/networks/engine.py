@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib import import_module
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -124,7 +123,10 @@ class Engine(Design):
         lanes, interval = chosen.pop("lanes", 1), chosen.pop("interval", 0)
         if not 0 <= lanes <= MOST_LANES:
             raise InputError(f"hardware.lanes: got {lanes}, expected 0 to {MOST_LANES}")
-        several: Any = import_module("golden.networks.lanes").Lanes
+        # That module needs this one.
+        from golden.networks.lanes import Lanes
+
+        several: Any = Lanes
         own = replace(settings, options={**chosen, "lanes": lanes, "interval": interval})
         if lanes > 1:
             many: Self = several.build(networks, own, arrangement, variant)
