@@ -349,7 +349,10 @@ def test_what_does_not_fit_is_refused() -> None:
             Settings(activation_options={"coefficients": "block_ram"}),
             "activation_options: got coefficients, expected none: its precise has one form",
         ),
-        (Settings(options={"clock": 9}), "hardware: got 'clock', expected segment_width or"),
+        (
+            Settings(options={"clock": 9}),
+            "hardware: got 'clock', expected lanes or segment_width or",
+        ),
     ],
 )
 def test_settings_that_an_engine_does_not_know_are_refused(settings, message: str) -> None:

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -16,7 +17,9 @@ from golden.networks.arrangement import seen
 from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
 from golden.networks.exact import exact_sum
+from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
@@ -178,6 +181,9 @@ def _designs() -> Iterator[tuple[str, Precision, Callable[[Mlp], Design]]]:
             activation = precision.activation if precision.activation in known else known[0]
             settings = Settings(precision, activation)
             yield name, precision, partial(_built, design, settings)
+            if design is Engine:
+                several = replace(settings, options={"lanes": 4})
+                yield Lanes.block, precision, partial(_built, design, several)
 
 
 def _built(design: type[Design], settings: Settings, mlp: Mlp) -> Design:
