@@ -14,6 +14,8 @@ SEED = 1
 STARTS = 20
 # Frames by which words are told apart, and the most bits of a word that is looked at.
 BESIDE, WIDEST = 100, 60
+# An engine keeps the sign of its words of 18 bits beside the other bits.
+BELOW_SIGN = 17
 
 
 class Evaluated:
@@ -86,17 +88,23 @@ def first_apart(proof: Sequences, frame: Sequence[int]) -> str:
     held = set()
     for e in proof.run.made.values():
         if e.result is not None and e.width < WIDEST:
-            half = 1 << e.width - 1
-            held.add((((now.value(e.result) + half) % (2 * half)) - half).tobytes())
+            held.add(_signed(now.value(e.result), e.width).tobytes())
     given, sound = proof.given["words"], set[int]()
     for k in reversed(range(len(given))):
-        if k in sound or now.value(proof.inner[len(words) + k]).tobytes() in held:
+        code = now.value(proof.inner[len(words) + k])
+        if k in sound or held & {code.tobytes(), _signed(code, BELOW_SIGN).tobytes()}:
             used = [i for i, _ in given[k].get("sum", [])] + [given[k].get("of", 0)]
             sound |= {k, *(i - len(words) for i in used)}
     apart = next((k for k in range(len(given)) if k not in sound), None)
     if apart is None:
         return "an output"
     return "network {}, layer {}, node {}".format(*given[apart]["place"])
+
+
+def _signed(code: Any, bits: int) -> Any:
+    """The lowest bits as a signed number."""
+    half = 1 << bits - 1
+    return (code + half) % (2 * half) - half
 
 
 def bench(description: dict[str, Any], frames: int) -> str:
