@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
@@ -202,7 +202,12 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     wanted = np.clip(real, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
     found = {}
     for lean in (True, False):
-        engine = Engine.of([network], Settings(lean=lean))
+        try:
+            engine = Engine.of([network], Settings(lean=lean))
+        except InputError as error:
+            # Sums of five layers of large weights may grow beyond what a program holds.
+            assert "products of 18 bits" in str(error)
+            reject()
         found[lean] = engine.process(codes)
         assert np.array_equal(found[lean], exact(engine, codes))
     serial = Engine.of([network], Settings(options={"lanes": 0}))
