@@ -206,7 +206,8 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
             engine = Engine.of([network], Settings(lean=lean))
         except InputError as error:
             # Sums of five layers of large weights may grow beyond what a program holds.
-            assert "products of 18 bits" in str(error)
+            if "products of 18 bits" not in str(error):
+                raise
             reject()
         found[lean] = engine.process(codes)
         assert np.array_equal(found[lean], exact(engine, codes))
