@@ -22,13 +22,9 @@ from golden.activation.reference import (
 from golden.activation.schemes import forms
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL, THESIS
+from tactus.report.draw.activation_errors import plot_file
 from tactus.report.measure import activation_errors as errors
-from tactus.report.measure.activation_errors import (
-    FACTORS,
-    Row,
-    plot_file,
-    table,
-)
+from tactus.report.measure.activation_errors import FACTORS, Row, table
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
@@ -198,7 +194,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the command writes, and prints."""
     build = tmp_path_factory.mktemp("build")
     result = subprocess.run(
-        [sys.executable, "-m", "tactus.report.measure.activation_errors", "--build", str(build)],
+        [sys.executable, "-m", "tactus.report.activations", "--build", str(build)],
         cwd=ROOT,
         capture_output=True,
         text=True,

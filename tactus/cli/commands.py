@@ -328,7 +328,7 @@ COMMANDS = (
         "activations",
         "Measures the errors of every activation against tanh, and plots them.",
         (),
-        "tactus.report.measure.activation_errors",
+        "tactus.report.activations",
     ),
     Command(
         "figures",

@@ -1,4 +1,4 @@
-"""``python -m tactus.report.measure.activation_errors``: how far every activation is from tanh.
+"""How far every activation is from tanh.
 
 The question is how large the error of each scheme is, and how much its arithmetic adds. Every input
 code is measured in each precision of the scheme, in ``thesis`` precision for several Q, and the
@@ -6,13 +6,10 @@ same inputs in floating point. The reference is numpy's tanh. The figures that t
 stand beside the results.
 """
 
-import argparse
 import csv
-import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +20,8 @@ from golden.activation.activation_block import ActivationBlock
 from golden.activation.pade import UnsettledWarning
 from golden.activation.scheme import Scheme
 from golden.activation.schemes import forms
-from golden.numbers.precision import EXACT, THESIS, Precision
-from tactus.core.cli import run, stop_if_dry_run
+from golden.numbers.precision import Precision
 from tactus.core.files import replace_file, write_json
-from tactus.core.folders import BUILD
 from tactus.core.machine import versions
 from tactus.scene import thesis_table
 from tactus.scene.metrics import ACTIVATION_RANGE, activation_error
@@ -173,64 +168,3 @@ def write(rows: list[Row], folder: Path) -> None:
         writer.writerows(records)
     data = {"versions": versions("python", "numpy", "matplotlib"), "rows": records}
     write_json(folder / "errors.json", data)
-
-
-def plot_file(name: str) -> str:
-    """The file name of the plot of a form."""
-    return f"{name.replace(' ', '_')}.svg"
-
-
-def plot(name: str, scheme: Scheme) -> str:
-    """The error over q as SVG, the same text on every run.
-
-    All schemes are odd, so q starts at 0. In ``thesis`` precision Q is 8: the steps of q are
-    2**-10, and q reaches beyond the end of every scheme.
-    """
-    # It is imported only here, because every command that measures imports this module.
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    # Without a salt, the ids in the file would be random.
-    with matplotlib.rc_context({"svg.hashsalt": "tactus", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(7, 2.6), layout="constrained")
-        axes = figure.add_subplot()
-        for precision, factor, step, colour in (
-            (THESIS, 8, 4, "tab:orange"),
-            (EXACT, 1, 64, "tab:blue"),
-        ):
-            if precision not in scheme.precisions:
-                continue
-            codes = np.arange(0, 5 * (1 << precision.hidden_fmt.frac) // factor + 1, step)
-            block = built(scheme, precision, factor)
-            q = factor * block.real_input(codes)
-            results = block.real_result(block.process(codes))
-            label = f"{precision.name}, Q = {factor}" if precision.normalise else precision.name
-            axes.plot(q, 8192 * (results - np.tanh(q)), label=label, color=colour, linewidth=0.9)
-        axes.set_xlabel("q")
-        axes.set_ylabel("error in $2^{-13}$")
-        axes.set_xlim(0, 5)
-        axes.grid(linewidth=0.3)
-        axes.legend(title=name, fontsize="small", title_fontsize="small")
-        written = StringIO()
-        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
-    # What stands before would not be HTML, and pages hold the picture as it is.
-    return written.getvalue().partition("<!DOCTYPE")[2].partition(">")[2].strip() + "\n"
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="make activations", description=__doc__)
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
-    folder = arguments.build / "activations"
-    stop_if_dry_run(f"measure every activation and write its plot into {folder}")
-    rows = measure()
-    print("\n".join(table(rows)))
-    write(rows, folder)
-    for name, scheme in forms().items():
-        with replace_file(folder / plot_file(name)) as path:
-            path.write_text(plot(name, scheme), encoding="utf-8")
-    print(f"\nwrote {folder}/errors.csv, errors.json and plots")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))
