@@ -17,23 +17,16 @@ from tb.common.bench import Bench
 from tb.common.case_library import both_precisions, rails
 from tb.common.properties import Property
 from tb.common.stimulus import spread
-from tb.common.stream import check_gaps_and_resets, check_stream
+from tb.common.stream import check_gaps_and_resets, check_in_parts
 from tb.common.watch import ago
 
 CASES = rails("pade") | {"pade-thesis": both_precisions("pade")["pade-thesis"]}
-
-# How many codes are played at a time, so that the recording stays small.
-CHUNK = 2048
 
 
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    twin = bench.twin
-    every = codes(bench)
-    for start in range(0, len(every), CHUNK):
-        items = {"in_data": every[start : start + CHUNK]}
-        await check_stream(bench, items, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    await check_in_parts(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, at_once=2048)
     bench.finish(at_least=16384)
 
 

@@ -66,6 +66,20 @@ async def check_stream(
         bench.compare(port, read(recording, port, left), np.asarray(values, dtype=np.int64), **seen)
 
 
+async def check_in_parts(
+    bench: Bench,
+    items: dict[str, np.ndarray],
+    inputs: dict[str, Callable],
+    outputs: dict[str, Callable],
+    at_once: int = 1024,
+):
+    """Play items as close as the twin takes them, so few at once that the recording stays small."""
+    twin = bench.twin
+    for start in range(0, len(next(iter(items.values()))), at_once):
+        part = {name: values[start : start + at_once] for name, values in items.items()}
+        await check_stream(bench, part, inputs, outputs, twin.process, interval=twin.interval)
+
+
 async def check_gaps_and_resets(
     bench: Bench,
     items: dict[str, np.ndarray],

@@ -19,14 +19,12 @@ from tb.common.case_library import OTHER_PROFILES
 from tb.common.properties import Property
 from tb.common.recorded_frames import check_recorded
 from tb.common.stimulus import spread
-from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_in_parts
 
 CASES = OTHER_PROFILES
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
-# How many pairs are played at a time, so that the recording stays small.
-CHUNK = 1024
 
 
 def extremes(bits):
@@ -67,11 +65,7 @@ async def what_recorded_frames_bring(dut):
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    twin = bench.twin
-    items = pairs(bench)
-    for start in range(0, len(items["in_width"]), CHUNK):
-        part = {name: values[start : start + CHUNK] for name, values in items.items()}
-        await check_stream(bench, part, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    await check_in_parts(bench, pairs(bench), INPUTS, OUTPUTS)
     bench.finish(at_least=2400)
 
 

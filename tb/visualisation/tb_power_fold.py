@@ -17,15 +17,13 @@ from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
 from tb.common.case_library import DRAWN
 from tb.common.recorded_frames import check_recorded
-from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_in_parts
 
 CASES = DRAWN
 
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
 PARTS = 256
-# How many pairs are played at a time, so that the recording stays small.
-CHUNK = 1024
 
 
 def pairs(bench):
@@ -50,12 +48,8 @@ async def what_recorded_frames_bring(dut):
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    twin = bench.twin
-    items = pairs(bench)
-    for start in range(0, len(items["in_data"]), CHUNK):
-        part = {name: values[start : start + CHUNK] for name, values in items.items()}
-        await check_stream(bench, part, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
-    bench.finish(at_least=PARTS * twin.max_power)
+    await check_in_parts(bench, pairs(bench), INPUTS, OUTPUTS)
+    bench.finish(at_least=PARTS * bench.twin.max_power)
 
 
 @cocotb.test()
