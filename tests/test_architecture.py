@@ -1,5 +1,6 @@
-"""The walk of docs/architecture.md is the one that a number takes, each module once."""
+"""Modules that run, and the walk of docs/architecture.md: the one that a number takes."""
 
+import ast
 import re
 import sys
 from collections.abc import Callable
@@ -19,6 +20,19 @@ from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
 WALK = re.compile(r"^ ?\d+\. .*?\[(\w+)\]\(\.\./([\w/]+\.py)\)", re.M | re.S)
+
+
+@pytest.mark.parametrize("room", ["golden", "hdl", "studies", "tactus", "tb"])
+def test_a_module_that_runs_ends_with_its_start(room: str) -> None:
+    """What is defined behind the start does not exist yet when it is needed."""
+    for path in (ROOT / room).rglob("*.py"):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        starts = [
+            n
+            for n, one in enumerate(body)
+            if isinstance(one, ast.If) and "__main__" in ast.unparse(one.test)
+        ]
+        assert not starts or starts == [len(body) - 1], path
 
 
 def returning(work: Callable[[], Any]) -> list[tuple[str, str]]:

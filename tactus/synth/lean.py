@@ -118,12 +118,13 @@ def compare(scenes: list[Scene]) -> None:
         print(f"{name:32}" + "".join(f"{found[kind]:12}" for kind in KINDS))
 
 
-if __name__ == "__main__":
-    run_repeatable("tactus.synth.lean", main)
-
 
 def cells(spec: Block, family: str) -> dict[str, int]:
     """The cells of a block and its parts after ``synth_xilinx``."""
     with tempfile.TemporaryDirectory() as name:
         convert_hierarchy(elaborate(spec), Path(name), "verilog")
         return synthesise(Path(name), spec.entity, family)[spec.entity]
+
+
+if __name__ == "__main__":
+    run_repeatable("tactus.synth.lean", main)

@@ -140,9 +140,6 @@ def main() -> None:
     write(pages())
 
 
-if __name__ == "__main__":
-    sys.exit(run(main))
-
 
 END = "<!-- to here -->"
 
@@ -172,3 +169,7 @@ def write(pages: Mapping[Path, str]) -> None:
             with replace_file(page) as temporary:
                 temporary.write_text(text, encoding="utf-8")
             print(f"wrote {page.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
