@@ -40,7 +40,7 @@ class ImageReceiver(Block):
     A packet begins with a byte SYNC and a byte of version and kind. With another version or kind,
     or a length of 0, there is no packet. When no byte comes for ``idle_clocks`` inside an image,
     the image is ended with a further byte 0, so that its check fails. If this happens before the
-    image's first byte, the packet is dropped.
+    length is complete, the packet is dropped.
 
     idle_clocks: Clocks without a byte after which a packet ends.
     depth: Number of bytes that can be stored: the most that come while the engine computes.
