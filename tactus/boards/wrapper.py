@@ -7,7 +7,7 @@ from tactus.boards import Board
 from tactus.boards.board import LAMPS, WIRES
 from tactus.boards.pll import Clock
 from tactus.core.cli import BETWEEN
-from tactus.export.handover.core import plain_name
+from tactus.export.handover.texts import plain_name
 from tactus.scene import Scene
 
 TOP, OSCILLATOR = "board", "oscillator"

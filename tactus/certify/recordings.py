@@ -11,10 +11,16 @@ from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.export.exporter import compile_order
-from tactus.export.handover.core import plain_name
 from tactus.export.handover.ports import read_ports
-from tactus.export.handover.vectors import CLOCKS, FRAMES, vectors, winners_of
-from tactus.export.handover.verilog_bench import hex_files, verilog_bench
+from tactus.export.handover.texts import (
+    CLOCKS,
+    FRAMES,
+    hex_files,
+    plain_name,
+    vectors,
+    verilog_bench,
+    winners_of,
+)
 from tactus.rig.smooth_map import thinned
 from tactus.scene import Scene
 

@@ -9,11 +9,18 @@ from myhdl import ToVerilogWarning, ToVHDLWarning
 
 from golden.networks.network import Network
 from tactus.core.files import replace_folder
-from tactus.export.handover.core import constraints, core, plain_name
-from tactus.export.handover.example import example
 from tactus.export.handover.ports import SUFFIX, read_ports
-from tactus.export.handover.test_bench import test_bench
-from tactus.export.handover.vectors import CLOCKS, FRAMES, vectors, winners_of
+from tactus.export.handover.texts import (
+    CLOCKS,
+    FRAMES,
+    constraints,
+    core,
+    example,
+    plain_name,
+    test_bench,
+    vectors,
+    winners_of,
+)
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene
 
