@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -18,7 +17,6 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
 from tactus.physics.swing_data import independent_run
-from tactus.report.draw.animation import animation
 from tactus.report.draw.area import designs
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.drawing import ACCENT, FAINT, text_width
@@ -28,7 +26,6 @@ from tactus.report.draw.network import network
 from tactus.report.draw.profile import profile
 from tactus.report.draw.svg import own_ids
 from tactus.report.draw.swing import RUN, follow, swing
-from tactus.report.draw.swing_animation import swing_animation
 from tactus.report.draw.waveforms import Row, waveforms
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.report.measure.table import Table
@@ -55,9 +52,8 @@ def drawn_waveforms(scene: Scene) -> str:
 
 
 PICTURES: list[tuple[Callable[[Scene], str], str]] = [
-    *((draw, "digit") for draw in (network, datapath, drawn_waveforms, profile, animation)),
+    *((draw, "digit") for draw in (network, datapath, drawn_waveforms, profile)),
     (swing, "swing-single"),
-    (swing_animation, "swing-window"),
 ]
 
 
@@ -119,14 +115,13 @@ def test_ids_that_matplotlib_makes_are_numbered() -> None:
     )
 
 
-def test_no_two_pictures_of_a_page_share_an_id_or_a_class() -> None:
-    shown = [*PICTURES, (profile, "digit-thesis"), (animation, "digit-thesis")]
+def test_no_two_pictures_of_a_page_share_an_id() -> None:
+    shown = [*PICTURES, (profile, "digit-thesis")]
     found: list[str] = []
     for draw, name in shown:
         text = drawn(draw, name)
         ids = [element.get("id", "") for element in parse(text).iter() if element.get("id")]
-        assert len(ids) == len(set(ids))
-        found += [*ids, *set(re.findall(r"[.@]([\w -]+)\{", text)) - {"media print"}]
+        found += ids
     assert len(found) == len(set(found))
 
 
@@ -217,7 +212,7 @@ def test_outputs_at_once_are_recorded_too(tmp_path: Path) -> None:
 
 
 def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
-    for draw in (lambda s, f: simulate_frame(s, f, build), profile, animation):
+    for draw in (lambda s, f: simulate_frame(s, f, build), profile):
         with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
             draw(load_scene("digit"), 143)
 
@@ -225,12 +220,11 @@ def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
 @pytest.mark.parametrize("name", ["digit", "digit-load", "swing-single"])
 def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
     scene = load_scene(name)
-    for draw in (profile, animation):
-        if {"load", "position", "width", "shape"} <= set(scene.outputs):
-            parse(draw(scene))
-        else:
-            with pytest.raises(InputError, match=rf"{name}.toml: data.outputs: got .* to draw"):
-                draw(scene)
+    if {"load", "position", "width", "shape"} <= set(scene.outputs):
+        parse(profile(scene))
+    else:
+        with pytest.raises(InputError, match=rf"{name}.toml: data.outputs: got .* to draw"):
+            profile(scene)
 
 
 @pytest.mark.parametrize(
@@ -261,25 +255,6 @@ def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
     assert at.round(2).tolist() == [6.35, 6.35, 57.15, 57.15]
     assert height.tolist() == [0.0, 0.9, 0.9, 0.0]
     assert known.true(142)[1].tolist() == [0.0, 0.6261, 0.0]
-
-
-def test_the_animation_shows_each_recorded_position_once_and_one_without_motion() -> None:
-    scene = load_scene("digit")
-    text = animation(scene, 4)
-    assert len(text) < 300_000
-    root = parse(text)
-    steps = [g for g in root.iter(f"{SVG}g") if "animation_digit-step" in (g.get("class") or "")]
-    told = [next(w for w in words(step) if w.startswith("at ")) for step in steps]
-    places = [float(re.match(r"at ([\d.]+) mm", w)[1]) for w in told]
-    assert np.allclose(places, 31.75 + 6.35 * np.arange(15), rtol=0, atol=0.051)
-    assert sum("animation_digit-still" in step.get("class") for step in steps) == 1
-    delays = [float(re.search(r"-?[\d.]+", step.get("style"))[0]) for step in steps]
-    assert np.allclose(np.diff(delays), 0.6)
-    assert max(delays) < 0
-    assert "prefers-reduced-motion" in text
-    readings = [[w for w in words(step) if not w.startswith("at ")] for step in steps]
-    sensors = scene.vectors().inputs[:15]
-    assert readings == [[f"{value:.2f}" for value in row] for row in sensors]
 
 
 def test_the_swing_is_drawn_beside_what_is_true() -> None:

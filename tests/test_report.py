@@ -62,7 +62,7 @@ def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> N
     assert set(own_data["tables"]) == wanted
     predicted = {f"predicted_{c}" for c in range(4)}
     disturbed = {f"disturbed_{kind}" for kind in ("noise", "gain", "offset")}
-    drawn = {"network", "datapath", "waveforms", "load_profile", "load_moves"}
+    drawn = {"network", "datapath", "waveforms", "load_profile"}
     assert set(own_data["pictures"]) == {"along", "designs", *predicted, *disturbed, *drawn}
     assert "thesis" not in own.read_text().lower()
 

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from golden.common.block import walk
-from tactus.report.draw.animation import animation
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.learned import learned_curves
 from tactus.report.draw.load import has_load
 from tactus.report.draw.network import network
 from tactus.report.draw.profile import profile
 from tactus.report.draw.swing import COORDINATES, moves, swing
-from tactus.report.draw.swing_animation import swing_animation
 from tactus.report.draw.titled_picture import Picture
 from tactus.report.draw.waveforms import waveforms
 from tactus.report.measure.learned_edges import scene_edges
@@ -85,12 +83,6 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
             "outputs, and the load that was recorded.",
         )
-        yield Picture(
-            "load_moves",
-            "A recorded load along the beam",
-            animation(scene),
-            "Each step is a recorded frame: what the sensors read, and the bit-true profile.",
-        )
     else:
         yield Skipped("Load profile", f"it needs outputs {', '.join(RESULTS)} with lengths")
     if moves(scene):
@@ -102,13 +94,5 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             "below each the difference.",
             wide=True,
         )
-        if not scene.window.plain:
-            yield Picture(
-                "swing_moves",
-                "The swing as it moves",
-                swing_animation(scene),
-                "Each step is a frame of the same run: where the mass is, and where the hardware "
-                "finds it, bit-true, with past samples and without.",
-            )
     else:
         yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")
