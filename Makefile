@@ -42,11 +42,11 @@ help docs pages lint clean tools browser ready: named
 named:
 	@$(if $(NAMED)$(filter-out 0 1,$(foreach name,$(FLAGS),$($(name)))),! command -v "$$PYTHON" >/dev/null || "$$PYTHON" -m tactus.cli.commands named)
 
-# What is wanted, and of whom, is said once, in tactus/cli/commands.py, which needs no environment for this.
+# What is wanted, and of whom, is said once, in tactus/core/commands.py, which needs no environment for this.
 help:
 	@"$$PYTHON" -m tactus.cli.commands help
 
-# What these are given goes to a module as tactus/cli/commands.py says.
+# What these are given goes to a module as tactus/core/commands.py says.
 CALLED := demo sim vhdl verilog scene check designs train recalibrate predict network image monitor record load bench listing activations \
 	figures sensors lean synth bitstream prove mutate coverage certify report
 

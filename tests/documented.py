@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tactus.cli.commands import BY_NAME, Command
+from tactus.core.commands import BY_NAME, Command
 from tactus.core.table import read_table, write_table
 from tactus.network_files.network_file import save_network
 from tactus.scene import load_scene

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from tactus.cli.commands import BY_NAME
 from tactus.core.cli import run
+from tactus.core.commands import BY_NAME
 from tactus.core.fingerprint import fingerprint
 
 # The commands that tests call with wrong arguments.

@@ -5,7 +5,7 @@ import secrets
 import pytest
 from refused import COMMANDS, Desk
 
-from tactus.cli.commands import BY_NAME
+from tactus.core.commands import BY_NAME
 from tactus.verify.benches.runner import BUILD
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp

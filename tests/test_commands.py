@@ -9,12 +9,12 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from refused import main_of
 
 from tactus.boards import board_names, load_board
 from tactus.boards.record import record_path
 from tactus.boards.variants import variants_path
-from tactus.cli.commands import CLOSING, COMMANDS, WIDTH, Command
+from tactus.cli.commands import WIDTH
+from tactus.core.commands import CLOSING, COMMANDS
 from tactus.core.table import read_texts
 from tactus.network_files.network_file import provenance_path
 from tactus.report.measure.networks import scenes
@@ -73,18 +73,6 @@ def test_every_target_is_in_the_table() -> None:
     }
     called = re.search(r"^CALLED := (.*)$", text, re.M)[1].split()
     assert called == [command.name for command in COMMANDS if command.module]
-
-
-@pytest.mark.parametrize("command", [c for c in COMMANDS if c.module], ids=lambda c: c.name)
-def test_a_module_knows_the_arguments_of_its_command(
-    command: Command, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    found = main_of(command.module)
-    monkeypatch.setattr(sys, "argv", ["", "--help"])
-    with pytest.raises(SystemExit):
-        found()
-    known = set(re.findall(r"--[a-z]+", capsys.readouterr().out))
-    assert {a.option.rstrip("=") for a in command.arguments if a.option} <= known
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -17,8 +17,8 @@ from packaging.requirements import Requirement
 
 from golden.input_error import InputError
 from tactus.cli import commands, console
-from tactus.cli.commands import BY_NAME, COMMANDS, Command
 from tactus.core import folders
+from tactus.core.commands import BY_NAME, COMMANDS, Command
 from tactus.core.files import check_writable
 from tactus.core.finding import faults
 from tactus.rig.check import everything

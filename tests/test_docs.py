@@ -8,8 +8,8 @@ from pages import ROUNDING, cells, shows
 
 from golden.networks.designs import DESIGNS
 from golden.networks.left_out import left_out
-from tactus.cli.commands import BY_NAME
 from tactus.cli.demo import error_table
+from tactus.core.commands import BY_NAME
 from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from tactus.scene import load_scene, thesis_figures
 from tactus.scene.disturbance import Disturbance

@@ -12,7 +12,7 @@ import pytest
 from conftest import GIVEN, MAKEFILE, ROOT
 from copied import movable
 
-from tactus.cli.commands import COMMANDS
+from tactus.core.commands import COMMANDS
 from tactus.scene import scene_path
 
 RECIPES = [line for line in re.sub(r"\\\n", "", MAKEFILE).splitlines() if line.startswith("\t")]

@@ -10,7 +10,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
-from tactus.cli.commands import CLOSING, COMMANDS
+from tactus.core.commands import CLOSING, COMMANDS
 from tactus.report.page.blocks import sections
 from tactus.report.page.made import MARK, made
 

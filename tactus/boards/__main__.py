@@ -6,37 +6,28 @@ digest. The same tools give the same bytes on every run. A design that does not 
 is not met, is an error.
 """
 
-import argparse
 import hashlib
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
 from golden.networks.network import Network
-from tactus.boards import Board, board_names, load_board
+from tactus.boards import Board, load_board
 from tactus.boards.bitstream import Report, Sources, build, sources
 from tactus.boards.families import FAMILIES
 from tactus.boards.record import record_path, write_record
 from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json
-from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
 from tactus.export.exporter import export
 from tactus.scene import load_scene
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make bitstream", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("board", help=f"a path to a .toml file, or {', '.join(board_names())}")
-    parser.add_argument("--device", default="", help="one that the board is sold with")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    parser.add_argument(
-        "--record", action="store_true", help="write what it takes beside the scene"
-    )
-    arguments = parser.parse_args()
+    arguments = arguments_of("bitstream", __doc__)
     scene = load_scene(arguments.scene)
-    board = load_board(arguments.board, arguments.device)
+    board = load_board(arguments.board, arguments.device or "")
     design = scene.twin()
     made = sources(scene, design, board)
     own = board.device == board.devices[0]

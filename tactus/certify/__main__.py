@@ -7,7 +7,6 @@ says what it found. The exit code is that of the script, with 0 for amber.
 
 from __future__ import annotations
 
-import argparse
 import shutil
 import subprocess
 import sys
@@ -32,7 +31,8 @@ from tactus.certify.delivered import (
 from tactus.certify.page import write_page
 from tactus.certify.picture import draw_page, picture_file
 from tactus.certify.results import OUTPUT, StepResult, read_results
-from tactus.core.cli import run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import check_output, check_room, replace_folder
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
@@ -43,7 +43,6 @@ from tactus.verify.sign_off.netlist import chosen
 from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.unknown import UNKNOWN
 
-MOST = 100_000
 # After so many seconds without a line, one says what is running.
 SILENCE = 15.0
 
@@ -128,19 +127,11 @@ def room_in(folder: Path) -> Iterator[None]:
 
 def main() -> int:
     """Run as ``python -m tactus.certify``."""
-    parser = argparse.ArgumentParser(prog="make certify", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--frames", type=whole("FRAMES", 0, MOST))
-    parser.add_argument("--seed", type=whole("SEED", 0, 2**32 - 1), default=1)
-    parser.add_argument("--netlist")
-    parser.add_argument("--recorded", type=whole("RECORDED", 1, MOST))
-    parser.add_argument("--parts", type=whole("PARTS", 1, MOST))
-    parser.add_argument("--picture", type=picture_file)
-    parser.add_argument("--force", action="store_true", help="replace any file at PICTURE")
-    arguments = parser.parse_args()
+    arguments = arguments_of("certify", __doc__)
+    picture = picture_file(arguments.picture) if arguments.picture else None
     scene = ready_scene(arguments.scene)
-    if arguments.picture:
-        check_output(arguments.picture, scene.own_files, force=arguments.force, key="PICTURE")
+    if picture:
+        check_output(picture, scene.own_files, force=arguments.force, key="PICTURE")
     families = chosen(arguments.netlist) if arguments.netlist else []
     folder = BUILD / scene.name / "certificate"
     stop_if_dry_run(f"export scene {scene.name}, write {folder} and run its {SCRIPT}")
@@ -153,8 +144,8 @@ def main() -> int:
     )
     with held([BUILD / scene.name]):
         results = certify(scene, wanted)
-    if arguments.picture:
-        draw_page(folder / "certificate.html", arguments.picture)
+    if picture:
+        draw_page(folder / "certificate.html", picture)
     print(f"wrote {folder / 'certificate.html'}")
     print(processor_line(processor_minutes()))
     return int(any(result.colour == "red" for result in results))

@@ -1,4 +1,4 @@
-"""``tactus COMMAND``: the commands of ``tactus.cli.commands``, from any folder, where tactus is
+"""``tactus COMMAND``: the commands of ``tactus.core.commands``, from any folder, where tactus is
 installed.
 
 click reads the command line, and the table says what the line may hold. ``SCENE`` is a word, a
@@ -18,17 +18,9 @@ import click
 from click.shell_completion import CompletionItem
 
 from golden.input_error import InputError
-from tactus.cli.commands import (
-    BY_NAME,
-    COMMANDS,
-    WIDTH,
-    Argument,
-    Command,
-    flag,
-    scene_names,
-    start,
-)
+from tactus.cli.commands import WIDTH, scene_names, start
 from tactus.core.cli import run
+from tactus.core.commands import BY_NAME, COMMANDS, Argument, Command, flag
 from tactus.core.folders import is_checkout
 
 NAME = "tactus"

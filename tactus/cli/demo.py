@@ -9,7 +9,6 @@ simulates each by itself. A bench that has passed and has not changed since is n
 if an earlier demo was interrupted.
 """
 
-import argparse
 import sys
 import textwrap
 import time
@@ -20,6 +19,7 @@ import numpy as np
 
 from golden.networks.left_out import left_out
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import closing
@@ -182,10 +182,7 @@ def bench_table(scene: Scene, results: dict[str, Any]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
-    parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
-    parser.add_argument("--full", action="store_true", help="every entity")
-    arguments = parser.parse_args()
+    arguments = arguments_of("demo", __doc__)
     started = time.perf_counter()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     with stage(f"demo: reading {' and '.join(names)}"):

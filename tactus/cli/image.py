@@ -1,21 +1,15 @@
 """``make image``: writes the memory image of a scene, in three formats."""
 
-import argparse
 import sys
-from pathlib import Path
 
 from tactus.core.cli import run, stop_if_dry_run
-from tactus.core.folders import BUILD
+from tactus.core.commands import arguments_of
 from tactus.scene import load_scene
 from tactus.scene.image import hardware_of, scene_image, write_image
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make image", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--hardware", help="scene whose hardware runs it; by default its own")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
+    arguments = arguments_of("image", __doc__)
     scene = load_scene(arguments.scene)
     hardware = load_scene(arguments.hardware) if arguments.hardware else scene
     image = scene_image(scene, hardware_of(hardware))

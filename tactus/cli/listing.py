@@ -3,7 +3,6 @@
 For a network without a program, whose products are made by adders, it prints every adder.
 """
 
-import argparse
 import sys
 
 from golden.common.block import walk
@@ -20,13 +19,12 @@ from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.scene import load_scene
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make listing", description=__doc__)
-    parser.add_argument("scene")
-    scene = load_scene(parser.parse_args().scene)
+    scene = load_scene(arguments_of("listing", __doc__).scene)
     blocks = list(walk(scene.twin()))
     matrices = [block for block in blocks if isinstance(block, ConstantMatrix)]
     if matrices:

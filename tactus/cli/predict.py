@@ -1,11 +1,11 @@
 """``make predict``: computes what a scene's hardware gives for new readings."""
 
-import argparse
 import sys
 from pathlib import Path
 
 from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.table import read_csv_file
 from tactus.rig.predict import Prediction, check_place, predict, readings_of, write_prediction
 from tactus.rig.trained_on import trained_on
@@ -28,12 +28,7 @@ def result_lines(scene: Scene, found: Prediction) -> list[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make predict", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("csv")
-    parser.add_argument("to")
-    parser.add_argument("--force", action="store_true", help="replace any file at TO")
-    arguments = parser.parse_args()
+    arguments = arguments_of("predict", __doc__)
     for key, text in (("CSV", arguments.csv), ("TO", arguments.to)):
         if not text:
             raise InputError(f"{key}=: missing, expected a .csv file")

@@ -4,7 +4,6 @@ Without placements it proposes some, namely those in the recording that lower th
 most.
 """
 
-import argparse
 import hashlib
 import sys
 import warnings
@@ -17,6 +16,7 @@ import numpy as np
 from golden.input_error import InputError, naming
 from golden.numbers.real import Real
 from tactus.core.cli import numbers, run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.recalibration.choice import (
     MOST_PLACEMENTS,
     REPEATS,
@@ -49,16 +49,7 @@ MOST_LEFT = 3.0
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make recalibrate", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("csv", nargs="?", default="", help="readings and their known outputs")
-    parser.add_argument("to", nargs="?", default="", help="folder or scene file of the copy")
-    parser.add_argument("--noise", default="", help="noise of a reading, in its unit")
-    parser.add_argument("--drift", default="", help="expected drift: GAIN,OFFSET")
-    parser.add_argument(
-        "--force", action="store_true", help="replace any files of the copy's names"
-    )
-    arguments = parser.parse_args()
+    arguments = arguments_of("recalibrate", __doc__)
     noise = numbers("NOISE", arguments.noise, 1, MOST)
     drift = numbers("DRIFT", arguments.drift, 2, MOST)
     scene = load_scene(arguments.scene)

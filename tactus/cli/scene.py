@@ -1,12 +1,12 @@
 """``make scene``: writes a scene for recorded readings, and prints what they show."""
 
-import argparse
 import shlex
 import sys
 from pathlib import Path
 
 from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import check_file, check_folder, check_writable
 from tactus.core.finding import refuse
 from tactus.core.table import read_csv_file
@@ -19,16 +19,7 @@ from tactus.train.descent.scaling import scaled
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
-    parser.add_argument("csv")
-    parser.add_argument(
-        "outputs", nargs="?", help="columns to be computed from the others, comma-separated"
-    )
-    parser.add_argument("--classes", help="instead: a column of labels to be told apart")
-    parser.add_argument("--hardware", help="scene whose board recorded the readings")
-    parser.add_argument("--network", type=Path, help="trained network that the scene is for")
-    parser.add_argument("--to", type=Path, help="the scene's file; by default named as the CSV")
-    arguments = parser.parse_args()
+    arguments = arguments_of("scene", __doc__)
     if not arguments.csv:
         raise InputError("CSV=: missing, expected a file of readings")
     check_file(Path(arguments.csv))

@@ -1,6 +1,5 @@
 """``make train``: trains the networks that a scene names."""
 
-import argparse
 import platform
 import sys
 import time
@@ -19,9 +18,9 @@ from golden.trained.dense import Trained
 from tactus.core import store
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.closure import code
+from tactus.core.commands import arguments_of, option
 from tactus.core.files import check_output
 from tactus.core.finding import refuse
-from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import Progress
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
@@ -95,14 +94,12 @@ def compared(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make train", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--workers", type=int, default=-1, help="processes; -1: one a core")
-    parser.add_argument("--cluster", help="address of a Dask scheduler to compute on instead")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    parser.add_argument("--into", type=Path, help="folder for the networks; beside the scene")
-    parser.add_argument("--force", action="store_true", help="replace networks from elsewhere")
-    arguments = parser.parse_args()
+    arguments = arguments_of(
+        "train",
+        __doc__,
+        option("WORKERS", kind=int, start=-1),  # processes; -1: one a core
+        option("INTO", kind=Path),  # the folder for the networks, instead of that of the scene
+    )
     scene = load_scene(arguments.scene)
     if arguments.into:
         members = (

@@ -1,14 +1,13 @@
 """``make monitor``: show what a board sends on a page in the browser, and record it."""
 
-import argparse
 import sys
 import time
 from contextlib import ExitStack
-from pathlib import Path
 
-from tactus.core.cli import MOST_SEED, numbers, run, stop_if_dry_run, whole
+from tactus.core.cli import numbers, run, stop_if_dry_run
+from tactus.core.commands import arguments_of, option
 from tactus.core.progress import CLEAR
-from tactus.monitor.board import MOST_BAUD, board_of
+from tactus.monitor.board import board_of
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.lessons import Tour
 from tactus.monitor.load import load
@@ -53,16 +52,7 @@ def drift_of(text: str, seed: int) -> Drift | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make monitor", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("port", help="a serial port, sim or twin")
-    parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
-    parser.add_argument("--to", type=Path, help="CSV that takes every packet")
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
-    parser.add_argument("--drift", default="", help="drift of a simulated board: GAIN,OFFSET")
-    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
-    parser.add_argument("--seconds", type=float, help="end after so long")
-    arguments = parser.parse_args()
+    arguments = arguments_of("monitor", __doc__, option("SECONDS", kind=float))
     drift = drift_of(arguments.drift, arguments.seed)
     if drift:
         refuse_drift(arguments.port)

@@ -17,8 +17,6 @@ from tactus.rig.predict import decimals, decision_columns
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import readings, signals
 
-MOST_BAUD = 12_000_000
-
 
 @dataclass(frozen=True)
 class Board:

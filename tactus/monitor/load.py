@@ -1,14 +1,14 @@
 """``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
-import argparse
 import sys
 import time
 
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
-from tactus.core.cli import run, stop_if_dry_run, whole
-from tactus.monitor.board import MOST_BAUD, Board, board_of
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
+from tactus.monitor.board import Board, board_of
 from tactus.monitor.line import Line
 from tactus.monitor.ports import open_line
 from tactus.scene.image import hardware_of, scene_image
@@ -76,12 +76,7 @@ def load(line: Line, board: Board) -> int:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make load", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("port", help="a serial port, or sim")
-    parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
-    arguments = parser.parse_args()
+    arguments = arguments_of("load", __doc__)
     board = board_of(arguments.scene, arguments.hardware)
     check_readings(board)
     hardware_of(board.hardware)

@@ -1,6 +1,5 @@
 """``make record``: record readings at known placements, in the form that ``make scene`` takes."""
 
-import argparse
 import math
 import sys
 import time
@@ -13,17 +12,17 @@ from golden.input_error import InputError, suggest
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.numbers.real import Real
-from tactus.core.cli import run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import same_file
 from tactus.core.finding import fault, refuse
 from tactus.core.table import read_csv_file
-from tactus.monitor.board import MOST_BAUD, Board, board_of
+from tactus.monitor.board import Board, board_of
 from tactus.monitor.csv_file import GrowingCsv, refuse_there
 from tactus.monitor.line import Line, Simulated
 from tactus.monitor.ports import SIMULATED, TWIN, open_line
 from tactus.scene import Scene
 
-FRAMES = 16
 # The first packets may still belong to the placement before: one in the board, one on the line.
 SETTLE = 2
 
@@ -225,14 +224,7 @@ def simulated_ask(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make record", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("port", help="a serial port, or sim")
-    parser.add_argument("to")
-    parser.add_argument("--labels", default="", help="CSV of placements, a column for each output")
-    parser.add_argument("--frames", type=whole("FRAMES", 1, 100_000), default=FRAMES)
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
-    arguments = parser.parse_args()
+    arguments = arguments_of("record", __doc__)
     if not arguments.to:
         raise InputError("TO=: missing, expected a .csv file")
     board = board_of(arguments.scene)

@@ -5,10 +5,10 @@ holds the plots, a CSV for each table, and report.json with all tables. What has
 the last report is not measured again.
 """
 
-import argparse
 import sys
 
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.report.page.build import build_report
@@ -16,9 +16,7 @@ from tactus.verify.benches.runner import ready_scene
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make report", description=__doc__)
-    parser.add_argument("scene")
-    arguments = parser.parse_args()
+    arguments = arguments_of("report", __doc__)
     scene = ready_scene(arguments.scene)
     stop_if_dry_run(f"simulate and measure scene {scene.name} and write its report")
     with held([BUILD / scene.name]):

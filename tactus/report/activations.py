@@ -1,21 +1,17 @@
 """``python -m tactus.report.activations``: measures and draws how far activations are from tanh."""
 
-import argparse
 import sys
-from pathlib import Path
 
 from golden.activation.schemes import forms
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_file
-from tactus.core.folders import BUILD
 from tactus.report.draw.activation_errors import plot, plot_file
 from tactus.report.measure.activation_errors import measure, table, write
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make activations", description=__doc__)
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
+    arguments = arguments_of("activations", __doc__)
     folder = arguments.build / "activations"
     stop_if_dry_run(f"measure every activation and write its plot into {folder}")
     rows = measure()

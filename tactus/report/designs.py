@@ -1,12 +1,11 @@
 """``make designs``: prints what each design of a scene's networks costs, without synthesis."""
 
-import argparse
 import sys
 import textwrap
-from pathlib import Path
 
 from golden.input_error import InputError, suggest
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import check_output, replace_file
 from tactus.report.draw.designs import is_drawn, picture_of
 from tactus.report.measure.designs import FAMILIES, designs, refused_lines
@@ -27,15 +26,10 @@ def family_of(name: str) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make designs", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--family", default="")
-    parser.add_argument("--picture", default="")
-    parser.add_argument("--force", action="store_true", help="replace any file at PICTURE")
-    arguments = parser.parse_args()
+    arguments = arguments_of("designs", __doc__)
     family = family_of(arguments.family)
     scene = load_scene(arguments.scene)
-    path = Path(arguments.picture) if arguments.picture else None
+    path = arguments.picture
     if path:
         if path.suffix != ".svg":
             raise InputError(f"PICTURE={path}: expected a name that ends in .svg")

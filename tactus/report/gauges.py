@@ -1,13 +1,11 @@
 """``python -m tactus.report.gauges RIG``: finds the best places of gauges on a beam."""
 
-import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
-from tactus.core.folders import BUILD
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
 from tactus.report.draw.gauges import gauges
@@ -40,10 +38,7 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make sensors", description=__doc__)
-    parser.add_argument("rig")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
+    arguments = arguments_of("sensors", __doc__)
     rig = load_rig(arguments.rig)
     stop_if_dry_run(f"find where the gauges of {rig.name} should sit")
     table, picture = sensors(rig)

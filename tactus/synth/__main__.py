@@ -5,7 +5,6 @@ and the versions of the tools. It is an error if an entity does not cost what th
 says, even if it costs less.
 """
 
-import argparse
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from importlib.metadata import version
@@ -15,8 +14,8 @@ from typing import Any
 from golden.input_error import InputError
 from golden.networks.network import Network
 from tactus.core.cli import run_repeatable, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json
-from tactus.core.folders import BUILD
 from tactus.core.progress import Progress
 from tactus.core.table import write_csv_file
 from tactus.export.exporter import export
@@ -99,11 +98,7 @@ def work(scene: Scene, design: Network, verilog: Path) -> tuple[Cells, Timing]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make synth", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    parser.add_argument("--record", action="store_true", help="record the figures")
-    arguments = parser.parse_args()
+    arguments = arguments_of("synth", __doc__)
     scene = load_scene(arguments.scene)
     design = scene.twin()
     stop_if_dry_run(f"synthesise, place and route scene {scene.name}")

@@ -5,7 +5,6 @@ as it is. The scenes of ``--beside`` are built as they are, for comparison. ``--
 cells of both builds for docs/left-out.md.
 """
 
-import argparse
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from golden.common.block import Block
 from golden.input_error import InputError
 from golden.networks.left_out import left_out
 from tactus.core.cli import run_repeatable, stop_if_dry_run, words
+from tactus.core.commands import arguments_of
 from tactus.core.progress import Progress
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene
@@ -78,11 +78,7 @@ def _synthesised(scene: Scene) -> tuple[str, dict[str, int]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make lean", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--beside", default="", help="scenes, quoted as for a shell")
-    parser.add_argument("--record", action="store_true", help="keep the cells")
-    arguments = parser.parse_args()
+    arguments = arguments_of("lean", __doc__)
     names = [arguments.scene, *words("BESIDE", arguments.beside)]
     scenes = [load_scene(name) for name in names]
     first = scenes[0]

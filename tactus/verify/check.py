@@ -1,14 +1,13 @@
 """``make check``: looks for everything that can be wrong with a scene, and prints each check."""
 
-import argparse
 import shutil
 import sys
 from pathlib import Path
 
 from golden.input_error import InputError
 from tactus.core.cli import run
+from tactus.core.commands import arguments_of
 from tactus.core.finding import OK, WARNING, Finding, collect_faults, faults
-from tactus.core.folders import BUILD
 from tactus.core.machine import versions
 from tactus.core.progress import stage
 from tactus.rig.check import everything
@@ -39,10 +38,7 @@ def check(name: str, build: Path) -> list[Finding]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make check", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
+    arguments = arguments_of("check", __doc__)
     with stage(f"checking {arguments.scene}", quick=True):
         findings = check(arguments.scene, arguments.build)
     print("\n".join(map(str, findings)))

@@ -5,7 +5,6 @@ Verilog is read by Yosys, VHDL by GHDL, whose netlist Yosys reads; neither proof
 (``tactus.verify.sign_off.prove``).
 """
 
-import argparse
 import os
 import subprocess
 import sys
@@ -23,6 +22,7 @@ from golden.networks.arrangement import seen
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
 from tactus.core.cli import run, stop_if_dry_run, whole, words
+from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import PAUSE, Heartbeat, duration, stage
@@ -180,13 +180,7 @@ def from_trained(scene: Scene, given: dict[str, Any]) -> list[str]:
 
 def main() -> int:
     """Run as ``python -m tactus.verify.prove``."""
-    parser = argparse.ArgumentParser(prog="make prove", description=__doc__)
-    parser.add_argument("--block")
-    parser.add_argument("--scene")
-    parser.add_argument("--record", action="store_true")
-    parser.add_argument("--theta", default="")
-    parser.add_argument("--hardware")
-    arguments = parser.parse_args()
+    arguments = arguments_of("prove", __doc__)
     if (arguments.theta or arguments.hardware) and not arguments.scene:
         raise InputError("SCENE: got none beside THETA or HARDWARE, expected a scene")
     if not arguments.scene:
@@ -196,7 +190,7 @@ def main() -> int:
     for simulator in ("ghdl", "icarus"):
         check_simulator(simulator)
     one = whole("THETA", SIGNAL.low, SIGNAL.high)
-    theta = [one(text) for text in arguments.theta.split(",") if text]
+    theta = [one(text) for text in (arguments.theta or "").split(",") if text]
     rig = load_scene(arguments.hardware) if arguments.hardware else None
     # A path may have blanks in it. This function finds none where names are too long for one.
     whole_path = os.path.exists(arguments.scene)

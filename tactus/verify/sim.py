@@ -13,18 +13,17 @@ from tempfile import TemporaryDirectory
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from tactus.core.cli import MOST_SEED, dry, run, stop_if_dry_run, whole
+from tactus.core.cli import dry, run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.progress import Progress, stage
 from tactus.verify.benches.kept_results import run_and_keep
 from tactus.verify.benches.places import Place, places
-from tactus.verify.benches.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
+from tactus.verify.benches.runner import FRAMES, Job, Outcome, plan, run_jobs, tell
 from tactus.verify.benches.tools import SIMULATORS, check_simulator
-from tactus.verify.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
+from tactus.verify.sign_off.netlist import NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tactus.verify.sign_off.netlist_record import record
-
-MOST_FRAMES = 1_000_000
 
 
 def conclude(outcomes: list[Outcome]) -> int:
@@ -36,16 +35,7 @@ def conclude(outcomes: list[Outcome]) -> int:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="make sim", description=__doc__)
-    parser.add_argument("scene", nargs="?", help="the default scenes when left out")
-    parser.add_argument("--block")
-    parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
-    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
-    parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=FRAMES)
-    parser.add_argument("--waves", action="store_true")
-    parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(CELLS)}")
-    parser.add_argument("--record", action="store_true", help="with --netlist: every block's")
-    arguments = parser.parse_args()
+    arguments = arguments_of("sim", __doc__)
     if arguments.record:
         if not arguments.netlist:
             raise InputError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
@@ -87,7 +77,7 @@ def simulate(
                 arguments.block,
                 arguments.seed,
                 arguments.waves,
-                frames=arguments.frames,
+                frames=arguments.frames or FRAMES,
             )
             jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
     with Progress("simulating", len(jobs), "benches") as progress:

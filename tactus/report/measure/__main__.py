@@ -6,27 +6,21 @@ the same bytes on one machine; on another machine figures from floating point di
 studies/spread found.
 """
 
-import argparse
 import sys
-from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError, suggest
-from tactus.core.cli import MOST_SEED, run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run, words
+from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder, write_json
 from tactus.core.fingerprint import ROOT, fingerprint, sources
-from tactus.core.folders import BUILD
 from tactus.core.machine import versions
 from tactus.report.measure.registry import TABLES
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make figures", description=__doc__)
-    parser.add_argument("tables", nargs="*", metavar="TABLE")
-    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
-    parser.add_argument("--build", type=Path, default=BUILD)
-    arguments = parser.parse_args()
-    names = arguments.tables or list(TABLES)
+    arguments = arguments_of("figures", __doc__)
+    names = words("TABLE", arguments.table or "") or list(TABLES)
     for name in names:
         if name not in TABLES:
             raise InputError(

@@ -6,7 +6,6 @@ timed beside the same network in floating point. The speed depends on the machin
 the two hardly does.
 """
 
-import argparse
 import resource
 import sys
 import time
@@ -15,18 +14,15 @@ import numpy as np
 
 from golden.networks.arrangement import process_real
 from golden.numbers.precision import SIGNAL
-from tactus.core.cli import run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.scene import load_scene
 
 FLOAT_CHUNK = 4096
-MOST_FRAMES = 10_000_000
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=1_000_000)
-    arguments = parser.parse_args()
+    arguments = arguments_of("bench", __doc__)
     scene = load_scene(arguments.scene)
     design = scene.twin().core
     recorded = scene.vectors().codes

@@ -7,13 +7,13 @@ side of every border, every state and every value of a port was met. A bench tha
 out fails, here as in every other run. The record shows the counts.
 """
 
-import argparse
 import sys
 from typing import Any
 
 from golden.common.block import Block
 from golden.input_error import InputError
 from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.fingerprint import fingerprint
 from tactus.core.progress import Progress
 from tactus.verify.benches.runner import Outcome, run_job, run_jobs
@@ -56,10 +56,7 @@ def summary(outcome: Outcome) -> dict[str, Any]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="make coverage", description=__doc__)
-    parser.add_argument("--block")
-    parser.add_argument("--record", action="store_true")
-    arguments = parser.parse_args()
+    arguments = arguments_of("coverage", __doc__)
     blocks = chosen_blocks(arguments.block)
     print(cases_line(arguments.block), flush=True)
     stop_if_dry_run(f"export, then run {len(blocks)} benches")

@@ -6,7 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.core.cli import MOST_SEED, run, stop_if_dry_run, whole
+from tactus.core.cli import run, stop_if_dry_run
+from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.scene import load_scene
@@ -47,13 +48,7 @@ def words_line(name: str, words: dict[str, Any]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
-    parser.add_argument("--block")
-    parser.add_argument("--scene", help="mutate the entities of a scene")
-    parser.add_argument("--all", action="store_true", help="find again what is recorded already")
-    parser.add_argument("--record", action="store_true")
-    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
-    arguments = parser.parse_args()
+    arguments = arguments_of("mutate", __doc__)
     if arguments.record and arguments.seed != SEED:
         raise InputError(
             f"RECORD=1: got SEED={arguments.seed}, expected none: records are of seed {SEED}, so "
