@@ -114,7 +114,6 @@ def compare(scenes: list[Scene]) -> None:
         print(f"{name:32}" + "".join(f"{found[kind]:12}" for kind in KINDS))
 
 
-
 def cells(spec: Block, family: str) -> dict[str, int]:
     """The cells of a block and its parts after ``synth_xilinx``."""
     with tempfile.TemporaryDirectory() as name:

@@ -140,7 +140,6 @@ def main() -> None:
     write(pages())
 
 
-
 END = "<!-- to here -->"
 
 
