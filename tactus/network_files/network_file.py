@@ -109,8 +109,7 @@ def held_in(path: Path) -> ParsedNetwork:
     """The content of the network file at ``path``."""
     form = _form(path)
     check_file(path)
-    held: ParsedNetwork = form.read(path)
-    return held
+    return form.read(path)
 
 
 def _check_array(

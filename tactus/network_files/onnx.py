@@ -457,8 +457,7 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
     """A constant that holds one number for each value of a frame, or one number for all."""
     if values.size != 1 and values.shape[-1] != values.size:
         raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
-    row: Real = values.ravel()
-    return row
+    return values.ravel()
 
 
 def write(path: Path, network: Trained) -> None:

@@ -116,8 +116,7 @@ def folded(node: Any, data: Any, constants: dict[str, Any], refuse: Refuse) -> A
         Quantiser(float(f), int(z), low, high, rounding).process(np.asarray(v, dtype=np.float64))
         for v, f, z in np.broadcast(values, factor, place)
     ]
-    result: Real = np.reshape(found, values.shape)
-    return result
+    return np.reshape(found, values.shape)
 
 
 def _along(node: Any, value: Any, values: Any) -> Any:

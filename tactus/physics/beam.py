@@ -64,15 +64,13 @@ class Beam:
         i, force, a = self._domain(at, mass, position)
         # Both cases of the equation have the smaller of the two places squared.
         near, far = np.minimum(i, a), np.maximum(i, a)
-        result: Real = -force * near**2 * (3 * far - near) / (6 * self.stiffness)
-        return result
+        return -force * near**2 * (3 * far - near) / (6 * self.stiffness)
 
     def slope(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
         """Slope theta = dv/di_B (equation 3.3), with arguments and errors as in ``deflection``."""
         i, force, a = self._domain(at, mass, position)
         near = np.minimum(i, a)
-        result: Real = -force * near * (2 * a - near) / (2 * self.stiffness)
-        return result
+        return -force * near * (2 * a - near) / (2 * self.stiffness)
 
     def moment(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
         """Bending moment M_B = E I v'' in N m (equations 3.4 and 3.5): -D a_g (a - i_B) or 0.
@@ -81,8 +79,7 @@ class Beam:
         although it is E I v'' according to 3.4. Arguments and errors are as in ``deflection``.
         """
         i, force, a = self._domain(at, mass, position)
-        result: Real = -force * np.maximum(a - i, 0)
-        return result
+        return -force * np.maximum(a - i, 0)
 
 
 def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) -> Real:
@@ -101,8 +98,7 @@ def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) 
     even = h * r**2
     pointed = np.where(r <= 0.5, h * 4 * r**3 / 3, h * (2 * r - 1 + 4 * (1 - r) ** 3 / 3))
     inside = np.where(np.asarray(triangular, dtype=bool), pointed, even)
-    result: Real = np.where(np.abs(d) < h, inside, np.maximum(d, 0))
-    return result
+    return np.where(np.abs(d) < h, inside, np.maximum(d, 0))
 
 
 def arm_slopes(

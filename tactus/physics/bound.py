@@ -95,5 +95,4 @@ def least_mean_errors(
     Returns, shape (n, 3): The bounds of load, position and width.
     """
     deviations = least_deviations(slopes_by_codes(sensors, codes), noise)
-    result: Real = 100 * MEAN_PER_DEVIATION * deviations / np.asarray(scale)
-    return result
+    return 100 * MEAN_PER_DEVIATION * deviations / np.asarray(scale)

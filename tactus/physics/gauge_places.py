@@ -52,8 +52,7 @@ class Placing:
         gain = rig.full_scale / largest
         deviation = np.hypot(rig.noise, gain * rig.noise_strain)
         slopes = unit.slopes(rig.placements) * (gain / deviation)
-        result: Real = slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
-        return result
+        return slopes[:, :, np.newaxis] * slopes[:, np.newaxis]
 
     @cached_property
     def _all(self) -> Real:
@@ -94,8 +93,7 @@ class Placing:
         """The number to minimise: mean or worst error over placements and outputs that count."""
         counted = errors[..., [OUTPUTS.index(name) for name in self.rig.outputs]]
         flat = counted.reshape(*counted.shape[:-2], -1)
-        result: Real = flat.mean(axis=-1) if self.rig.objective == "mean" else flat.max(axis=-1)
-        return result
+        return flat.mean(axis=-1) if self.rig.objective == "mean" else flat.max(axis=-1)
 
     def best(self) -> list[float]:
         """The best places that were found; they are the same in every run.

@@ -30,8 +30,7 @@ def kinds_of(targets: Real, known_loads: bool) -> Real:
         which NaN stands for, with any width and any shape that occur in ``targets``.
     """
     if known_loads:
-        found: Real = np.unique(targets[:, [0, 2, 3]], axis=0)
-        return found
+        return np.unique(targets[:, [0, 2, 3]], axis=0)
     widths, shapes = (np.unique(targets[:, c]) for c in (2, 3))
     return np.array([[np.nan, width, shape] for width in widths for shape in shapes])
 
@@ -100,5 +99,4 @@ def _medians(values: Real, weights: Real) -> Real:
     total = np.cumsum(weights[:, order], axis=1)
     half = total[:, -1:] / 2
     low, high = ((total >= half * (1 + side)).argmax(axis=1) for side in (-_TIE, _TIE))
-    result: Real = (values[order][low] + values[order][high]) / 2
-    return result
+    return (values[order][low] + values[order][high]) / 2

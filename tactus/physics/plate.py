@@ -118,8 +118,7 @@ class Plate:
             if self.clamped:
                 line = line - _clamping(k * b / 2, k * (y - b / 2), k * eta, k * (b - eta))
             total += (sines * line / m**3).sum(axis=0)
-        result: Real = total * a**2 / (np.pi**3 * self.stiffness)
-        return result
+        return total * a**2 / (np.pi**3 * self.stiffness)
 
     def tail(self, points: ArrayLike, loads: ArrayLike, terms: int = TERMS) -> Real:
         """A bound of the part of ``influence`` in the terms beyond ``terms``, m/N, shape (n, k).
@@ -136,8 +135,7 @@ class Plate:
         u = np.pi * (terms + 1) / self.length * np.abs(y - eta)
         shape = (np.shape(points)[0], np.shape(loads)[0])
         scale = self.length**2 / (2 * np.pi**3 * self.stiffness)
-        result: Real = np.broadcast_to((1 + u) * np.exp(-u) * scale * zeta(3, terms + 1), shape)
-        return result
+        return np.broadcast_to((1 + u) * np.exp(-u) * scale * zeta(3, terms + 1), shape)
 
 
 def _minus(u: Real) -> Real:

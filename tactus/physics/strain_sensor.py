@@ -81,8 +81,7 @@ class StrainSensor:
         """Volts for each load, not clipped."""
         mass, arm = self._mass_and_arm(loads)
         strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
-        result: Real = self.gain * strain + self.offset
-        return result
+        return self.gain * strain + self.offset
 
     def slopes(self, loads: Loads) -> Real:
         """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m."""
@@ -92,8 +91,7 @@ class StrainSensor:
         )
         moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
         per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
-        result: Real = per_moment * np.stack(moments, axis=-1)
-        return result
+        return per_moment * np.stack(moments, axis=-1)
 
     def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:
         mass, place = checked(

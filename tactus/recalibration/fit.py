@@ -91,8 +91,7 @@ def root_of_inverse(slopes: Real) -> Real:
     """
     inverse = np.linalg.inv(np.linalg.qr(slopes, mode="r"))
     lower = np.linalg.qr(inverse.T, mode="r").T  # type: ignore[attr-defined]
-    result: Real = lower * np.sign(np.diag(lower))
-    return result
+    return lower * np.sign(np.diag(lower))
 
 
 def misses(recorded: Sensitivity, placements: Placements, theta: Real) -> Real:

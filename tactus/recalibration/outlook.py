@@ -165,5 +165,4 @@ def _chances(recorded: Sensitivity, thetas: Real, root: Real) -> Real:
     unsure = 2 * np.linalg.norm(reach @ root, axis=2).T
     # An output that cannot change cannot get worse either.
     parts = np.divide(gain, unsure, out=np.full(gain.shape, np.inf), where=unsure > 0)
-    result: Real = ndtr(parts)
-    return result
+    return ndtr(parts)

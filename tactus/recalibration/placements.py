@@ -60,8 +60,7 @@ def numbers_of(path: Path, columns: Sequence[str]) -> Real | None:
     """
     if COLUMN in columns or COLUMN not in read_csv_file(path).names:
         return None
-    result: Real = read_table(path, [COLUMN])[:, 0]
-    return result
+    return read_table(path, [COLUMN])[:, 0]
 
 
 def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray[np.intp]]:
@@ -108,5 +107,4 @@ def noise_of_repeats(vectors: Vectors, found: Placements, place: NDArray[np.intp
     free = len(place) - len(found)
     if free < LEAST_FREE:
         return None
-    result: Real = np.sqrt(((vectors.inputs - found.inputs[place]) ** 2).sum(axis=0) / free)
-    return result
+    return np.sqrt(((vectors.inputs - found.inputs[place]) ** 2).sum(axis=0) / free)

@@ -79,8 +79,7 @@ class Sensitivity:
     def moves(self, samples: Real) -> Real:
         """What each element of ``theta`` adds to samples, shape (rows, 2 sensors)."""
         by_gain = (samples + zero_signals(self.scene)) * self.gain
-        result: Real = np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
-        return result
+        return np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
 
     def moved(self, samples: Real, theta: Real) -> Real:
         """Samples after a correction."""
@@ -114,14 +113,12 @@ class Sensitivity:
     def own_errors(self) -> Real:
         """The networks' own errors, shape (recorded rows, outputs), in percent."""
         vectors = self.scene.vectors()
-        result: Real = vectors.percent_errors(self.scene.process_real(vectors.inputs))
-        return result
+        return vectors.percent_errors(self.scene.process_real(vectors.inputs))
 
     @cached_property
     def error(self) -> Real:
         """The root mean square of the own errors, at least ``LEAST_ERROR``, shape (outputs,)."""
-        result: Real = np.maximum(np.sqrt((self.own_errors**2).mean(axis=0)), LEAST_ERROR)
-        return result
+        return np.maximum(np.sqrt((self.own_errors**2).mean(axis=0)), LEAST_ERROR)
 
     @cached_property
     def recorded(self) -> Placements:
@@ -156,8 +153,7 @@ class Sensitivity:
         """
         _, slopes = outputs_and_slopes(self.scene, placements.inputs)
         by_theta = self.by_theta(slopes, placements.inputs)
-        result: Real = by_theta * (100 / placements.scale)[:, :, np.newaxis]
-        return result
+        return by_theta * (100 / placements.scale)[:, :, np.newaxis]
 
     def spread(self, placements: Placements) -> Real:
         """``S``, the covariance of the part of the placements' errors without drift, in percent.
@@ -183,8 +179,7 @@ class Sensitivity:
             noise += np.einsum("dro,drp->rop", moved, moved) / (2 * DRAWS)
         own = np.maximum((self.own_errors[near] ** 2).mean(axis=1), self.error**2)
         diagonal = own[:, :, np.newaxis] * np.eye(own.shape[1])
-        result: Real = diagonal + noise
-        return result
+        return diagonal + noise
 
     def nearest(self, placements: Placements) -> NDArray[np.intp]:
         """The recorded rows with the nearest outputs, shape (placements, ``NEAREST``)."""

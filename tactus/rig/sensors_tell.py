@@ -104,8 +104,7 @@ class Telling:
     @property
     def explained(self) -> NDArray[np.bool_]:
         """The outputs that the sensors explain; see TOLD."""
-        found: NDArray[np.bool_] = self.whole < TOLD * self.constant
-        return found
+        return self.whole < TOLD * self.constant
 
     def harmless(self, errors: Real) -> bool:
         """Whether errors without some sensors are no worse than with them; see WORSE and LOST."""
@@ -133,8 +132,7 @@ def measured(recording: Recording, split: Split, missed: Collection[str] = ()) -
     targets = recording.targets
 
     def mean(residuals: Real) -> Real:
-        percent: Real = 100 * np.abs(residuals / recording.scale[rows]).mean(axis=0)
-        return percent
+        return 100 * np.abs(residuals / recording.scale[rows]).mean(axis=0)
 
     constant = mean(targets[rows] - targets[train].mean(axis=0))
 

@@ -65,8 +65,7 @@ class SmoothMap:
         return self._with_one(inputs) @ self._plane + rest
 
     def _standardised(self, inputs: Real) -> Real:
-        found: Real = (inputs - self.inputs.mean(axis=0)) / spread(self.inputs)
-        return found
+        return (inputs - self.inputs.mean(axis=0)) / spread(self.inputs)
 
     def _with_one(self, inputs: Real) -> Real:
         return np.column_stack([np.ones(len(inputs)), self._standardised(inputs)])

@@ -129,8 +129,7 @@ def learnt(
 
 
 def _lengths(residual: Real, whitening: Real) -> Real:
-    result: Real = np.sqrt(((residual @ whitening.T) ** 2).sum(axis=1))
-    return result
+    return np.sqrt(((residual @ whitening.T) ** 2).sum(axis=1))
 
 
 def hardware_outputs(scene: Scene, readings: Real) -> Real:
@@ -145,16 +144,14 @@ def hardware_outputs(scene: Scene, readings: Real) -> Real:
 def outputs_of(scene: Scene, codes: Codes) -> Real:
     """The outputs for codes of the hardware; see ``hardware_outputs``."""
     if scene.labels:
-        found: Real = np.eye(len(scene.labels))[decided(codes)]
-        return found
+        return np.eye(len(scene.labels))[decided(codes)]
     return scene.outputs_in_units(codes)
 
 
 def code_steps(scene: Scene) -> Real:
     """The standard deviation of each input within one code, in the unit of its sensor."""
     factors = np.array([scale.factor for scale in scene.scales(scene.inputs)])
-    steps: Real = factors / (2**SIGNAL.frac * math.sqrt(12))
-    return steps
+    return factors / (2**SIGNAL.frac * math.sqrt(12))
 
 
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:

@@ -59,10 +59,7 @@ class Disturbance:
         count = int(which.max(initial=-1)) + 1
         gain = 1 + self.gain * rng.standard_normal(count)[which]
         offset = self.offset * rng.standard_normal(count)[which]
-        disturbed: Real = (
-            readings * gain + offset + self.noise * rng.standard_normal((rows, columns))
-        )
-        return disturbed
+        return readings * gain + offset + self.noise * rng.standard_normal((rows, columns))
 
 
 # Standard deviations of the gain, and of the offset as a part of the sensor's largest reading.

@@ -125,21 +125,18 @@ def output_names(column: str, labels: Sequence[str]) -> list[str]:
 
 def one_hot(texts: Sequence[str], labels: Sequence[str]) -> Real:
     """For each row 1 in the column of its label and 0 in the others, shape (rows, labels)."""
-    found: Real = (np.array(texts)[:, np.newaxis] == np.array(labels)).astype(np.float64)
-    return found
+    return (np.array(texts)[:, np.newaxis] == np.array(labels)).astype(np.float64)
 
 
 def decided(outputs: ArrayLike) -> NDArray[np.int64]:
     """The number of the class of each row; of equal outputs the first one counts."""
-    found: NDArray[np.int64] = np.asarray(outputs).argmax(axis=-1)
-    return found
+    return np.asarray(outputs).argmax(axis=-1)
 
 
 def margins(outputs: NDArray[Any]) -> NDArray[Any]:
     """By how much the largest output of each row exceeds the second largest."""
     second, first = np.moveaxis(np.sort(outputs, axis=-1)[..., -2:], -1, 0)
-    found: NDArray[Any] = first - second
-    return found
+    return first - second
 
 
 def wrong_percent(outputs: Real, targets: Real) -> Real:
@@ -148,8 +145,7 @@ def wrong_percent(outputs: Real, targets: Real) -> Real:
     A row whose class is taken for another one is wrong about both of these. ``outputs`` may have
     further dimensions in front of those of the one-hot ``targets``.
     """
-    result: Real = 100.0 * (np.eye(targets.shape[-1])[decided(outputs)] != targets)
-    return result
+    return 100.0 * (np.eye(targets.shape[-1])[decided(outputs)] != targets)
 
 
 def class_scale(network: Trained, readings: Real) -> Scale:

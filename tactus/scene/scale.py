@@ -56,8 +56,7 @@ def signals(readings: Real, scales: Sequence[Scale]) -> Real:
 def readings(signals: Real, scales: Sequence[Scale]) -> Real:
     """The readings for signals, shape (..., columns)."""
     offsets, factors = _arrays(scales)
-    result: Real = offsets + factors * signals
-    return result
+    return offsets + factors * signals
 
 
 def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:

@@ -148,8 +148,7 @@ class LabelledRows(Rows):
     def residuals(self, network: Trained, activation: Activation) -> Real:
         """The residual of each row."""
         logits = network.process(self.inputs, activation)
-        result: Real = np.sqrt(entropies(logits, self.targets))
-        return result
+        return np.sqrt(entropies(logits, self.targets))
 
 
 class ClassObjective(LayeredObjective):
@@ -166,8 +165,7 @@ class ClassObjective(LayeredObjective):
         network = self.network(vector)
         back = curvature_roots(self._probabilities(network))
         slopes = self._derivatives(network, back).reshape(-1, len(vector))
-        result: Real = slopes.T @ slopes + 2 * self.weight_decay * np.eye(len(vector))
-        return result
+        return slopes.T @ slopes + 2 * self.weight_decay * np.eye(len(vector))
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         residuals = self.residuals(vector)
@@ -177,8 +175,7 @@ class ClassObjective(LayeredObjective):
 
     def _too_probable(self, network: Trained) -> Real:
         """The derivative of the cross-entropy by the logits: probability minus target."""
-        result: Real = self._probabilities(network) - self.training.targets
-        return result
+        return self._probabilities(network) - self.training.targets
 
     def _probabilities(self, network: Trained) -> Real:
         """The probability of each class for each training row, shape (rows, classes)."""

@@ -12,16 +12,14 @@ from golden.numbers.real import Real
 def probabilities(logits: Real) -> Real:
     """The probability of each class for each row, shape (rows, classes)."""
     parts = np.exp(logits - logits.max(axis=1, keepdims=True))
-    result: Real = parts / parts.sum(axis=1, keepdims=True)
-    return result
+    return parts / parts.sum(axis=1, keepdims=True)
 
 
 def entropies(logits: Real, targets: Real) -> Real:
     """The cross-entropy of each row with one-hot targets, shape (rows,)."""
     own = (logits * targets).sum(axis=1, keepdims=True)
     # One term of the sum is exp(0), so that no result is below 0.
-    result: Real = np.logaddexp.reduce(logits - own, axis=1)
-    return result
+    return np.logaddexp.reduce(logits - own, axis=1)
 
 
 def curvature_roots(parts: Real) -> Real:
@@ -31,7 +29,4 @@ def curvature_roots(parts: Real) -> Real:
     S = diag(sqrt p) - p sqrt(p)'. The result is S' of each row.
     """
     roots = np.sqrt(parts)[:, np.newaxis, :]
-    result: Real = (
-        np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]
-    )
-    return result
+    return np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]

@@ -215,8 +215,7 @@ def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
     """Part of a Hessian, damped so that it has an inverse even if it is zero."""
     diagonal = whole.diagonal()
     least = 1e-12 * diagonal.max() + sys.float_info.min
-    part: Real = whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
-    return part
+    return whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
 
 
 def priced(aim: RoundingObjective, start: Real, price: float, rng: np.random.Generator) -> Real:
@@ -265,8 +264,7 @@ def priced(aim: RoundingObjective, start: Real, price: float, rng: np.random.Gen
 
 def _stiffness(diagonal: Real) -> Real:
     """Elements of a diagonal, which a rounding error may have made 0 or negative."""
-    found: Real = np.maximum(diagonal, sys.float_info.min)
-    return found
+    return np.maximum(diagonal, sys.float_info.min)
 
 
 def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
@@ -279,8 +277,7 @@ def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
     numbers = nearest_with(values, grid.high.bit_length() // 2 + 1)
     costs = (numbers - values) ** 2 * stiffness + price * np.arange(len(numbers))[:, np.newaxis]
     costs[(numbers < grid.low) | (numbers > grid.high)] = np.inf
-    found: Real = numbers[costs.argmin(axis=0), np.arange(len(values))].astype(np.float64)
-    return found
+    return numbers[costs.argmin(axis=0), np.arange(len(values))].astype(np.float64)
 
 
 def at_most(
@@ -340,8 +337,7 @@ class FewDigits:
     def errors(self, network: Trained) -> Real:
         """Mean bit-true error of each output on the validation rows."""
         errors = signed_errors(self.task, network, self.task.validation)
-        misses: Real = np.abs(errors).mean(axis=0)
-        return misses
+        return np.abs(errors).mean(axis=0)
 
     def misses(self) -> Real:
         """The relative error of each output, where no error counts as a small one."""

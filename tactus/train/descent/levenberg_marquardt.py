@@ -11,5 +11,4 @@ def descend(objective: Objective, start: Real, steps: int) -> Real:
     found = least_squares(
         objective.residuals, start, objective.jacobian, method="lm", max_nfev=steps
     )
-    result: Real = found.x
-    return result
+    return found.x

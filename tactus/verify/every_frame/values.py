@@ -70,7 +70,7 @@ class Values:
                 if not hasattr(reason, "place"):
                     reason.place = e.name  # type: ignore[attr-defined]
                 raise
-        return e.result  # type: ignore[no-any-return]
+        return e.result
 
     def _of(self, e: Expression) -> Value:
         kind, space = e.kind, self.space
