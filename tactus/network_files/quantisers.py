@@ -11,7 +11,6 @@ import numpy as np
 from onnx import helper
 
 from golden.input_error import InputError
-from golden.numbers.real import Real
 from golden.trained.dense import Quantiser
 
 QUANT, QUANTIZE, DEQUANTIZE = "Quant", "QuantizeLinear", "DequantizeLinear"

@@ -5,13 +5,13 @@ import tomllib
 from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
-from os.path import normpath
 from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError, suggest
 from golden.networks.designs import DESIGNS
 from golden.trained.window import Window
+from tactus.core.files import check_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import (
     Alternatives,
@@ -149,6 +149,7 @@ DATA = KeyTable(
         ),
     },
     name="a section",
+    either=(("file", "recordings"), ("outputs", "classes")),
 )
 
 
@@ -237,29 +238,18 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
         )
 
 
-def recordings(data: dict[str, Any], path: Path) -> list[str]:
-    """The names in ``data.file`` or ``data.recordings``; a scene has exactly one of these keys.
-
-    ``data`` is the section as it was written, without a key that is left out.
-    """
-    file: str | None = data.get("file")
-    several: list[str] | None = data.get("recordings")
-    if file is None and several is None:
-        raise InputError(
-            f"{path}: data.file: missing, expected text, the name of a file, or several in "
-            "data.recordings"
-        )
-    if several is None:
-        return [file or ""]
-    if file is not None:
-        raise InputError(
-            f"{path}: data.recordings: got {several!r} beside data.file, expected one of both keys"
-        )
-    if len({*map(normpath, several)}) < len(several):
+def data_paths(data: dict[str, Any], path: Path) -> tuple[Path, ...]:
+    """The files of the recordings."""
+    several = data["recordings"]
+    key, names = ("recordings", several) if several else ("file", [data["file"]])
+    found = tuple(beside(path, f"data.{key}", name) for name in names)
+    if len(set(found)) < len(found):
         raise InputError(
             f"{path}: data.recordings: got {several!r}, expected names of files, each once"
         )
-    return list(several)
+    for file in found if data["source"] else ():
+        check_file(file, f"no such file; {data['source']}")
+    return found
 
 
 def beside(path: Path, key: str, name: str) -> Path:
@@ -267,23 +257,6 @@ def beside(path: Path, key: str, name: str) -> Path:
     if not name or not name.isprintable():
         raise InputError(f"{path}: {key}: got {name!r}, expected the name of a file")
     return Path(os.path.normpath(path.parent / name))
-
-
-def outputs_or_classes(data: dict[str, Any], path: Path) -> None:
-    """Refuse a scene with both outputs and classes, or with neither.
-
-    ``data`` is the section as it was written, without a key that is left out.
-    """
-    if "outputs" not in data and "classes" not in data:
-        raise InputError(
-            f"{path}: data.outputs: missing, expected a list of column names, or a column of "
-            "labels in data.classes"
-        )
-    if "outputs" in data and "classes" in data:
-        raise InputError(
-            f"{path}: data.classes: got {data['classes']!r} beside data.outputs, expected one of "
-            "both keys"
-        )
 
 
 def check_data(data: dict[str, Any], path: Path) -> None:

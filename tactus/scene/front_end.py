@@ -155,8 +155,11 @@ class FrontEnd:
         )
 
 
-def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
-    """The front end of a section whose keys have been checked one by one."""
+def front_end(scene: dict[str, Any], path: Path) -> FrontEnd | None:
+    """The front end, if the scene has that section."""
+    if "front_end" not in scene:
+        return None
+    values, clock_mhz = scene["front_end"], scene["hardware"]["clock_mhz"]
     own = FRONT_END.keys["sample_at"].default
     if values["converter"] and values["sample_at"] != own:
         raise InputError(

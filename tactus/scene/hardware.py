@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
@@ -27,10 +27,6 @@ from tactus.core.schema import (
 from tactus.scene.data import read_window
 from tactus.sizing.choice import UNDECIDED, Demand
 from tactus.sizing.price import DEFAULT, DEVICES, Price, shares_of
-
-if TYPE_CHECKING:
-    pass
-
 
 _PRICE = Number(Span(0.0, 1e9))
 HARDWARE = KeyTable(
@@ -350,8 +346,11 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
             )
 
 
-def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
-    """The design's own options that the scene sets."""
+def design_options(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
+    """The design's own options that the scene sets, if it fits the rest of the scene."""
+    check_hardware(values, path)
+    check_learning(values, path)
+    hardware = values["hardware"]
     # Any design may have limits to its clocks.
     limits = {"clocks", "interval"}
     known = sorted({name for other in DESIGNS.values() for name in other.options} - limits)

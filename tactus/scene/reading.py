@@ -1,6 +1,7 @@
 """Reads scenes, by name or from a file."""
 
 import sys
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,31 +12,15 @@ from golden.numbers.precision import PRECISIONS
 from tactus.core.files import check_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
-from tactus.core.schema import Key, KeyTable, check_names, read_toml, refuse_outside, values_of
-from tactus.scene.data import (
-    DATA,
-    beside,
-    check_data,
-    check_window,
-    outputs_or_classes,
-    read_window,
-    recordings,
-)
+from tactus.core.schema import Key, KeyTable, checked, read_toml
+from tactus.scene.data import DATA, check_data, check_window, data_paths, read_window
 from tactus.scene.front_end import FRONT_END, front_end
-from tactus.scene.hardware import (
-    HARDWARE,
-    check_activation,
-    check_hardware,
-    check_learning,
-    demand,
-    design_options,
-    price,
-)
+from tactus.scene.hardware import HARDWARE, check_activation, demand, design_options, price
 from tactus.scene.labels import check_classes, output_names, read_labels
 from tactus.scene.network import NETWORK, members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
-from tactus.scene.training import TRAINING, check_digits, check_functions, check_search, training
+from tactus.scene.training import TRAINING, training
 from tactus.scene.uart import UART, uart
 from tactus.scene.visualisation import VISUALISATION, visualisation
 
@@ -110,19 +95,7 @@ def load_scene(name: str) -> Scene:
             f"{', '.join(known)}{suggest(name, list(named))}"
         ) from None
     raw = in_todays_words(read_toml(path), path)
-    check_names(raw, SCENE, path)
-    found: list[Finding] = []
-    with collect_faults(found):
-        values = values_of(raw, SCENE, path)
-    data = raw.get("data", {})
-    # A key that holds no text has been reported above.
-    if not (found and {"file", "recordings"} & set(data)):
-        with collect_faults(found):
-            files = recordings(data, path)
-    with collect_faults(found):
-        outputs_or_classes(data, path)
-    refuse(found)
-    return _scene(values, files, path)
+    return _scene(checked(raw, SCENE, path), path)
 
 
 def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
@@ -159,103 +132,67 @@ def _expanded(name: str) -> Path:
         return Path(name)
 
 
-def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> Scene:
-    data, network, hardware = values["data"], values["network"], values["hardware"]
-    key = "recordings" if data["recordings"] else "file"
-    data_paths = tuple(beside(path, f"data.{key}", file) for file in files)
-    for file in data_paths if data["source"] else ():
-        check_file(file, f"no such file; {data['source']}")
+def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
+    data, hardware = values["data"], values["hardware"]
+    paths = data_paths(data, path)
     where = {
         name: value if isinstance(value, str) else float(value)
         for name, value in data["where"].items()
     }
-    labels: tuple[str, ...] = ()
     if data["classes"]:
         check_classes(values, path)
-        labels = read_labels(data_paths, where, data["classes"])
+        labels = read_labels(paths, where, data["classes"])
         outputs = output_names(data["classes"], labels)
         # A one-hot target of 1 is full scale.
         full_scale = dict.fromkeys(outputs, 1.0)
         found = {"outputs": outputs, "full_scale": full_scale, "labels": labels}
         data = values["data"] = data | found
     check_data(data, path)
-    parts = _parts(values, path)
+    as_written = ("design", "activation_options", "clock_mhz", "interface", "argmax", "learning")
     return Scene(
         name=path.stem,
         path=path,
-        data_paths=data_paths,
+        data_paths=paths,
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
-        classes=data["classes"],
-        labels=labels,
-        group_by=data["group_by"],
+        labels=data.get("labels", ()),
         where=where,
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
-        units=data["units"],
         ends=tuple(map(float, data["ends"])),
-        reference=data["reference"],
-        arrangement=network["arrangement"],
-        design=hardware["design"],
-        activation_options=hardware["activation_options"],
+        arrangement=values["network"]["arrangement"],
         precision=PRECISIONS[hardware["precision"]],
-        clock_mhz=hardware["clock_mhz"],
-        interface=hardware["interface"],
-        argmax=hardware["argmax"],
-        learning=hardware["learning"],
-        **parts,
+        **{key: data[key] for key in ("classes", "group_by", "units", "reference")},
+        **{key: hardware[key] for key in as_written},
+        **_parts(values, path),
     )
 
 
 def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     """Those attributes of a scene that are checked while they are made."""
     data, hardware = values["data"], values["hardware"]
-    clock_mhz = hardware["clock_mhz"]
+    parts: dict[str, Any] = {}
+
+    def networks() -> Any:
+        window = parts["window"] = read_window(data, path)
+        check_window(values, window, path)
+        return members(data, values["network"], len(window.taps), path)
+
+    made: dict[str, Callable[[], Any]] = {
+        "members": networks,
+        "design_options": lambda: design_options(values, path),
+        "price": lambda: price(hardware, path),
+        "demand": lambda: demand(hardware, path),
+        "activation": lambda: check_activation(hardware, path),
+        "scale": lambda: read_scale(data, path),
+        "training": lambda: training(values, path),
+        "front_end": lambda: front_end(values, path),
+        "visualisation": lambda: visualisation(values, path),
+        "uart": lambda: uart(values, path),
+    }
     found: list[Finding] = []
-    # The sections with a number out of range. Nothing else in them is checked.
-    wrong: set[str] = set()
-    for section, key in SCENE.keys.items():
-        before = len(found)
+    for name, make in made.items():
         with collect_faults(found):
-            refuse_outside(values.get(section, {}), key.kind, section, path)
-        if len(found) > before:
-            wrong.add(section)
-    parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}
-    if not wrong & {"data", "network"}:
-        with collect_faults(found):
-            window = parts["window"] = read_window(data, path)
-            check_window(values, window, path)
-            parts["members"] = members(data, values["network"], len(window.taps), path)
-    with collect_faults(found):
-        check_hardware(values, path)
-        check_learning(values, path)
-        parts["design_options"] = design_options(hardware, path)
-    with collect_faults(found):
-        parts["price"] = price(hardware, path)
-        # A number out of range has been reported.
-        if "hardware" not in wrong:
-            parts["demand"] = demand(hardware, path)
-    if "training" not in wrong:
-        with collect_faults(found):
-            check_digits(values, path)
-            check_search(values, path)
-            check_functions(values, path)
-    with collect_faults(found):
-        parts["activation"] = check_activation(hardware, path)
-    if "data" not in wrong:
-        with collect_faults(found):
-            parts["scale"] = read_scale(data, path)
-    if "training" not in wrong:
-        with collect_faults(found):
-            parts["training"] = training(values["training"], path)
-    if "front_end" in values and not wrong & {"front_end", "hardware"}:
-        with collect_faults(found):
-            parts["front_end"] = front_end(values["front_end"], clock_mhz, path)
-    if "visualisation" in values and not wrong & {"visualisation", "data"}:
-        with collect_faults(found):
-            parts["visualisation"] = visualisation(values["visualisation"], data, path)
-    if "uart" in values and "hardware" not in wrong:
-        with collect_faults(found):
-            parts["uart"] = uart(values["uart"], clock_mhz, path)
+            parts[name] = make()
     refuse(found)
     return parts

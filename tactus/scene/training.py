@@ -214,8 +214,12 @@ class Training:
     disturbance: Disturbance
 
 
-def training(values: dict[str, Any], path: Path) -> Training:
-    """Turn the section ``[training]`` into a ``Training``."""
+def training(scene: dict[str, dict[str, Any]], path: Path) -> Training:
+    """The section ``[training]``, which fits the rest of the scene."""
+    check_digits(scene, path)
+    check_search(scene, path)
+    check_functions(scene, path)
+    values = scene["training"]
     kept = {key: values[key] for key in values if key not in ("noise", "drift")}
     read = {
         "hidden": tuple(values["hidden"]),

@@ -36,9 +36,11 @@ class Uart:
     divisor: int
 
 
-def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
-    """The serial line of a section whose keys have been checked one by one."""
-    baud = values["baud"]
+def uart(values: dict[str, Any], path: Path) -> Uart | None:
+    """The serial line, if the scene has that section."""
+    if "uart" not in values:
+        return None
+    baud, clock_mhz = values["uart"]["baud"], values["hardware"]["clock_mhz"]
     clock = Fraction(str(clock_mhz)) * 1_000_000
     most = clock / LEAST_DIVISOR
     if not 1 <= baud <= most:

@@ -66,13 +66,11 @@ class Visualisation:
     analogue: str = ""
 
 
-def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
-    """The profile of a section whose keys have been checked one by one.
-
-    values: The keys of ``VISUALISATION``.
-    data: The checked section ``[data]``. The lengths of position and width in it determine C.
-    path: The scene's file, which messages name.
-    """
+def visualisation(scene: dict[str, Any], path: Path) -> Visualisation | None:
+    """The profile, if the scene has that section. Lengths of position and width determine C."""
+    if "visualisation" not in scene:
+        return None
+    values, data = scene["visualisation"], scene["data"]
     outputs = data["outputs"]
     scaled = outputs if data["scale"] == AUTO else data["scale"]
     names = [values[key] for key in RESULTS]

@@ -105,7 +105,9 @@ def beam(scene: Scene) -> Beam:
             "length_mm": scene.length_mm,
             "full_scale": scene.full_scale,
         }
-        shown = visualisation(VISUALISATION.filled({}), data, scene.path)
+        values = {"data": data, "visualisation": VISUALISATION.filled({})}
+        shown = visualisation(values, scene.path)
+    assert shown is not None, "the section is there"
     vectors, results = scene.vectors(), list(shown.results)
     position, width = (
         scene.length_mm[name] / scene.full_scale[name]
