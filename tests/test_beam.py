@@ -26,6 +26,7 @@ from tactus.physics.beam import Beam, arm_slopes, mean_arm
 from tactus.physics.bound import (
     MEAN_PER_DEVIATION,
     least_deviations,
+    least_errors,
     slopes_by_codes,
 )
 from tactus.physics.conditioning import (
@@ -37,7 +38,6 @@ from tactus.physics.conditioning import (
 from tactus.physics.digit_data import RECORDED, SENSORS, digit_data
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import GaugeRig, load_rig
-from tactus.physics.known_loads import least_errors
 from tactus.physics.strain_sensor import (
     COLUMNS,
     FARTHEST,

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tactus.boards import board_names, load_board
-from tactus.boards.record import record_path
+from tactus.boards.bitstream import record_path
 from tactus.boards.variants import variants_path
 from tactus.cli.commands import WIDTH
 from tactus.core.commands import CLOSING, COMMANDS

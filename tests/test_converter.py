@@ -21,7 +21,7 @@ from tactus.core.table import read_table, write_table
 from tactus.rig.check import before_training, everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings
-from tactus.train.descent.scaling import scaled
+from tactus.train.descent.split import scaled
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import FRONT_END, random_mlp
 

@@ -37,13 +37,11 @@ from tactus.monitor.monitor import NOT_SENT, Monitor
 from tactus.monitor.placements import Drift
 from tactus.monitor.ports import open_line
 from tactus.monitor.server import Server
-from tactus.monitor.twin_board import TwinBoard
-from tactus.monitor.twin_lessons import TwinLessons
-from tactus.recalibration.choice import proposed
+from tactus.monitor.twin_board import TwinBoard, TwinLessons
 from tactus.recalibration.fit import fit
 from tactus.recalibration.folder import corrected
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity
+from tactus.recalibration.outlook import proposed
+from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance

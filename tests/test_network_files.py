@@ -14,8 +14,8 @@ from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.cli.network import main as convert
-from tactus.network_files.functions import EXPRESSIONS
 from tactus.network_files.network_file import load_network, write_network
+from tactus.network_files.onnx import EXPRESSIONS
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp

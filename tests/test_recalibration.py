@@ -20,12 +20,17 @@ from tactus.cli.recalibrate import main
 from tactus.core.table import read_table, write_table
 from tactus.export.exporter import export
 from tactus.network_files.network_file import provenance_path
-from tactus.recalibration.choice import LEAST_PLACEMENTS, plan, proposed
 from tactus.recalibration.fit import Fit, fit, left_out, misses
 from tactus.recalibration.folder import now_read
-from tactus.recalibration.outlook import helps
-from tactus.recalibration.placements import LEAST_FREE, Placements, grouped, noise_of_repeats
-from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
+from tactus.recalibration.outlook import LEAST_PLACEMENTS, helps, plan, proposed
+from tactus.recalibration.sensitivity import (
+    LEAST_FREE,
+    Placements,
+    Sensitivity,
+    grouped,
+    noise_of_repeats,
+    outputs_and_slopes,
+)
 from tactus.scene import Scene, Vectors, load_scene, scene_path
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.image import hardware_of, scene_image

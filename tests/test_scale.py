@@ -19,8 +19,7 @@ from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
 from tactus.train.descent import search
-from tactus.train.descent.scaling import scaled
-from tactus.train.descent.split import split_rows
+from tactus.train.descent.split import scaled, split_rows
 from tactus.train.descent.task import task_for
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp

@@ -13,6 +13,7 @@ from tactus.core.fingerprint import ROOT
 from tactus.core.table import read_csv_file, read_table, write_table
 from tactus.network_files.network_file import write_network
 from tactus.report.measure.outcome import telling
+from tactus.rig.draft import write_scene
 from tactus.rig.sensors_tell import (
     Recording,
     Telling,
@@ -23,10 +24,8 @@ from tactus.rig.sensors_tell import (
     telling_of,
 )
 from tactus.rig.survey import survey
-from tactus.rig.write_scene import write_scene
 from tactus.scene import Scene, load_scene
-from tactus.train.descent.scaling import scaled
-from tactus.train.descent.split import split_of, split_rows
+from tactus.train.descent.split import scaled, split_of, split_rows
 
 RAIL = ROOT / "docs" / "tutorial" / "readings.csv"
 SENSORS = ("s1", "s2", "s3", "s4", "s5")

@@ -15,7 +15,7 @@ from tactus.report.measure.designs import FAMILIES, FRONT, designs
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
 from tactus.scene import Scene, load_scene
-from tactus.scene.choice import compared
+from tactus.scene.building import compared
 from tactus.sizing.candidates import Sized
 from tactus.sizing.exact import block_rams, multipliers
 from tactus.sizing.model import Held, held_out, recorded, size_of

@@ -29,9 +29,8 @@ from tactus.train.spline_training import (
 from tactus.train.splines import training as splines
 from tactus.train.splines.descent import descend, stopped_early
 from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges
-from tactus.train.splines.loss import CrossEntropy, Squares
 from tactus.train.splines.network import SplineNetwork, starting
-from tactus.train.splines.objective import Penalty, SplineObjective
+from tactus.train.splines.objective import CrossEntropy, Penalty, SplineObjective, Squares
 from tactus.train.splines.training import Learned, SplineSettings, pruned, refitted, trained
 
 BASIS = Basis(-0.5, 1.5, 4)

@@ -22,6 +22,7 @@ from tactus.physics.swing import (
     METHODS,
     Motion,
     Swing,
+    Wobble,
     bearing_forces,
     foot_forces,
     swing_motion,
@@ -38,7 +39,6 @@ from tactus.physics.swing_data import (
     record,
     write_recordings,
 )
-from tactus.physics.wobble import Wobble
 
 FREE = Swing(damping=0)
 PERIOD = 2 * math.pi / FREE.natural_frequency

@@ -12,8 +12,7 @@ from golden.numbers.real import Real
 from studies.beans.study import fetched
 from tactus.core.files import replace_file
 from tactus.recalibration.fit import fit
-from tactus.recalibration.placements import Placements, grouped
-from tactus.recalibration.sensitivity import Sensitivity
+from tactus.recalibration.sensitivity import Placements, Sensitivity, grouped
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 

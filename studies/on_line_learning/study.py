@@ -28,11 +28,10 @@ from tactus.physics.strain_sensor import (
     loads_from_codes,
     read_sensors,
 )
-from tactus.recalibration.choice import proposed
 from tactus.recalibration.fit import fit
 from tactus.recalibration.folder import corrected
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity
+from tactus.recalibration.outlook import proposed
+from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.report.measure.table import Cell
 from tactus.scene import Vectors, load_scene
 from tactus.scene.disturbance import Disturbance

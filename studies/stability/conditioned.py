@@ -22,15 +22,13 @@ from studies.stability.case import Row, largest
 from studies.stability.digits import DIGITS
 from tactus.core.table import read_table
 from tactus.physics.beam import Beam
-from tactus.physics.bound import least_deviations, slopes_by_codes
+from tactus.physics.bound import least_deviations, least_errors, slopes_by_codes
 from tactus.physics.conditioning import CUTOFF, SCAN_RATE, Conditioning
 from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.known_loads import least_errors
 from tactus.physics.strain_sensor import COLUMNS, fit_sensors
 from tactus.recalibration.fit import Fit, fit
 from tactus.recalibration.outlook import outlook
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
+from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_and_slopes
 from tactus.rig.smooth_map import RIDGES, SAME, SmoothMap, spread
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance

@@ -1,4 +1,4 @@
-"""Makes a bitstream from a design and its wrapper, and reads what the tools report of it."""
+"""Makes a bitstream from a design and its wrapper, and records what the tools report of it."""
 
 import base64
 import json
@@ -17,9 +17,11 @@ from tactus.boards.families import FAMILIES, NETLIST, Family
 from tactus.boards.pll import clock_for
 from tactus.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
 from tactus.core.cli import BETWEEN
+from tactus.core.files import read_json, write_json
 from tactus.core.finding import Finding, collect_faults, faults
+from tactus.core.fingerprint import fingerprint
 from tactus.scene import Scene
-from tactus.synth.tools import run_tool, stored
+from tactus.synth.tools import digest, run_tool, stored
 
 SEED = 1
 # This is called with the name of a step, and its context is entered while a tool does that step.
@@ -178,3 +180,28 @@ def _why_not(said: str, family: Family) -> str:
         return f"does not fit: {', '.join(over)}"
     faults = FAULT.findall(said)
     return f"{family.nextpnr}: {faults[0] if faults else said.strip().splitlines()[-1]}"
+
+
+def record_path(scene: Scene, board: Board) -> Path:
+    """Where the record stands."""
+    return scene.path.with_suffix(f".{board.name}.json")
+
+
+def state(verilog: Path, made: Sources) -> str:
+    """A digest of the sources of a bitstream: code, wrapper and pins."""
+    names = [file.name for file in verilog.glob("*.v") if file.name != WRAPPER]
+    return fingerprint([], digest(verilog, names), made.verilog, made.pins)
+
+
+def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> None:
+    """Record a report, and a digest of the sources that it belongs to."""
+    write_json(path, {"made of": state(verilog, made), "report": asdict(report)})
+
+
+def read_record(path: Path) -> tuple[Report, str]:
+    """The recorded report, and the digest of its sources."""
+    return read_json(
+        path,
+        "a recorded bitstream; RECORD=1 records it",
+        make=lambda record: (Report(**record["report"]), record["made of"]),
+    )

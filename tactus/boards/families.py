@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tactus.boards import Board, Pin
-from tactus.boards.devices import DEVICES
+from tactus.boards.board import DEVICES
 from tactus.boards.wrapper import OSCILLATOR, TOP
 from tactus.synth.timing import OPERANDS, UNREAD, mapped
 from tactus.synth.tools import run_tool, stored

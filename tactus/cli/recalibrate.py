@@ -17,26 +17,30 @@ from golden.input_error import InputError, naming
 from golden.numbers.real import Real
 from tactus.core.cli import numbers, run, stop_if_dry_run
 from tactus.core.commands import arguments_of
-from tactus.recalibration.choice import (
-    MOST_PLACEMENTS,
-    REPEATS,
-    Plan,
-    placement,
-    plan,
-    proposed,
-)
 from tactus.recalibration.fit import Fit, LeftOut, fit, left_out
 from tactus.recalibration.folder import check_copy, scene_file, write_copy
-from tactus.recalibration.outlook import ENOUGH, Outlook, helps, outlook, planned
-from tactus.recalibration.placements import (
+from tactus.recalibration.outlook import (
+    ENOUGH,
+    MOST_PLACEMENTS,
+    REPEATS,
+    Outlook,
+    Plan,
+    helps,
+    outlook,
+    placement,
+    plan,
+    planned,
+    proposed,
+)
+from tactus.recalibration.sensitivity import (
     COLUMN,
     LEAST_FREE,
     Placements,
+    Sensitivity,
     grouped,
     noise_of_repeats,
     numbers_of,
 )
-from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import GAIN, MOST, OFFSET, Disturbance
 

@@ -11,11 +11,11 @@ from tactus.core.files import check_file, check_folder, check_writable
 from tactus.core.finding import refuse
 from tactus.core.table import read_csv_file
 from tactus.rig import class_counts, sensors_tell
+from tactus.rig.draft import check_sensors, names_of, write_scene
 from tactus.rig.network_of_others import brought
 from tactus.rig.survey import survey
-from tactus.rig.write_scene import check_sensors, names_of, write_scene
 from tactus.scene import load_scene
-from tactus.train.descent.scaling import scaled
+from tactus.train.descent.split import scaled
 
 
 def main() -> None:

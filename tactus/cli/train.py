@@ -35,9 +35,8 @@ from tactus.train.candidate_runs import continued, parts_of
 from tactus.train.descent import search
 from tactus.train.descent.cluster import computed_on
 from tactus.train.descent.few_digits import count_digits
-from tactus.train.descent.scaling import scaled
 from tactus.train.descent.search import Result
-from tactus.train.descent.split import split_story, unused_text
+from tactus.train.descent.split import scaled, split_story, unused_text
 from tactus.train.descent.stages import Stages
 from tactus.train.descent.task import Task
 from tactus.train.layer_training import LayersResult, LayerStages, has_many_rows, layers_searched

@@ -12,12 +12,12 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from golden.input_error import InputError, MissingFileError
+from golden.input_error import InputError, MissingFileError, suggest
 from tactus.core.cli import DISK
 from tactus.core.folders import refuse_installed
 
@@ -41,6 +41,24 @@ def check_file(path: Path, missing: str = "no such file") -> None:
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
         raise InputError(f"{path}: got {kind}, expected a file")
+
+
+def named_file(kind: str, name: str, known: Mapping[str, Path], shown: Sequence[str]) -> Path:
+    """The file of a name that is known, or that of a path that ends in ``.toml``.
+
+    shown: The names that a message lists.
+    """
+    try:
+        path = known[name] if name in known else Path(name).expanduser()
+        if not (name in known or name.endswith(".toml")):
+            raise FileNotFoundError
+        check_file(path)
+    except (FileNotFoundError, RuntimeError):
+        raise MissingFileError(
+            f"{kind} {name!r}: no such {kind}, expected a path to a .toml file or one of "
+            f"{', '.join(shown)}{suggest(name, list(known))}"
+        ) from None
+    return path
 
 
 def same_file(one: Path, other: Path) -> bool:

@@ -18,10 +18,9 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.monitor.board import Board
 from tactus.monitor.line import Simulated
-from tactus.recalibration.choice import proposed
 from tactus.recalibration.fit import fit
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity
+from tactus.recalibration.outlook import proposed
+from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.scene.building import taught_of
 from tactus.scene.disturbance import zero_signals
 from tactus.scene.metrics import error_scale

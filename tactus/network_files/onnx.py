@@ -5,7 +5,7 @@ too, are folded into the layer that follows, or into the one before. Behind the 
 of a classifier may stand.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,43 @@ from golden.trained.function import TABLE, Function
 from golden.trained.mlp import shifted
 from tactus.core.files import reading
 from tactus.network_files import classifier, quantisers
-from tactus.network_files.functions import EXPRESSIONS, function_of
 from tactus.network_files.parsed import ParsedNetwork, real_numbers
+
+# For each operator its expression, with its attributes in brackets.
+EXPRESSIONS = {
+    "Celu": "max(x, 0) + min(0, ({alpha}) * (exp(x / ({alpha})) - 1))",
+    "Cos": "cos(x)",
+    "Elu": "x if x > 0 else ({alpha}) * (exp(x) - 1)",
+    "Erf": "erf(x)",
+    "Gelu": "0.5 * x * (1 + erf(x / sqrt(2)))",
+    "HardSigmoid": "max(0, min(1, ({alpha}) * x + ({beta})))",
+    "HardSwish": "x * max(0, min(1, x / 6 + 0.5))",
+    "Mish": "x * tanh(max(x, 0) + log(1 + exp(-abs(x))))",
+    "Selu": "({gamma}) * (x if x > 0 else ({alpha}) * (exp(x) - 1))",
+    "Sin": "sin(x)",
+    "Softplus": "max(x, 0) + log(1 + exp(-abs(x)))",
+    "Softsign": "x / (1 + abs(x))",
+}
+# What stands for an attribute that a file leaves out.
+DEFAULTS = {
+    "Celu": {"alpha": 1.0},
+    "Elu": {"alpha": 1.0},
+    "HardSigmoid": {"alpha": 0.2, "beta": 0.5},
+    "Selu": {"alpha": 1.6732631921768188, "gamma": 1.0507010221481323},
+}
+# Gelu with the attribute approximate = "tanh".
+GELU_OF_TANH = "0.5 * x * (1 + tanh(sqrt(2 / pi) * (x + 0.044715 * x ** 3)))"
+
+
+def function_of(operator: str, attributes: Mapping[str, Any]) -> Function:
+    """The function of an operator with these attributes, under the operator's name."""
+    expression = EXPRESSIONS[operator]
+    if operator == "Gelu" and attributes.get("approximate") == b"tanh":
+        expression = GELU_OF_TANH
+    values = DEFAULTS.get(operator, {})
+    values = {name: attributes.get(name, value) for name, value in values.items()}
+    return Function(operator.lower(), expression.format(**values))
+
 
 # Whatever their order in the file, weights are described with nodes in rows.
 TRANSPOSED = False
@@ -212,7 +247,7 @@ def read(path: Path) -> ParsedNetwork:
     """The layers of a network that PyTorch, Keras or scikit-learn has exported.
 
     The graph must be layers of Gemm or MatMul, each but the last followed by one of
-    ``ACTIVATIONS``, by one that becomes a table (``tactus.network_files.functions``), or by none.
+    ``ACTIVATIONS``, by one that becomes a table (``tactus.network_files.onnx``), or by none.
     Before and after each of these there may be Add, Sub, Mul, Div and Scaler with constants,
     BatchNormalization, Cast, Identity, and a Flatten or Reshape that changes nothing. At the end
     there may be what makes a class of the values; see ``tactus.network_files.classifier``.

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from golden.input_error import InputError, MissingFileError, suggest
+from golden.input_error import InputError
 from golden.numbers.real import Real
-from tactus.core.files import check_file
+from tactus.core.files import named_file
 from tactus.core.schema import (
     REQUIRED,
     Key,
@@ -139,14 +139,8 @@ class GaugeRig:
 
 def load_rig(name: str) -> GaugeRig:
     """Read a rig by its name, or by a path that ends in ``.toml``."""
-    known = sorted(path.stem for path in FOLDER.glob("*.toml"))
-    path = FOLDER / f"{name}.toml" if name in known else Path(name)
-    if path.suffix != ".toml":
-        raise MissingFileError(
-            f"RIG={name}: no such rig, expected a path to a .toml file or one of "
-            f"{', '.join(known)}{suggest(name, known)}"
-        )
-    check_file(path)
+    known = {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
+    path = named_file("rig", name, known, list(known))
     return _rig(read_checked(path, RIG), path)
 
 

@@ -27,8 +27,7 @@ from tactus.core.files import replace_file
 from tactus.core.table import write_table
 from tactus.physics.conditioning import Conditioning, ReflectiveSensor
 from tactus.physics.rig import Rig
-from tactus.physics.swing import Motion, Swing, swing_motion
-from tactus.physics.wobble import Wobble
+from tactus.physics.swing import Motion, Swing, Wobble, swing_motion
 
 COLUMNS = ("sensor1", "sensor2", "sensor3", "x", "y", "z")
 GAINS = (10.0, 80.0, 10.0)  # section 6.4.2

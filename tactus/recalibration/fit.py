@@ -27,8 +27,7 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from golden.numbers.real import Real
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity, outputs_and_slopes
+from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_and_slopes
 
 # The least span of signals, which is one code.
 LEAST_SPAN = 2.0**-13

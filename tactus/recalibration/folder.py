@@ -25,13 +25,17 @@ from tactus.core.files import (
     check_output,
     check_writable,
     first_line,
-    reading,
     replace_file,
     same_file,
 )
 from tactus.core.folders import BUILD
 from tactus.core.table import read_csv_file, read_table, write_csv_file
-from tactus.network_files.network_file import check_targets, provenance_path, save_networks
+from tactus.network_files.network_file import (
+    check_targets,
+    provenance_path,
+    read_provenance,
+    save_networks,
+)
 from tactus.scene import Scene
 from tactus.scene.known_scales import codes_of, story
 from tactus.scene.scale import Scale, on_readings, on_signals, readings, signals
@@ -120,22 +124,13 @@ def write_copy(
         held = on_readings(mlp, *scene.scales_of(number))
         names = [scene.column(name) for name in scene.columns_of(number)]
         scales = {n: s for n, s in scene.known_scales.items() if n in names}
-        before = _provenance(scene.weights_paths[number])
+        before = read_provenance(scene.weights_paths[number]) or {}
         networks.append((weights[number], held, before | provenance | story(scales, held)))
     save_networks(networks)
     _write_recording(scene, correction, data)
     with replace_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return [path, *weights, data]
-
-
-def _provenance(weights: Path) -> dict[str, Any]:
-    """The provenance of a network; empty for a network from elsewhere."""
-    path = provenance_path(weights)
-    if not path.is_file():
-        return {}
-    with reading(path, "TOML"):
-        return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:

@@ -10,7 +10,7 @@ from tactus.core.files import check_output, replace_file
 from tactus.report.draw.designs import is_drawn, picture_of
 from tactus.report.measure.designs import FAMILIES, designs, refused_lines
 from tactus.scene import load_scene
-from tactus.scene.choice import compared
+from tactus.scene.building import compared
 
 
 def family_of(name: str) -> str:

@@ -30,8 +30,7 @@ from tactus.scene import Scene, scene_names
 from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, saturating
 from tactus.scene.scale import on_readings, signals
 from tactus.scene.vectors import Recorded, read_recorded
-from tactus.train.descent.scaling import scaled
-from tactus.train.descent.split import split_of
+from tactus.train.descent.split import scaled, split_of
 
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:

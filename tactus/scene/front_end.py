@@ -1,4 +1,4 @@
-"""The section ``[front_end]`` of a scene, which says how its sensors are read."""
+"""The sections ``[front_end]`` and ``[uart]``: reading of sensors, and a line to a computer."""
 
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
+from golden.link.uart_transmitter import LEAST_DIVISOR
 from golden.networks.network import Network
 from golden.numbers.precision import SIGNAL
 from golden.sensing.converter_parts import PARTS
@@ -195,3 +196,52 @@ def _hertz(clock_mhz: float) -> Fraction:
 def _six_digits(rate: Fraction, rounding: str) -> str:
     """Six digits, rounded so that every rate that a message allows is really allowed."""
     return f"{Context(6, rounding).divide(Decimal(rate.numerator), Decimal(rate.denominator)):f}"
+
+
+UART = KeyTable(
+    {
+        "baud": Key(
+            Whole(),
+            1_000_000,
+            "The number of bits per second. A bit must take 4 clocks or more, and the rate must be "
+            "within 2 % of `clock_mhz` divided by a whole number.",
+        )
+    },
+    name="a section",
+)
+# What the UART of a computer tolerates, including the deviation of its own clock.
+TOLERANCE = Fraction(2, 100)
+
+
+@dataclass(frozen=True)
+class Uart:
+    """The serial line that a scene describes.
+
+    baud: Requested bits per second.
+    divisor: Clocks per bit.
+    """
+
+    baud: int
+    divisor: int
+
+
+def uart(values: dict[str, Any], path: Path) -> Uart | None:
+    """The serial line, if the scene has that section."""
+    if "uart" not in values:
+        return None
+    baud, clock_mhz = values["uart"]["baud"], values["hardware"]["clock_mhz"]
+    clock = Fraction(str(clock_mhz)) * 1_000_000
+    most = clock / LEAST_DIVISOR
+    if not 1 <= baud <= most:
+        raise InputError(
+            f"{path}: uart.baud: got {baud}, expected 1 to {int(most)}, a bit of {LEAST_DIVISOR} "
+            f"clocks of {clock_mhz:g} MHz"
+        )
+    divisor = round(clock / baud)
+    rate = clock / divisor
+    if abs(rate / baud - 1) > TOLERANCE:
+        raise InputError(
+            f"{path}: uart.baud: got {baud}, expected within 2 % of {clock_mhz:g} MHz divided "
+            f"by a whole number, such as {float(rate):.6g}"
+        )
+    return Uart(baud, divisor)

@@ -6,22 +6,20 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from golden.input_error import MissingFileError, suggest
 from golden.networks.engine import Engine
 from golden.numbers.precision import PRECISIONS
-from tactus.core.files import check_file
+from tactus.core.files import named_file
 from tactus.core.finding import Finding, collect_faults, refuse
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import Key, KeyTable, checked, read_toml
 from tactus.scene.data import DATA, check_data, check_window, data_paths, read_window
-from tactus.scene.front_end import FRONT_END, front_end
+from tactus.scene.front_end import FRONT_END, UART, front_end, uart
 from tactus.scene.hardware import HARDWARE, check_activation, demand, design_options, price
 from tactus.scene.labels import check_classes, output_names, read_labels
 from tactus.scene.network import NETWORK, members
 from tactus.scene.scale import read_scale
 from tactus.scene.scene import Scene
 from tactus.scene.training import TRAINING, training
-from tactus.scene.uart import UART, uart
 from tactus.scene.visualisation import VISUALISATION, visualisation
 
 FOLDER = ROOT / "scenes"
@@ -83,17 +81,10 @@ def load_scene(name: str) -> Scene:
     known = [*scene_names(), *class_names()]
     every = [*known, *comparison_names()]
     # Of equal names, the one without a group counts.
-    named = {name: one for one in reversed(every) for name in (one, one.rpartition("/")[2])}
-    path = scene_path(named[name]) if name in named else _expanded(name)
-    try:
-        if not (name in named or name.endswith(".toml")):
-            raise FileNotFoundError
-        check_file(path)
-    except FileNotFoundError:
-        raise MissingFileError(
-            f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
-            f"{', '.join(known)}{suggest(name, list(named))}"
-        ) from None
+    files = {
+        name: scene_path(one) for one in reversed(every) for name in (one, one.rpartition("/")[2])
+    }
+    path = named_file("scene", name, files, known)
     raw = in_todays_words(read_toml(path), path)
     return _scene(checked(raw, SCENE, path), path)
 
@@ -122,14 +113,6 @@ def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
 def _note(text: str) -> None:
     """Say it once."""
     print(f"note: {text}", file=sys.stderr)
-
-
-def _expanded(name: str) -> Path:
-    """The path with ``~`` replaced by a user's folder, where there is one."""
-    try:
-        return Path(name).expanduser()
-    except RuntimeError:
-        return Path(name)
 
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:

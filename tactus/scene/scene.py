@@ -28,16 +28,14 @@ from golden.trained.dense import Trained, layers_of
 from golden.trained.mlp import Mlp
 from golden.trained.window import Window
 from tactus.network_files.network_file import provenance_path
-from tactus.scene.building import build_twin
-from tactus.scene.choice import choice_of, chosen
+from tactus.scene.building import build_twin, choice_of, chosen
 from tactus.scene.data import tap_names, window_text
-from tactus.scene.front_end import FrontEnd
+from tactus.scene.front_end import FrontEnd, Uart
 from tactus.scene.known_scales import converter_scales, trained_scales
 from tactus.scene.labels import check_labels, class_scale
 from tactus.scene.network import SceneNetwork
 from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
 from tactus.scene.training import Training
-from tactus.scene.uart import Uart
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
 from tactus.scene.visualisation import Visualisation
 from tactus.sizing.choice import NO_DEMAND, UNDECIDED, Choice, Demand

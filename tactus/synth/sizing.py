@@ -20,7 +20,7 @@ from tactus.core.cli import run_repeatable, stop_if_dry_run
 from tactus.core.table import write_csv_file
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.scene.choice import task_of
+from tactus.scene.building import task_of
 from tactus.scene.reading import class_names, comparison_names
 from tactus.sizing.candidates import (
     DEEP,

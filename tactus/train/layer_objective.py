@@ -8,8 +8,13 @@ import numpy as np
 from golden.numbers.real import Real
 from golden.trained.dense import Trained, layers_of, unpacked
 from golden.trained.mlp import Activation, tanh
-from tactus.train.descent.cross_entropy import curvature_roots, entropies, probabilities
-from tactus.train.descent.objective import Objective, Rows
+from tactus.train.descent.objective import (
+    Objective,
+    Rows,
+    curvature_roots,
+    entropies,
+    probabilities,
+)
 
 
 class LayeredObjective(Objective):

@@ -25,7 +25,7 @@ from tactus.train.descent.stages import Stages
 from tactus.train.descent.task import Frames, Task
 from tactus.train.spline_layers import function_network
 from tactus.train.splines import training as splines
-from tactus.train.splines.loss import SQUARES, CrossEntropy, Loss
+from tactus.train.splines.objective import SQUARES, CrossEntropy, Loss
 from tactus.train.splines.training import Learned, SplineSettings
 from tactus.train.task_errors import as_read, bit_true_error
 

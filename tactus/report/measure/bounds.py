@@ -12,9 +12,8 @@ from golden.numbers.units import FULL_SCALE, POSITION_MM
 from tactus.core.table import read_table
 from tactus.errors.scene_errors import disturbed_rows
 from tactus.physics.beam import Beam
-from tactus.physics.bound import UNKNOWN, least_mean_errors
+from tactus.physics.bound import UNKNOWN, least_errors, least_mean_errors
 from tactus.physics.digit_data import RECORDED, SENSORS
-from tactus.physics.known_loads import least_errors
 from tactus.physics.strain_sensor import (
     COLUMNS,
     StrainSensor,

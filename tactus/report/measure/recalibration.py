@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.numbers.real import Real
-from tactus.recalibration.choice import proposed
 from tactus.recalibration.fit import Fit, fit, left_out
-from tactus.recalibration.outlook import helps
-from tactus.recalibration.placements import Placements
-from tactus.recalibration.sensitivity import Sensitivity
+from tactus.recalibration.outlook import helps, proposed
+from tactus.recalibration.sensitivity import Placements, Sensitivity
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from golden.sensing.converter_parts import PARTS
 from tactus.boards import board_names, load_board
-from tactus.boards.bitstream import Report
-from tactus.boards.record import read_record, record_path
+from tactus.boards.bitstream import Report, read_record, record_path
 from tactus.boards.variants import read_variants, variants_path
 from tactus.scene import load_scene, scene_names
 

@@ -34,7 +34,7 @@ from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
 from tactus.report.page.page import Page, Section
 from tactus.scene import Scene
-from tactus.scene.choice import compared
+from tactus.scene.building import compared
 from tactus.sizing.model import CELLS
 from tactus.sizing.routed import ROUTED
 from tactus.verify.benches.results import left_texts, stored_results

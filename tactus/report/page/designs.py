@@ -6,7 +6,7 @@ from tactus.report.draw.designs import picture_of
 from tactus.report.measure.designs import designs, refused_lines
 from tactus.report.measure.table import Cell, cell_text
 from tactus.scene import Scene, load_scene
-from tactus.scene.choice import compared
+from tactus.scene.building import compared
 from tactus.sizing.candidates import Refused, Sized
 from tactus.sizing.model import held_out
 

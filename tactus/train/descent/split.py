@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from golden.input_error import InputError
 from golden.numbers.real import Real
 from tactus.core.table import read_groups, rows_where
+from tactus.scene import Scene
+from tactus.scene.scale import AUTO, range_scale
 from tactus.scene.vectors import read_recorded
 
 if TYPE_CHECKING:
     from tactus.scene import Scene
+
 
 Numbers = NDArray[np.int64]
 
@@ -185,3 +188,31 @@ def _halves(count: int, seed: int) -> Split:
     order = np.random.default_rng(seed).permutation(count)
     half, three_quarters = count // 2, count // 2 + count // 4
     return Split(order[:half], order[half:three_quarters], order[three_quarters:])
+
+
+def scaled(scene: Scene) -> Scene:
+    """The scene with a scale in the place of every "auto".
+
+    The scale of a sensor comes from the rows that train, because nothing about the other rows is
+    known beforehand. The scale of an output comes from all rows, because its range is required and
+    not learnt. Sensors that a converter reads have the scale of its data sheet.
+    """
+    wanted = scene.auto
+    kept = {n: s for n, s in scene.scale.items() if s != AUTO or n in wanted}
+    known = kept | scene.converter_scales
+    if not wanted:
+        return scene if known == scene.scale else replace(scene, scale=known)
+    rows = read_recorded(scene)
+    training = split_of(scene).training
+    columns = dict(zip(scene.sensors, rows.sensors[training].T, strict=True))
+    columns |= dict(zip(scene.outputs, rows.targets.T, strict=True))
+    found = known
+    for name in wanted:
+        try:
+            found[name] = range_scale(columns[name])
+        except InputError as error:
+            raise InputError(
+                f"{scene.data_text}: column {name!r}: {error}, for data.scale.{name} in "
+                f"{scene.path}"
+            ) from None
+    return replace(scene, scale=found)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -96,7 +95,6 @@ class Task:
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     """The task of the network that follows ``earlier``, the networks trained before it."""
-    _refuse_constant(scene, vectors)
     split = split_of(scene)
     number = len(earlier)
     outputs = scene.members[number].outputs
@@ -149,16 +147,3 @@ def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
         "inputs": seen(scene.arrangement, samples, given),
         "codes": seen(scene.arrangement, codes, bit_true),
     }
-
-
-def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
-    for key, names, values in (
-        ("sensors", scene.inputs, readings(vectors.inputs, scene.scales(scene.inputs))),
-        ("outputs", scene.outputs, scene.in_units(vectors.targets)),
-    ):
-        for name, column in zip(names, values.T, strict=True):
-            if (column == column[0]).all():
-                raise InputError(
-                    f"{scene.data_text}: column {scene.column(name)!r}: got {column[0]:g} in every "
-                    f"row, expected values that differ; take it out of data.{key} in {scene.path}"
-                )

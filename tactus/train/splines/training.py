@@ -12,9 +12,8 @@ from golden.trained.spline_basis import Basis
 from tactus.train.descent.objective import Rows
 from tactus.train.splines.descent import descend, stopped_early
 from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
-from tactus.train.splines.loss import SQUARES, Loss
 from tactus.train.splines.network import SplineNetwork, starting
-from tactus.train.splines.objective import Penalty, SplineObjective
+from tactus.train.splines.objective import SQUARES, Loss, Penalty, SplineObjective
 
 STEPS, PATIENCE, SIZE = 300, 40, 1e-6
 # The splines of an input reach beyond its range by this part of it, and by the second number where
