@@ -32,7 +32,6 @@ from tactus.physics.bound import (
 from tactus.physics.conditioning import (
     CUTOFF,
     Conditioning,
-    LowPass,
     ReflectiveSensor,
 )
 from tactus.physics.digit_data import RECORDED, SENSORS, digit_data
@@ -387,18 +386,6 @@ def test_the_sensor_is_linear_within_its_range_and_flat_beyond() -> None:
     )
 
 
-def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None:
-    filtered = LowPass(cutoff=25.0, rate=1000.0)
-    time = np.arange(20_000) / 1000
-    for hertz in (2.5, 25.0):
-        passed = filtered.passed(np.sin(2 * math.pi * hertz * time))[10_000:]
-        expected = 1 / math.sqrt(1 + (hertz / 25) ** 2)
-        assert np.sqrt(2 * (passed**2).mean()) == pytest.approx(expected, rel=2e-3)
-    # For white noise this is the sum of the squares of the impulse response.
-    impulse = filtered.passed(np.r_[0.0, 1.0, np.zeros(5000)])
-    assert math.sqrt((impulse**2).sum()) == pytest.approx(filtered.noise_left, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -408,11 +395,6 @@ def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None
         (lambda: Conditioning(1, cutoff=100), "cutoff: got 100, expected 0 to 99.8"),
         (lambda: Conditioning(1).amplify([np.inf], 0), "volts: got inf"),
         (lambda: Conditioning(1).amplify([], 0), r"volts: got shape \(0,\), expected \(n,\)"),
-        (lambda: LowPass(cutoff=0), "cutoff: got 0, expected 1e-06 to "),
-        (lambda: LowPass(rate=50), "cutoff: got 25"),
-        (lambda: LowPass().passed([]), r"volts: got shape \(0,\), expected \(n,\)"),
-        (lambda: LowPass().passed([0, np.nan]), "volts: got nan"),
-        (lambda: LowPass().settling(0), "part: got 0"),
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:

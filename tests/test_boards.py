@@ -19,8 +19,7 @@ from tactus.boards import Board, bitstream, board_names, load_board
 from tactus.boards.bitstream import Report, build, read_record, record_path, sources, state
 from tactus.boards.board import FOLDER
 from tactus.boards.families import ice40_netlist
-from tactus.boards.pll import clock_for
-from tactus.boards.wrapper import RESET_WIDTH, wrapper
+from tactus.boards.wrapper import RESET_WIDTH, clock_for, wrapper
 from tactus.core.cli import BETWEEN
 from tactus.core.store import VARIABLE
 from tactus.export.exporter import export

@@ -20,9 +20,9 @@ from tactus.scene import Scene, load_scene
 from tactus.train import spline_training
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.search import bit_true_error
-from tactus.train.spline_layers import function_network
 from tactus.train.spline_training import (
     SplineStages,
+    function_network,
     measure,
     train,
 )

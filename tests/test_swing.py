@@ -15,9 +15,9 @@ from scipy.signal import find_peaks
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
+from studies.stability.reference_swing import undamped_angle
 from tactus.core.table import read_table
 from tactus.physics import GRAVITY
-from tactus.physics.rig import Rig
 from tactus.physics.swing import (
     METHODS,
     Motion,
@@ -26,7 +26,6 @@ from tactus.physics.swing import (
     bearing_forces,
     foot_forces,
     swing_motion,
-    undamped_angle,
 )
 from tactus.physics.swing_data import (
     ANGLES,
@@ -35,6 +34,7 @@ from tactus.physics.swing_data import (
     FRAME_MASS,
     LEAST_WOBBLE,
     Coding,
+    Rig,
     independent_run,
     record,
     write_recordings,

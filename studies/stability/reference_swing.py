@@ -8,11 +8,14 @@ difference tells how far the reference can be trusted.
 """
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ellipj, ellipkm1
 
+from golden.numbers.domain import checked
 from golden.numbers.real import Real
 from tactus.physics.swing import Swing
 
@@ -88,3 +91,20 @@ def _stepped(state: Wide, span: float, rates: Wide) -> Wide:
     angles = phi + reach @ speeds
     force = -damping * speeds - stiffness * np.sin(angles)
     return np.array([phi + span * (_WEIGHTS @ speeds), speed + span * (_WEIGHTS @ force)])
+
+
+def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
+    """phi in closed form, without damping and released at rest, as a check of ``swing_motion``.
+
+    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
+    damping of ``swing`` is ignored.
+
+    start: In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright
+        start is infinite.
+    time: In s, 0 to 1e9.
+    """
+    most = math.pi - 1e-6
+    _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
+    k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
+    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * t, 1 - rest)[0]
+    return np.asarray(2 * np.arcsin(k * sn))

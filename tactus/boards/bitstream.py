@@ -14,8 +14,7 @@ from golden.input_error import InputError
 from golden.networks.network import Network
 from tactus.boards import Board, Pin
 from tactus.boards.families import FAMILIES, NETLIST, Family
-from tactus.boards.pll import clock_for
-from tactus.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
+from tactus.boards.wrapper import OSCILLATOR, TOP, clock_for, outside, wrapper
 from tactus.core.cli import BETWEEN
 from tactus.core.files import read_json, write_json
 from tactus.core.finding import Finding, collect_faults, faults

@@ -2,7 +2,7 @@
 
 ``beam`` and ``strain_sensor`` describe the flexible digit (thesis chapter 3). ``bound`` computes
 how well its sensors can determine a load, and ``gauge_rig`` and ``gauge_places`` where they should
-be. ``plate``, ``swing``, ``rig`` and ``conditioning`` describe the swing on its plate (chapter 6
+be. ``plate``, ``swing`` and ``conditioning`` describe the swing on its plate (chapter 6
 and Appendix 7). Lengths are in m, masses in kg, forces in N, angles in rad, times in s, and signals
 in V.
 """

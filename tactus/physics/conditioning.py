@@ -1,6 +1,5 @@
 """The path from a deflection to a code: sensors and conditioning, thesis sections 3.6 and 6.4."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,6 @@ from golden.numbers.real import Real
 # Hz, of the DC remover of section 6.4.2. The thesis rounds 1 / (2 pi R C) of 560 kilohm and
 # 4.7 microfarad to it.
 CUTOFF = 0.06
-LOW_PASS = 25.0  # Hz, behind each gauge of the digit: section 3.6
 SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.4.4
 
 
@@ -99,57 +97,3 @@ class Conditioning:
         Arguments and errors are as in ``amplify``; rounding and saturation as in ``Fix.quantise``.
         """
         return SIGNAL.quantise(self.amplify(volts, rest))
-
-
-@dataclass(frozen=True)
-class LowPass:
-    """The filter behind the amplifier of each gauge of the digit.
-
-    It is of first order, which is our choice: thesis section 3.6 prints only the cut-off, and a
-    picture.
-
-    cutoff: Hz, 1e-6 to below half of the rate.
-    rate: Samples per second, 1e-3 to 1e9; the default is that of the scans of the four sensors.
-    """
-
-    cutoff: float = LOW_PASS
-    rate: float = SCAN_RATE
-
-    def __post_init__(self) -> None:
-        checked(rate=(self.rate, 1e-3, 1e9))
-        checked(cutoff=(self.cutoff, 1e-6, 0.499 * self.rate))
-
-    def passed(self, volts: ArrayLike) -> Real:
-        """Filtered readings in V; before the first sample the filter has settled at its value.
-
-        The filter is the bilinear transform of omega / (s + omega) with the right cut-off
-        (``scipy.signal.butter``).
-
-        volts, shape (n,): At least one sample.
-        """
-        most = float(np.finfo(np.float64).max)
-        (v,) = checked(volts=(volts, -most, most))
-        if v.ndim != 1 or not v.size:
-            raise InputError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
-        from scipy import signal
-
-        b, a = signal.butter(1, self.cutoff, fs=self.rate)
-        found, _ = signal.lfilter(b, a, v - v[0], zi=[0.0])
-        return np.asarray(v[0] + found)
-
-    def settling(self, part: float) -> float:
-        """Seconds after a step until only this part of it is left: -ln(part) / (2 pi cutoff).
-
-        part: 1e-300 to 1.
-        """
-        checked(part=(part, 1e-300, 1))
-        return -math.log(part) / (2 * math.pi * self.cutoff)
-
-    @property
-    def noise_left(self) -> float:
-        """The standard deviation of filtered white noise, as a part of the unfiltered one.
-
-        With k = tan(pi cutoff / rate), the variance is k / (1 + k) of the unfiltered variance.
-        """
-        k = math.tan(math.pi * self.cutoff / self.rate)
-        return math.sqrt(k / (1 + k))

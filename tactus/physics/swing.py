@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
-from scipy.special import ellipj, ellipkm1
 
 from golden.input_error import InputError
 from golden.numbers.domain import checked
@@ -84,13 +83,6 @@ class Swing:
     def natural_frequency(self) -> float:
         """Frequency of small swings without damping in rad/s; its square is D a_g I'_p / J."""
         return math.sqrt(GRAVITY * self.arm) / math.hypot(self.arm, self.gyration)
-
-    def energy(self, angle: ArrayLike, speed: ArrayLike) -> Real:
-        """Kinetic and potential energy in J; it is 0 at rest at the bottom."""
-        phi, rate = np.asarray(angle, dtype=np.float64), np.asarray(speed, dtype=np.float64)
-        inertia = self.mass * (self.arm**2 + self.gyration**2)
-        lift = 2 * self.arm * np.sin(phi / 2) ** 2
-        return np.asarray(inertia * rate**2 / 2 + self.mass * GRAVITY * lift)
 
 
 @dataclass(frozen=True)
@@ -183,23 +175,6 @@ def swing_motion(
     if not found.success:
         raise ArithmeticError(f"{method} at tolerance {tolerance:g}: {found.message}")
     return Motion(times, found.y[0], found.y[1], evaluations)
-
-
-def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
-    """phi in closed form, without damping and released at rest, as a check of ``swing_motion``.
-
-    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
-    damping of ``swing`` is ignored.
-
-    start: In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright
-        start is infinite.
-    time: In s, 0 to 1e9.
-    """
-    most = math.pi - 1e-6
-    _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
-    k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
-    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * t, 1 - rest)[0]
-    return np.asarray(2 * np.arcsin(k * sn))
 
 
 def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
