@@ -217,7 +217,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 def design(scene: Scene, trained: bool) -> list[Finding]:
     """Check the hardware with the trained networks or, without them, with the least and largest."""
     if trained:
-        return [*_built(scene, ""), *_quantised(scene), *_saturating(scene)]
+        return [*_built(scene, ""), *_recorded_frames(scene)]
     unknown: list[Finding] = []
     with collect_faults(unknown):
         scene = scaled(scene)
@@ -268,21 +268,13 @@ def _built(scene: Scene, before: str) -> list[Finding]:
     return findings
 
 
-def _quantised(scene: Scene) -> list[Finding]:
-    """Tell how many codes of quantised networks differ from those of the file."""
+def _recorded_frames(scene: Scene) -> list[Finding]:
+    """Tell how quantised networks differ from their files, ranges of layers, and what saturates."""
     findings: list[Finding] = []
     with collect_faults(findings):
         lines = quantised_lines(scene)
+        lines += range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
         findings += [Finding(OK, f"hardware.design {scene.design}", line) for line in lines]
-    return findings
-
-
-def _saturating(scene: Scene) -> list[Finding]:
-    """Tell the ranges of hidden layers, and find what the networks drive beyond its range."""
-    findings: list[Finding] = []
-    with collect_faults(findings):
-        lines = range_lines(scene, hidden_saturations(scene, scene.vectors().codes))
-        findings += [Finding(OK, f"hardware.design {scene.design}", text) for text in lines]
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings
 

@@ -123,14 +123,17 @@ def with_learning_engine(scene: Scene, network: Network) -> Network:
     return LearningEngine.of(network, *taught_of(scene))
 
 
+def _sections(scene: Scene) -> list[str]:
+    """The sections of a scene that surround its networks with something."""
+    there = {"front_end": scene.front_end, "visualisation": scene.visualisation}
+    return [f"a section [{name}]" for name, section in there.items() if section is not None]
+
+
 def task_of(scene: Scene) -> SizingTask:
     """The networks of a scene, its settings and its recorded frames."""
-    around = {
-        "a section [front_end]": scene.front_end is not None,
-        "a section [visualisation]": scene.visualisation is not None,
-        "hardware.interface 'axi_stream'": scene.interface == "axi_stream",
-        "data.window with past samples": not scene.window.plain,
-    }
+    around = _sections(scene)
+    around += ["hardware.interface 'axi_stream'"] * (scene.interface == "axi_stream")
+    around += ["data.window with past samples"] * (not scene.window.plain)
     codes = scene.vectors().codes
     inputs = scene.members[0].inputs
     with naming(scene.path):
@@ -139,7 +142,7 @@ def task_of(scene: Scene) -> SizingTask:
             scene.networks(),
             scene.settings(),
             scene.design,
-            tuple(name for name, there in around.items() if there),
+            tuple(around),
             scene.argmax,
             np.asarray(codes)[:, :inputs],
             scene.front_end is None and scene.visualisation is None,
@@ -188,16 +191,12 @@ def check_demand(scene: Scene, network: Network, framed: Network) -> None:
     framed: The same behind the memory of past samples, if there is one, which may take longer from
         frame to frame.
     """
-    around = {
-        "a section [front_end]": scene.front_end is not None,
-        "a section [visualisation]": scene.visualisation is not None,
-    }
-    named = next((name for name, there in around.items() if there), "")
+    named = _sections(scene)
     with naming(scene.path):
         if named and isinstance(network, Engine) and network.loops:
             raise InputError(
                 f"hardware.interval: got {scene.demand.interval}, for which frames overlap in "
-                f"'engine', with {named}, expected more clocks, or no such section"
+                f"'engine', with {named[0]}, expected more clocks, or no such section"
             )
         scene.demand.refuse(network, f"design {scene.design}")
         replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

@@ -186,16 +186,6 @@ def tap_names(window: Window, sensors: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def window_text(window: Window, sensors: Sequence[str]) -> str:
-    """The delays as text, for provenance and pages; empty where there is no past."""
-    if window.plain:
-        return ""
-    texts = [" ".join(map(str, delays)) for delays in window.delays]
-    if len(set(texts)) == 1:
-        return texts[0]
-    return ", ".join(f"{name} {text}" for name, text in zip(sensors, texts, strict=True))
-
-
 def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) -> None:
     """Refuse settings that cannot be combined with samples of past frames."""
     data, training = values["data"], values["training"]

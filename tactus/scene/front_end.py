@@ -70,17 +70,7 @@ FRONT_END = KeyTable(
 
 @dataclass(frozen=True)
 class FrontEnd:
-    """The front end that a scene describes.
-
-    counter_width: Bits of the counter of a scan, which takes 2**counter_width clocks.
-    sample_at: The moment in a slot at which the converter's code is accepted, as a fraction of the
-        slot.
-    rate_hz: Scans per second that are requested; 0 where one scan follows another at once.
-    converter: Name of the part that is read; empty for codes behind an analogue multiplexer.
-    reference: The converter's reference in the unit of the readings; 0 where the scene does not
-        state it.
-    clock_mhz: The clock for which the scene is meant.
-    """
+    """The front end that a scene describes: the keys of ``FRONT_END``, and the clock."""
 
     counter_width: int
     sample_at: float

@@ -12,7 +12,7 @@ from golden.input_error import InputError
 
 @dataclass(frozen=True)
 class OutputError:
-    """Error of one output over a set of frames, in percent.
+    """Error of one output over a set of frames, in percent or, see ``millimetres``, as lengths.
 
     mean: Mean error over all frames.
     largest_mean: Largest of the mean errors at each position (equation 3.15), which is the thesis'
@@ -67,16 +67,7 @@ def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputErro
     ]
 
 
-@dataclass(frozen=True)
-class LengthError:
-    """Error of one output over some frames in millimetres; the fields are those of OutputError."""
-
-    mean: float
-    largest_mean: float
-    worst: float
-
-
-def millimetres(error: OutputError, length: float) -> LengthError:
+def millimetres(error: OutputError, length: float) -> OutputError:
     """Turn an error in percent of a full scale into a length.
 
     Equation: local error / full scale * length (thesis section 3.12.1: the errors of position and
@@ -89,7 +80,7 @@ def millimetres(error: OutputError, length: float) -> LengthError:
     if not 0 < length < math.inf:
         raise InputError(f"length: got {length}, expected millimetres above 0")
     part = length / 100
-    return LengthError(error.mean * part, error.largest_mean * part, error.worst * part)
+    return OutputError(error.mean * part, error.largest_mean * part, error.worst * part)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from golden.trained.mlp import Mlp
 from golden.trained.window import Window
 from tactus.network_files.network_file import provenance_path
 from tactus.scene.building import build_twin, choice_of, chosen
-from tactus.scene.data import tap_names, window_text
+from tactus.scene.data import tap_names
 from tactus.scene.front_end import FrontEnd, Uart
 from tactus.scene.known_scales import converter_scales, trained_scales
 from tactus.scene.labels import check_labels, class_scale
@@ -47,35 +47,15 @@ STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene, read and checked.
+    """One scene, read and checked. Attributes with the names of keys are explained there.
 
-    name: The file's name without its ending.
     data_paths: The recordings. No recording is the continuation of another.
-    sensors, outputs: Columns of the recorded vectors. If there are classes, each of them is an
-        output.
-    classes: Column of the labels that the network tells apart; empty if outputs are numbers.
+    outputs: If there are classes, each of them is an output.
     labels: The labels, in the order of the outputs; empty if outputs are numbers.
     window: The samples that the networks read, of the newest frame and of past frames.
-    group_by: Column of the positions over which equation 3.15 averages; empty where there are no
-        positions.
-    where: Columns, each with the value that it has in the rows that are used.
-    full_scale: For each output whose error is divided by a constant instead of by the target, this
-        constant in the output's unit.
-    length_mm: The full scale of an output in millimetres.
     scale: Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
-    units: Columns with the names of their units.
-    ends: Readings at which sensors end by their nature.
-    reference: Table of scenes/data/thesis_numbers.toml to compare with; empty for none.
     members: The networks, in the order of the outputs.
     design: A name of ``DESIGNS``, or "auto"; see ``chosen``.
-    design_options: The options of the design that the scene sets.
-    activation_options: The options of the activation that the scene sets.
-    interface: ``stream``, the network's own ports, or ``axi_stream``.
-    argmax: Whether the hardware gives the index and the margin of the largest output.
-    learning: The rule by which the hardware learns; empty for none.
-    front_end: How the sensors are read, where the scene has that section.
-    visualisation: The profile of the load, where the scene has that section.
-    uart: The serial line, where the scene has that section.
     demand: How fast the networks must be.
     price: What hardware costs where the design is to be chosen.
     """
@@ -149,7 +129,12 @@ class Scene:
     @property
     def window_text(self) -> str:
         """The delays of the samples in frames, as text; empty where there is no past."""
-        return window_text(self.window, self.sensors)
+        if self.window.plain:
+            return ""
+        texts = [" ".join(map(str, delays)) for delays in self.window.delays]
+        if len(set(texts)) == 1:
+            return texts[0]
+        return ", ".join(f"{name} {text}" for name, text in zip(self.sensors, texts, strict=True))
 
     @property
     def activation_text(self) -> str:

@@ -181,16 +181,10 @@ TRAINING = KeyTable(
 
 @dataclass(frozen=True)
 class Training:
-    """How a scene's networks are trained; see ``tactus.train``.
+    """How a scene's networks are trained: the keys of ``TRAINING``; see ``tactus.train``.
 
-    ``earlier_outputs`` selects what a network of a cascade trains on: the outputs of earlier
-    networks in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
-    ``split_by`` and ``block_rows`` are those of ``tactus.train.descent.split``. With ``refit`` the
-    chosen network is trained further, on all rows. ``digits`` and ``digits_tolerance`` are those of
-    ``tactus.train.descent.few_digits``. ``disturbance`` is the expected disturbance of the readings
-    by the sensors. ``layers``, where it is not empty, and ``activation`` are those of
-    ``tactus.train.layer_training``. ``functions``, where it is not empty, and ``intervals`` are
-    those of ``tactus.train.spline_training``.
+    layers: Empty where training does not search for them.
+    disturbance: ``noise`` and ``drift``.
     """
 
     optimiser: str

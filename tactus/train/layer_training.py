@@ -24,7 +24,7 @@ from golden.trained.mlp import Activation, tanh
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
 from tactus.train import class_descent
-from tactus.train.descent.few_digits import with_few_digits
+from tactus.train.descent.few_digits import FewDigits
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.search import OPTIMISERS, Result, shift_biases
 from tactus.train.descent.stages import Stages
@@ -182,31 +182,15 @@ def measure(
 class LayerStages(Stages):
     """The stages in which training makes a scene's networks of layers."""
 
-    def add(self, hidden: Any, restart: int, point: Sequence[float] = ()) -> None:
-        """Add the network of the chosen candidate, which is trained unless its point is known."""
-        number = len(self.chosen)
-        task, seen_more, seen_all = (
-            self.task(networks, number) for networks in (self.chosen, self.tested, self.written)
-        )
-        made = started if point else train
-        chosen: Any = as_read(task, made(task, hidden, restart, point))
-        tested = written = chosen
-        if self.scene.training.refit:
-            start = self._on_signals(chosen)
-            tested = as_read(task, descended(seen_more, start, seen_more.known, seen_more.known))
-            written = as_read(task, descended(seen_all, start, seen_all.every, seen_all.every))
-        if self.scene.training.digits:
-            self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
-            kind = ClassDigits if self.scene.labels else LayerDigits
-            few = kind(task, self._on_signals(chosen))
-            others = (seen_more, self._on_signals(tested)), (seen_all, self._on_signals(written))
-            found = with_few_digits(few, *others)
-            chosen, tested, written = (as_read(task, network) for network in found)
-        self.chosen.append(chosen[1])
-        self.tested.append(tested[1])
-        self.written.append(written[1])
-        self.files.append(written[0])
+    def trained(self, task: Task, *candidate: Any) -> Any:
+        """The network of a candidate, which is trained unless its point is known."""
+        return (started if candidate[2:] and candidate[2] else train)(task, *candidate)
 
-    def _on_signals(self, read: tuple[Trained, Trained]) -> Trained:
-        """The network of a file on signals, as training has it: logits have no scale."""
-        return on_signals(read[0], *self.scene.scales_of(len(self.chosen)))
+    def refitted(self, task: Task, start: Any, frames: Frames) -> Any:
+        """See ``Stages``."""
+        return descended(task, start, frames, frames)
+
+    @property
+    def digits(self) -> type[FewDigits]:
+        """See ``Stages``."""
+        return ClassDigits if self.scene.labels else LayerDigits

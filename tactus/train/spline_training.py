@@ -121,10 +121,10 @@ class SplineStages(Stages):
 
     edges: list[dict[str, int]] = field(default_factory=list)
 
-    def add(self, hidden: int, number: int) -> None:
+    def add(self, *candidate: Any) -> None:
         """Add the next network, from the candidate that was chosen."""
         task = self.task(self.chosen, len(self.chosen))
-        found = train(task, hidden, number)
+        found = train(task, *candidate)
         found = splines.pruned(found, task.training, task.validation, Learned.error)
         stages: list[Any] = [(self.chosen, found, task.training, task)]
         if self.scene.training.refit:

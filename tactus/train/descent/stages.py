@@ -1,14 +1,16 @@
 """The networks of a scene at the stages of training: chosen, tested and written."""
 
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Any
 
+from golden.trained.dense import Trained
 from golden.trained.mlp import Mlp
 from tactus.scene import Scene
-from tactus.scene.scale import on_readings, on_signals
+from tactus.scene.scale import on_signals
 from tactus.train.descent.few_digits import FewDigits, with_few_digits
 from tactus.train.descent.search import refitted, train
-from tactus.train.descent.task import Task, task_for
+from tactus.train.descent.task import Frames, Task, task_for
+from tactus.train.task_errors import as_read
 
 
 @dataclass
@@ -35,30 +37,42 @@ class Stages:
         """The task of a network that follows the earlier ones of a stage."""
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
-    def add(self, hidden: int, restart: int) -> None:
+    def add(self, *candidate: Any) -> None:
         """Add the next network, from the candidate that was chosen."""
         number = len(self.chosen)
-        chosen = self._as_read(train(self.task(self.chosen, number), hidden, restart), number)
+        task, seen_more, seen_all = (
+            self.task(networks, number) for networks in (self.chosen, self.tested, self.written)
+        )
+        chosen: Any = as_read(task, self.trained(task, *candidate))
         tested = written = chosen
         if self.scene.training.refit:
-            task = self.task(self.tested, number)
-            tested = self._as_read(refitted(task, chosen[1], task.known), number)
-            task = self.task(self.written, number)
-            written = self._as_read(refitted(task, chosen[1], task.every), number)
+            start = self._on_signals(chosen)
+            tested = as_read(task, self.refitted(seen_more, start, seen_more.known))
+            written = as_read(task, self.refitted(seen_all, start, seen_all.every))
         if self.scene.training.digits:
             self.full.append({"chosen": chosen[1], "tested": tested[1], "written": written[1]})
-            few = FewDigits(self.task(self.chosen, number), chosen[1])
-            seen_more = self.task(self.tested, number), tested[1]
-            seen_all = self.task(self.written, number), written[1]
-            found = cast(list[Mlp], with_few_digits(few, seen_more, seen_all))
-            chosen, tested, written = (self._as_read(mlp, number) for mlp in found)
+            few = self.digits(task, self._on_signals(chosen))
+            others = (seen_more, self._on_signals(tested)), (seen_all, self._on_signals(written))
+            found = with_few_digits(few, *others)
+            chosen, tested, written = (as_read(task, network) for network in found)
         self.chosen.append(chosen[1])
         self.tested.append(tested[1])
         self.written.append(written[1])
         self.files.append(written[0])
 
-    def _as_read(self, mlp: Mlp, number: int) -> tuple[Mlp, Mlp]:
-        """The network as a file holds it, and as it is read from the file."""
-        scales = self.scene.scales_of(number)
-        file = on_readings(mlp, *scales)
-        return file, on_signals(file, *scales)
+    def trained(self, task: Task, *candidate: Any) -> Any:
+        """The network of a candidate."""
+        return train(task, *candidate)
+
+    def refitted(self, task: Task, start: Any, frames: Frames) -> Any:
+        """A network that is trained further on more rows."""
+        return refitted(task, start, frames)
+
+    @property
+    def digits(self) -> type[FewDigits]:
+        """How digits are removed from such networks."""
+        return FewDigits
+
+    def _on_signals(self, read: tuple[Trained, Trained]) -> Trained:
+        """The network of a file on signals, as training has it: logits have no scale."""
+        return on_signals(read[0], *self.scene.scales_of(len(self.chosen)))
