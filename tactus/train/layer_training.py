@@ -23,17 +23,16 @@ from golden.trained.function import Function, by_name, functions_of
 from golden.trained.mlp import Activation, tanh
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings, on_signals, signals
-from tactus.train import class_descent
 from tactus.train.descent.few_digits import FewDigits
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.search import OPTIMISERS, Result, shift_biases
 from tactus.train.descent.stages import Stages
 from tactus.train.descent.task import Frames, Task
 from tactus.train.layer_digits import ClassDigits, LayerDigits
-from tactus.train.layer_objective import ClassObjective, LabelledRows, LayeredObjective
+from tactus.train.layer_objective import ClassObjective, LabelledRows, LayeredObjective, descend
 from tactus.train.task_errors import as_read, bit_true_error
 
-NORMAL_EQUATIONS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": class_descent.descend}
+NORMAL_EQUATIONS: dict[str, Any] = OPTIMISERS | {"levenberg-marquardt": descend}
 # With more recorded rows than this there are many: candidates are compared on a part of them.
 MANY_ROWS = 5000
 

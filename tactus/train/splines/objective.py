@@ -106,7 +106,7 @@ class CrossEntropy:
     """The cross-entropy of outputs that are logits, with one-hot targets.
 
     Its curvature by the logits is carried to the parameters by their first derivatives alone (the
-    generalised Gauss-Newton matrix), as for MLPs in ``tactus.train.class_descent``.
+    generalised Gauss-Newton matrix), as for MLPs in ``tactus.train.layer_objective``.
     """
 
     def errors(self, outputs: Real, rows: Rows) -> Real:
