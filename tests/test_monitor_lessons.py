@@ -133,7 +133,7 @@ def test_lessons_are_taken_whole_or_not_at_all(small: Scene, name: str, part: in
 
 def test_a_lesson_that_is_cut_is_dropped(small: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
-    monkeypatch.setattr("tactus.monitor.twin_lessons.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("tactus.monitor.twin_board.time", SimpleNamespace(monotonic=lambda: now))
     lessons = lessons_of(small)
     for data, flags in ((GOOD[:-1], ["lesson_error"]), (GOOD[:1], []), (b"\xa5\xa5", [])):
         lessons.take(data)
