@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -131,3 +132,11 @@ def copied_job(job: Job, folder: Path) -> Job:
         (copied.hdl_folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(job.hdl_folder / name, copied.hdl_folder / name)
     return copied
+
+
+def printed(folder: Path, text: str) -> list[str]:
+    """The words that some Verilog prints."""
+    (folder / "text.v").write_text(text)
+    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
+        result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return result.stdout.split()

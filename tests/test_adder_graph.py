@@ -20,7 +20,6 @@ from golden.trained.dense import Dense, Quantiser, Trained, network_of
 from golden.trained.function import read_function
 from golden.trained.function_network import of_parabolas
 from golden.trained.mlp import tanh
-from tactus.report.measure.adder_errors import stages
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp, random_network
@@ -28,7 +27,6 @@ from tb.common.stimulus import corner_frames
 
 pytestmark = pytest.mark.usefixtures("few_runs")
 
-ENDS = (SIGNAL.low, SIGNAL.high)
 SHAPES = [((1, 1, 1), 1.0), ((3, 4, 2), 20.0), ((5, 3, 4), 0.3)]
 
 
@@ -184,18 +182,3 @@ def test_no_multiplier_and_a_frame_a_clock() -> None:
     design = load_scene("digit-fast").twin()
     assert design.interval == 1
     assert any("every multiplier" in text for text in left_out(design))
-
-
-def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
-    mlp = random_mlp((3, 4, 2), 1.0, 4)
-    design = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
-    *others, (_, tabled), (_, cut_once), (_, cut) = stages(design, frames_of(3))
-    ideal = np.clip(8192 * mlp.process(SIGNAL.to_real(frames_of(3)), tanh), *ENDS)
-    # The bound is that of weights of 18 bits, and half a unit.
-    assert np.abs(others[0][1] - ideal).max() < 1
-    assert len({output.tobytes() for _, output in others}) == 2
-    assert np.abs(tabled - others[1][1]).max() <= np.ceil(np.abs(mlp.w2).sum(axis=1)).max()
-    assert (tabled != cut_once).any()
-    outputs = design.layers[-1]
-    units = [max(map(abs, ends)) / 2.0**outputs.out_shift for ends in outputs.errors]
-    assert 0 < np.abs(cut - cut_once).max() <= 1 + max(units)

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import re
-import subprocess
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 from board_cells import expected_of, frames_of, play
 from refused import Desk
-from shared import Shared
+from shared import Shared, printed
 
 from golden.input_error import InputError
 from tactus.boards import Board, bitstream, board_names, load_board
@@ -145,10 +144,7 @@ def test_a_design_begins_in_reset(tmp_path: Path, clock_mhz: float) -> None:
     others = ", ".join(name for name in names if name not in own)
     most = 2 * (1 << RESET_WIDTH) + 400
     stubs = STUBS.format(entity=design.entity, ports=", ".join(names), others=others, most=most)
-    (tmp_path / "text.v").write_text(f"{text}{stubs}")
-    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    (edges, first), (same, second) = (line.split() for line in run.stdout.splitlines())
+    edges, first, same, second = printed(tmp_path, text + stubs)
     # The PLL locks after the 50th edge, and two registers delay this.
     waited = 52 if clock_mhz != board.clock_mhz else 0
     assert int(edges) == int(same) == (1 << RESET_WIDTH) + waited
@@ -287,12 +283,9 @@ def test_a_register_between_two_multipliers(tmp_path: Path) -> None:
     """ice40_dsp of Yosys loses bits of such a register, so this pass is left out."""
     (tmp_path / "chain.v").write_text(CHAIN)
     netlist = ice40_netlist(tmp_path, "chain").replace("module chain(", "module chain_cells(")
-    text = models_for("ice40", netlist) + netlist + CHAIN + COMPARED
-    (tmp_path / "text.v").write_text(text)
-    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "SB_MAC16" in netlist
-    assert run.stdout.split() == ["296"]
+    text = models_for("ice40", netlist) + netlist + CHAIN + COMPARED
+    assert printed(tmp_path, text) == ["296"]
 
 
 @pytest.mark.all_only

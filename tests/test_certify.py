@@ -17,25 +17,20 @@ import numpy as np
 import pytest
 from shared import Shared
 
+from golden.activation.schemes import SCHEMES
 from golden.input_error import InputError
+from golden.networks.designs import DESIGNS
 from tactus.certify.__main__ import certify, room_in
 from tactus.certify.benches import STEP as BENCHES
 from tactus.certify.benches import BenchResult, bench_result, bench_table
-from tactus.certify.delivered import (
-    CELLS,
-    EVERY_FRAME,
-    LANGUAGES,
-    STEPS,
-    CertifyOptions,
-    check,
-    given_text,
-)
-from tactus.certify.equality import write_equality
+from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, CertifyOptions, check, given_text
 from tactus.certify.formulas import write_formulas
 from tactus.certify.recordings import frames_of
 from tactus.certify.results import OUTPUT, StepResult, read_results
 from tactus.export.exporter import compile_order
+from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.runner import Job, with_parts
+from tactus.verify.benches.written import scene_of
 
 SCENE = "rails-engine"
 SEED = 3
@@ -313,22 +308,6 @@ def test_the_sums_of_a_graph_of_adders_are_proved(adders: Path) -> None:
     assert check(adders, "properties") == 0, read_results(adders)
 
 
-@pytest.mark.all_only
-def test_a_table_of_hundreds_of_words_is_proved(
-    certificate: Path, shared: Shared, tmp_path: Path
-) -> None:
-    jobs = with_parts(shared.subject("load_profile"))
-    job = next(one for one in jobs if one.block == "exp_memory")
-    for language in LANGUAGES:
-        exported = shared.export(job.scene.name, language)
-        shutil.copytree(exported, tmp_path / "design" / language)
-    write_equality(tmp_path, job.scene.twin().entity)
-    shutil.copy(certificate / "check.sh", tmp_path)
-    assert check(tmp_path, "equality", ENTITIES=job.entity) == 2
-    (result,) = read_results(tmp_path)
-    assert result.figure.startswith("proved of 1 of")
-
-
 @pytest.mark.parametrize("fault", ["a weight", "a bit"])
 def test_an_export_of_another_network_is_red(fault: str, copied: Path) -> None:
     if fault == "a weight":
@@ -378,3 +357,99 @@ def test_a_design_that_is_not_covered_says_so_and_why(copied: Path) -> None:
     assert check(copied, EVERY_FRAME) == 2
     (result,) = read_results(copied)
     assert result == StepResult("amber", EVERY_FRAME, "not proved for every frame: lessons")
+
+
+# One frame of each kind is played, and the bench of one entity: properties, equality and the proof
+# of every frame, which hang on options most, are about all of the design in any case.
+FEW = CertifyOptions(frames=1, seed=1, recorded=1, parts=1)
+ONE = "least-lanes"
+# Cases of the benches, and combinations that no bench has. Options that do not touch each other
+# share a row.
+NAMES = (
+    # Engines: with a program of their own, or one that is loaded.
+    *("least-engine", "exact-engine", "tables-engine", "learned-chain", "winner-past"),
+    *("layers-serial", "tables-serial", "deep-reload", "lesson"),
+    # Engines of several multipliers.
+    *("deep-loop", "chain-lanes", "three-lanes", "layers-lanes", "tables-lanes", "winner-loop"),
+    # As the reference folds networks, and everything at once.
+    *("wide-thesis", "gradient_parallel-thesis", "lut-thesis", "pade-thesis", "polynomial-exact"),
+    *("block-ram", "three", "slow-cascade", "few-past"),
+    *("wide-parallel", "pade-parallel", "precise-parallel"),
+    # A frame a clock.
+    *("narrow-graph", "argmax-tables"),
+    # What may stand around a network.
+    *("axis-past", "axis-cascade", "winner-axis", "past-instrument", "winner-instrument"),
+    *("drawn-winner", "wide-converter", "signed-converter", "winner-converter"),
+    *("plain-uart", "drawn-uart", "wide-uart", "learn-uart"),
+)
+ROWS = {name: CASES[name] for name in NAMES} | {
+    "clocks-three": replace(CASES["three-engine"], hardware="clocks = 4000"),
+    "deep-layers": replace(CASES["layers-engine"], hardware='pipeline = "deep"'),
+    "blocks-reload": replace(
+        CASES["tables-reload"], hardware="reload = true\ntable_blocks = 3\nprogram_words = 2048"
+    ),
+    "blocks-lanes-reload": replace(
+        CASES["tables-lanes-reload"],
+        hardware="lanes = 2\nreload = true\noperand_words = 256\nsegment_width = 12"
+        '\npipeline = "deep"\ntable_blocks = 4\nprogram_words = 4096',
+    ),
+    "serial-axis": replace(CASES["axis-past"], hardware="lanes = 0"),
+    "loop-axis": replace(CASES["axis-past"], hardware="lanes = 2\ninterval = 30"),
+    "lanes-drawn": replace(
+        CASES["drawn-past"],
+        hardware="lanes = 2",
+        sections=f"{CASES['drawn-past'].sections}\n[front_end]\ncounter_width = 7\n",
+    ),
+    "lanes-uart": replace(
+        CASES["wide-converter"],
+        hardware="clock_mhz = 12.0\nlanes = 2\nargmax = true",
+        sections=f"{CASES['wide-converter'].sections}\n[uart]\n",
+    ),
+    **{
+        f"{activation}-row": replace(CASES["pade-parallel"], activation=activation)
+        for activation in ("gradient_parallel", "lut", "polynomial")
+    },
+    "winner-reload-uart": replace(
+        CASES["reload-uart"], hardware="clock_mhz = 4.0\nreload = true\nargmax = true"
+    ),
+    "options-graph": replace(
+        CASES["three-graph"], hardware="search_runs = 2\nadders_per_clock = 1\nadder_operands = 3"
+    ),
+    "logic-deep-graph": replace(CASES["deep-graph"], options=CASES["logic-graph"].options),
+    "options-tables": replace(
+        CASES["two-tables"],
+        hardware=f"{CASES['two-tables'].hardware}\nadders_per_clock = 1\nadder_operands = 3",
+    ),
+}
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("row", [ONE, *ROWS])
+def test_no_step_is_red(row: str, tmp_path: Path) -> None:
+    scene = scene_of((ROWS | {ONE: CASES[ONE]})[row], tmp_path, row)
+    wanted = replace(FEW, frames=1 + scene.twin().past)
+    results = certify(scene, wanted, tmp_path)
+    print(f"{row}:", ", ".join(f"{result.step} {result.colour}" for result in results))
+    for result in results:
+        if result.colour != "green":
+            print(f"    {result.colour}: {result.step}: {result.figure}")
+    assert [result.step for result in results] == [*(s for s in STEPS if s != CELLS), BENCHES]
+    assert "red" not in {result.colour for result in results}
+    page = (tmp_path / row / "certificate" / "certificate.md").read_text(encoding="utf-8")
+    assert not re.findall("^- red.*", page, re.M)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_every_option_of_a_design_has_a_row(name: str) -> None:
+    design = DESIGNS[name]
+    scenes = [
+        f"{row.arrangement} {row.activation} {row.precision} {row.interface} {row.hardware} "
+        f"{row.sections}"
+        for row in ROWS.values()
+        if row.design == name
+    ]
+    activations = design.known_activations or [one for one in SCHEMES if one != "bipartite"]
+    words = [*design.arrangements, *design.precisions, *design.options, *activations]
+    if name in ("engine", "hybrid"):
+        words += ["axi_stream", "[front_end]", "converter", "[uart]", "[visualisation]", "argmax"]
+    assert [word for word in words if not any(word in scene for scene in scenes)] == []

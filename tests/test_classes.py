@@ -13,15 +13,7 @@ from derivatives import differences
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import (
-    Dense,
-    DenseNetwork,
-    Trained,
-    layers_of,
-    network_of,
-    packed,
-    unpacked,
-)
+from golden.trained.dense import Dense, Trained, layers_of, network_of, packed, unpacked
 from tactus.cli import predict, scene, train
 from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
 from tactus.errors.scene_errors import held_out_rows, scene_errors
@@ -31,7 +23,7 @@ from tactus.report.measure.clocks import clocks_per_frame
 from tactus.rig import check, class_counts
 from tactus.rig.readings import at_ends
 from tactus.scene import FOLDER, class_names, load_scene
-from tactus.scene.labels import class_scale, decided, margins, ordered, wrong_percent
+from tactus.scene.labels import decided, margins, ordered, wrong_percent
 from tactus.synth.budget import read_budget
 from tactus.train.layer_objective import ClassObjective, LabelledRows
 from tb.common.cases import random_network
@@ -148,17 +140,6 @@ def test_logits_of_any_size_keep_their_decisions(hand: Path, tmp_path: Path, fac
     codes = found.twin().core.process(found.vectors().codes)
     assert 0.3 * SIGNAL.high < np.abs(codes).max() < SIGNAL.high
     assert np.array_equal(decided(codes), decisions_of(load_scene(str(hand))).bit_true)
-
-
-def test_the_scale_of_logits_is_a_power_of_two_that_holds_them(hand: Path) -> None:
-    found = load_scene(str(hand))
-    network, readings = found.members[0].load(), found.vectors().inputs
-    scale = class_scale(network, readings)
-    largest = np.abs(network.process(readings)).max()
-    assert np.log2(scale.factor).is_integer()
-    assert largest < scale.factor <= 4 * largest
-    flat = DenseNetwork((Dense(np.zeros((2, 2)), np.zeros(2)), Dense(np.eye(2), np.zeros(2))))
-    assert class_scale(flat, readings).factor == 1
 
 
 def test_predict_writes_label_and_margin(hand: Path, tmp_path: Path, monkeypatch, capsys) -> None:

@@ -60,11 +60,7 @@ def test_make_check_tells_where_a_classifier_ends(tmp_path: Path) -> None:
 
 
 NETWORKS = {width: random_mlp((3, 5, width), 1.0, 1) for width in (1, 2)}
-CONSTANTS = {
-    "one": 1.0,
-    "names": np.array(["up", "down"]),
-    "sizes": np.array(["10", "9"]),
-}
+CONSTANTS = {"one": 1.0, "names": np.array(["up", "down"]), "sizes": np.array(["10", "9"])}
 
 
 def node(kind: str, taken: str, given: str, **attributes):
@@ -89,11 +85,7 @@ def classifier(tmp_path: Path, tail: list, outputs: str, width: int = 2) -> Path
 
 SOFTMAX = node("Softmax", "v", "p")
 ARGMAX = node("ArgMax", "p", "k", axis=1)
-TWO = [
-    node("Sigmoid", "v", "b"),
-    node("Sub", "one b", "a"),
-    node("Concat", "a b", "p", axis=1),
-]
+TWO = [node("Sigmoid", "v", "b"), node("Sub", "one b", "a"), node("Concat", "a b", "p", axis=1)]
 ENDS = {
     "softmax": ([SOFTMAX], "p", 2, Ending("Softmax")),
     "the logarithm": ([node("LogSoftmax", "v", "p", axis=-1)], "p", 2, Ending("LogSoftmax")),

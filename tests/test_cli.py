@@ -3,17 +3,23 @@
 import errno
 import os
 import resource
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import tiered
 
 from golden.input_error import InputError, naming
 from golden.numbers.fixed import Fix
 from tactus.core.cli import REPORT, run
+from tactus.core.fingerprint import fingerprint
+from tactus.scene import load_scene
+from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.benches.simulate import analyse
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
@@ -85,44 +91,6 @@ def call(*words: str, **options) -> subprocess.CompletedProcess[str]:
     )
 
 
-def small_files(most: int) -> Callable[[], None]:
-    """A function that limits the size of files in a process, like a full disk, also for root."""
-    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-
-
-@pytest.mark.parametrize(
-    ("words", "most", "message"),
-    [
-        (["tactus.cli.network", "mine.toml", "a.npz"], 100, "a.npz: cannot be written: "),
-        (["tactus.cli.network", "mine.toml", "a.onnx"], 100, "a.onnx: cannot be written"),
-        (["tactus.cli.network", "mine.toml", "a.mat"], 100, "a.mat: cannot be written: "),
-        (
-            ["tactus.cli.train", "mine.toml", "--workers", "1"],
-            100,
-            "cannot be written: File too",
-        ),
-        (["tactus.export", "mine.toml", "vhdl"], 2000, "build/mine/vhdl: cannot be written: "),
-    ],
-)
-def test_a_full_disk(tmp_path: Path, words: list[str], most: int, message: str) -> None:
-    write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
-    before = (tmp_path / "mine.npz").read_bytes()
-    result = call(*words, cwd=tmp_path, preexec_fn=small_files(most))
-    assert result.returncode == 2, result.stderr
-    said = [line for line in result.stderr.splitlines() if not line.startswith("warning: ")]
-    assert len(said) == 1
-    assert said[0].startswith("error: ")
-    assert message in said[0]
-    assert (tmp_path / "mine.npz").read_bytes() == before
-    assert {p.name for p in tmp_path.iterdir()} <= {
-        "mine.toml",
-        "mine.csv",
-        "mine.npz",
-        "mine.provenance.toml",
-        "build",
-    }
-
-
 def test_output_that_cannot_be_written() -> None:
     with Path("/dev/full").open("w") as full_disk:
         result = call("tactus.cli.listing", "digit-load", cwd=ROOT, stdout=full_disk)
@@ -141,17 +109,98 @@ def test_a_reader_that_goes_away() -> None:
     assert not result.stderr
 
 
-def test_an_interrupted_command_says_so(capfd) -> None:
-    def main() -> None:
-        raise KeyboardInterrupt
+SIZE = 1 << 20
+COMMANDS = (
+    "tactus.export mine.toml vhdl",
+    "tactus.cli.predict mine.toml mine.csv out.csv",
+    "tactus.cli.train mine.toml --force --workers=1",
+    "tactus.cli.network mine.toml out.onnx",
+    "tactus.report.designs mine.toml --picture=out.svg",
+)
+# Where a command names each of several places before it begins.
+FILES = {"tactus.cli.train mine.toml --force --workers=1": 2}
+# What a command may say of each disk; the last is that of a disk that is imitated by a limit.
+REASONS = (
+    "No space left on device",
+    "Read-only file system",
+    "Permission denied",
+    "File too large",
+)
 
-    assert run(main) == 130
-    assert capfd.readouterr().err == "interrupted\n"
+
+def mounted(folder: Path, *options: str) -> bool:
+    command = ["mount", "-t", "tmpfs", "-o", ",".join([f"size={SIZE}", *options]), "tmpfs", folder]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def test_a_command_error_is_a_complaint_wherever_it_comes_from(capfd) -> None:
-    def main() -> None:
-        raise InputError("SIM=a: no such simulator")
+@pytest.fixture(params=["full", "read-only"])
+def disk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Path, Callable]]:
+    """A small disk with a scene, and what a process must call before it works there.
 
-    assert run(main) == 2
-    assert capfd.readouterr().err == "error: SIM=a: no such simulator\n"
+    Where nothing can be mounted, a limit of files and the permissions of the folder stand in.
+    """
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    small, limit = mounted(folder), lambda: None
+    try:
+        write_scene(
+            folder,
+            "mine",
+            "exact",
+            [random_mlp((3, 5, 2), 1.0, 1)],
+            design="engine",
+            activation="precise",
+        )
+        if request.param == "full" and small:
+            (folder / "ballast").write_bytes(bytes(shutil.disk_usage(folder).free))
+        elif request.param == "full":
+            limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # noqa: E731
+        elif small:
+            mounted(folder, "remount", "ro")
+        else:
+            folder.chmod(0o555)
+        yield folder, limit
+    finally:
+        if small:
+            subprocess.run(["umount", folder], check=True)
+        else:
+            folder.chmod(0o755)
+
+
+@pytest.mark.parametrize("words", tiered(COMMANDS[:4], COMMANDS[4:]))
+def test_a_disk_without_room_is_one_line(disk: tuple[Path, Callable], words: str) -> None:
+    folder, limit = disk
+    before = fingerprint([folder])
+    result = subprocess.run(
+        [sys.executable, "-m", *words.split()],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        preexec_fn=limit,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    said = [line for line in result.stderr.splitlines() if not line.startswith("warning: ")]
+    assert result.returncode == 2, result.stderr
+    assert said
+    assert len(said) <= FILES.get(words, 1)
+    for line in said:
+        assert "cannot be written" in line
+        assert line.endswith(REASONS)
+    shutil.rmtree(folder / "build", ignore_errors=True)
+    assert fingerprint([folder]) == before
+
+
+def test_what_tools_leave_out_for_want_of_room_is_no_fault_of_the_hardware(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
+    scene = load_scene(str(tmp_path / "mine.toml"))
+    job = Job(scene, "hybrid", "hybrid", "networks", (), "icarus", build=tmp_path)
+    monkeypatch.setattr("tactus.verify.benches.runner.simulate", lambda *_: False)
+    assert not run_job(job).passed
+    monkeypatch.setattr("tactus.core.files.ROOM", 1 << 80)
+    with pytest.raises(InputError, match="the disk is full, so nothing is known of hybrid in"):
+        run_job(job)
+    with pytest.raises(InputError, match="the disk is full, so nothing is known of the exported"):
+        analyse([tmp_path / "none.vhd"], tmp_path)

@@ -19,7 +19,7 @@ from tactus.core.table import read_texts
 from tactus.network_files.network_file import provenance_path
 from tactus.report.measure.networks import scenes
 from tactus.report.page.datasheets import COMPARED
-from tactus.scene import FOLDER, Scene, class_names, load_scene, scene_names
+from tactus.scene import FOLDER, class_names, load_scene, scene_names
 from tactus.synth.recorded import CELLS, LEAN, TIMING
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
@@ -166,33 +166,6 @@ def test_the_benchmark_reports_a_ratio() -> None:
     result = make("bench", "FRAMES=2000", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
     assert re.search(r"4:16:4 exact: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
-
-
-def test_network_writes_the_form_it_is_asked_for(tmp_path: Path) -> None:
-    result = make("network", f"TO={tmp_path / 'net.onnx'}", "SCENE=digit-single")
-    assert result.returncode == 0, result.stderr
-    assert (tmp_path / "net.onnx").stat().st_size > 0
-    assert [p.name for p in tmp_path.iterdir()] == ["net.onnx"]
-
-
-def test_train_writes_all_networks_and_their_provenance(small_cascade: Scene) -> None:
-    """A second time it writes the same bytes."""
-    paths = small_cascade.weights_paths
-    contents = [[path.read_bytes() for path in paths]]
-    try:
-        for _ in range(2):
-            result = make("train", f"SCENE={small_cascade.path}")
-            assert result.returncode == 0, result.stderr
-            for name, path in zip(small_cascade.outputs, paths, strict=True):
-                assert f"{name}: 2 of 2 candidates" in result.stdout
-                told = provenance_path(path).read_text()
-                assert f'outputs = "{name}"' in told
-                assert 'precision = "exact"' in told
-            contents.append([path.read_bytes() for path in paths])
-    finally:
-        shutil.rmtree(ROOT / "build" / "chain", ignore_errors=True)
-    assert contents[1] == contents[2]
-    assert all(a != b for a, b in zip(*contents[:2], strict=True))
 
 
 def test_no_stray_files_beside_the_scenes() -> None:

@@ -76,19 +76,6 @@ def test_a_command_hands_on_what_it_is_given(command: Command, started: list[lis
     assert os.environ["DRY"] == "1"
 
 
-@pytest.mark.parametrize("command", OFFERED, ids=lambda c: c.name)
-def test_the_help_of_a_command_comes_from_the_table(command: Command) -> None:
-    result = invoke(command.name, "--help")
-    assert result.exit_code == 0
-    told = " ".join(result.output.split())
-    assert console.typed(command.purpose) in told
-    shown = set(re.findall(r"--([a-z]+)\b", result.output))
-    known = {a.name.lower() for a in command.arguments if a.name != "SCENE"}
-    assert known | {"dry", "help"} == shown
-    assert ("SCENE" in told) == any(a.name == "SCENE" for a in command.arguments)
-    assert not re.search(rf"\bmake ({'|'.join(BY_NAME)})\b|\b[A-Z]{{2,}}=", told)
-
-
 def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     """Run a command line, and return its exit code."""
     monkeypatch.setattr(sys, "argv", ["tactus", *words])

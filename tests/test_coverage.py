@@ -1,6 +1,5 @@
 """Records of coverage exist for every block, and borders are reached."""
 
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from shared import Shared
+from shared import Shared, copied_job
 
 from golden.activation.abs_unit import AbsUnit
 from golden.common.block import Block
@@ -17,7 +16,7 @@ from golden.common.port import Unsigned, input_port, output_port
 from golden.layers.closest import closest
 from golden.layers.neuron import Neuron
 from golden.numbers.fixed import Fix, Rounding, cut
-from tactus.verify.benches.runner import Job, run_job
+from tactus.verify.benches.runner import run_job
 from tactus.verify.sign_off.coverage import named_by
 from tactus.verify.sign_off.source import verilog
 from tb.common.coverage import Coverage, add, missing
@@ -27,11 +26,11 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
     job = shared.subject("abs_unit")
-    changed = replace(job, build=tmp_path)
-    changed.hdl_folder.mkdir(parents=True)
+    changed = copied_job(job, tmp_path)
     for name in job.files:
-        text = (job.hdl_folder / name).read_text()
-        (changed.hdl_folder / name).write_text(text.replace("8191", "8190").replace("131071", "1"))
+        text = (changed.hdl_folder / name).read_text()
+        text = text.replace("8191", "8190").replace("131071", "1")
+        (changed.hdl_folder / name).write_text(text)
     assert verilog(changed) != verilog(job)
 
 
@@ -96,20 +95,12 @@ def test_a_border_that_is_not_met_fails_the_bench(shared: Shared, tmp_path, monk
     known = AbsUnit.borders.fget
     more = property(lambda unit: (*known(unit), Border("another", "code", 10**6)))
     monkeypatch.setattr(AbsUnit, "borders", more)
-    outcome = run_job(replace(block, build=_copy(block, tmp_path)))
+    outcome = run_job(copied_job(block, tmp_path))
     assert not outcome.passed
     assert (
         outcome.complaint()
         == f"Error: {block.entity}: not driven: border another: nothing at 999999"
     )
-
-
-def _copy(job: Job, folder: Path) -> Path:
-    copied = replace(job, build=folder)
-    copied.hdl_folder.mkdir(parents=True)
-    for name in job.files:
-        (copied.hdl_folder / name).write_bytes((job.hdl_folder / name).read_bytes())
-    return folder
 
 
 SMALL = Fix(4, 3)

@@ -12,8 +12,6 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.engine.bounds import error_bounds
-from golden.engine.formats import RESULT
-from golden.engine.quantise import first_values, planned
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
@@ -216,26 +214,6 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
     assert np.array_equal(found[True], serial.process(codes))
     off = np.abs(SIGNAL.to_real(found[True]) - wanted)
     assert (off <= error_bounds(network, 9, network.shape[0])).all()
-
-
-@pytest.mark.parametrize("kind", ["relu", "linear", "leaky_relu"])
-def test_no_sum_saturates_and_a_bit_more_would(kind: str) -> None:
-    """Frames of rails drive each sum of the first layer to its ends."""
-    network = random((3, 6, 4, 2), (kind, kind), spread=3.0)
-    first, second, _ = planned(network, first_values(3, 0))
-    low = np.array([value.low for value in first.values])
-    high = np.array([value.high for value in first.values])
-    assert low.min() >= RESULT.low
-    assert high.max() <= RESULT.high
-    reach = max(high.max(), -low.min())
-    assert 2 * reach > RESULT.high, "a bit is not used"
-    weights = network.layers[0].weights
-    signs = np.concatenate([weights > 0, weights < 0])
-    codes = np.where(signs, SIGNAL.high, SIGNAL.low)
-    sums = SIGNAL.to_real(codes) @ weights.T + network.layers[0].biases
-    assert np.abs(sums).max() * 2**first.layer.result.frac <= RESULT.high + 1
-    assert np.abs(sums).max() * 2**first.layer.result.frac > 0.9 * reach
-    assert second.layer.result.frac <= first.layer.result.frac
 
 
 @pytest.mark.parametrize(

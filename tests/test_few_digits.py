@@ -1,7 +1,9 @@
 """Tests weights of few digits, and the signed digits that they are counted in."""
 
+from __future__ import annotations
+
+import sys
 import tomllib
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -10,19 +12,25 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_classes import write_hand
+from test_layer_training import scene_of
 
+from golden.engine.quantise import integer_networks
 from golden.networks.constants import constants_of
 from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
+from golden.trained.dense import packed
 from golden.trained.mlp import Mlp
 from tactus.cli import train as command
-from tactus.network_files.network_file import provenance_path
-from tactus.scene import Scene
+from tactus.network_files.network_file import provenance_path, read_provenance
+from tactus.scene import Scene, load_scene
 from tactus.train.descent import few_digits
 from tactus.train.descent.few_digits import FewDigits, grid_of
-from tactus.train.descent.objective import pack, unpack
+from tactus.train.descent.objective import pack
 from tactus.train.descent.search import train
 from tactus.train.descent.stages import Stages
 from tactus.train.descent.task import task_for
+from tactus.train.layer_digits import ClassDigits
+from tactus.train.layer_training import LayerStages
 
 
 @pytest.fixture(autouse=True)
@@ -84,27 +92,6 @@ def test_a_network_of_a_cascade_sees_what_few_digits_make_of_the_earlier_ones(
     assert np.array_equal(codes[:, 3:], first)
 
 
-@pytest.mark.all_only
-def test_validation_rows_decide_between_the_starts(
-    small_scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    few = few_of(small_scene, 30)
-    made: list[Mlp] = []
-    original = FewDigits._starts
-
-    def watched(*arguments) -> Iterator[Mlp]:
-        for mlp in original(*arguments):
-            made.append(mlp)
-            yield mlp
-
-    monkeypatch.setattr(FewDigits, "_starts", watched)
-    kept = few.on_training_rows()
-    errors = [few.errors(mlp) / few.errors(few.chosen) for mlp in made]
-    assert len(errors) == 2
-    assert few.errors(kept).tolist() in [few.errors(mlp).tolist() for mlp in made]
-    assert few.worst(kept) == min(error.max() for error in errors)
-
-
 def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
     """A wider tolerance leaves no more digits."""
     counts = []
@@ -140,14 +127,6 @@ def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.Monk
         for name in ("chosen", "tested", "written")
     }
     assert same == {"chosen": True, "tested": True, "written": False}
-
-
-def test_a_grid_holds_what_the_hardware_holds(small_scene: Scene) -> None:
-    mlp = unpack(np.random.default_rng(2).normal(0, 3, 32), (3, 5, 2))
-    grid = grid_of(mlp, 18)
-    held = unpack(grid.rounded(pack(mlp)), mlp.shape)
-    assert grid.digits(pack(mlp)) == digits_in_hardware(small_scene, held)
-    assert np.abs(pack(held) - pack(mlp)).max() <= grid.lsb.max() / 2
 
 
 @given(st.integers())
@@ -190,3 +169,65 @@ def test_no_number_of_so_few_digits_is_nearer(value, most):
     numbers = np.arange(-2048, 2049)
     least = np.abs(numbers[digit_counts(numbers) <= most] - value).min()
     assert abs(found - value) == least
+
+
+def provenance_of(path: Path, monkeypatch: pytest.MonkeyPatch) -> dict:
+    """Train a scene; its provenance."""
+    build = path.parent / "build"
+    monkeypatch.setattr(sys, "argv", ["train", str(path), "--workers", "1", "--build", str(build)])
+    command.main()
+    return dict(read_provenance(load_scene(str(path)).weights_paths[0]))
+
+
+def digits_of_layers(path: Path) -> int:
+    """The signed digits of the codes of all weights."""
+    (network,) = integer_networks("single", load_scene(str(path)).networks())
+    rows = [row for layer in network.layers for row in layer.weights]
+    return sum(len(signed_digits(code)) for row in rows for code in row)
+
+
+@pytest.mark.parametrize("refit", ["", "refit = true\n"])
+def test_a_network_for_classes_is_written_with_few_digits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refit: str
+) -> None:
+    path = write_hand(tmp_path, more=f"digits = 24\n{refit}")
+    story = provenance_of(path, monkeypatch)
+    assert story["digits"] <= 24 < story["digits_before"]
+    assert digits_of_layers(path) <= 24
+    assert story["validation_wrong_percent"] <= story["before_validation_wrong_percent"] + 5
+
+
+def test_a_network_of_several_layers_is_written_with_few_digits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = scene_of(tmp_path, "digits = 60\n")
+    story = provenance_of(path, monkeypatch)
+    assert story["digits"] <= 60 < story["digits_before"]
+    assert digits_of_layers(path) <= 60
+
+
+def few_of_classes(path: Path) -> ClassDigits:
+    """A network for classes as it was trained, with a request for fewer digits."""
+    stages = LayerStages(load_scene(str(path)))
+    found: list[ClassDigits] = []
+
+    class Watched(ClassDigits):
+        def on_training_rows(self):
+            found.append(ClassDigits(self.task, self.chosen))
+            return self.chosen
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tactus.train.layer_training.ClassDigits", Watched)
+        stages.add((4,), 0)
+    return found[0]
+
+
+def test_the_teacher_of_classes_is_the_trained_network(tmp_path: Path) -> None:
+    few = few_of_classes(write_hand(tmp_path, more="digits = 24\n"))
+    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
+    rows = aim.objective.training
+    assert len(rows.inputs) == len(few.task.training.inputs) + few_digits.TEACHER_FRAMES
+    assert np.array_equal(rows.targets, few.chosen.process(rows.inputs))
+    assert aim.value(packed(few.chosen)) == 0
+    # Without any weight a network errs by about the whole spread of the logits.
+    assert 0.5 < aim.value(np.zeros(len(packed(few.chosen)))) < 1.5

@@ -11,7 +11,6 @@ import pytest
 from pages import ROUNDING, cells, section, shows
 
 from tactus.errors.scene_errors import scene_errors
-from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.motions import FORMS, RUNS
 from tactus.report.measure.networks import scenes
 from tactus.report.measure.registry import TABLES
@@ -55,10 +54,7 @@ def test_every_table_is_printed_and_written(written) -> None:
     folder, printed, names = written
     data = json.loads((folder / "figures.json").read_text())
     assert list(data["tables"]) == names
-    assert {p.name for p in folder.iterdir()} == {
-        "figures.json",
-        *(f"{n}.csv" for n in names),
-    }
+    assert {p.name for p in folder.iterdir()} == {"figures.json", *(f"{n}.csv" for n in names)}
     for name, table in data["tables"].items():
         assert re.search(rf"^{name}$", printed, re.M)
         with (folder / f"{name}.csv").open(newline="") as handle:
@@ -190,29 +186,11 @@ def test_the_worst_output_has_the_largest_error(table: Table) -> None:
         assert found[name] == max(error.largest_mean for error in errors)
 
 
-@pytest.mark.parametrize(
-    ("name", "beside"),
-    [("digit-single", 4 + 4), ("digit-hybrid", 7 + 4), ("digit-parallel", 1 + 1)],
-)
-def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
-    """The frame of a cascade also has slots for earlier outputs. In parallel all come at once."""
-    design = load_scene(name).twin()
-    assert clocks_per_frame(design) == design.latency + beside - 1
-
-
 def test_an_instrument_waits_for_its_sensors(table: Table) -> None:
     found = by_scene(table, "clocks a frame")
     scan = load_scene("digit-instrument").twin().scan_sequencer
     assert found["digit-instrument"] > scan.sample_clocks[-1] > 10 * found["digit"]
     assert by_scene(table, "interval clocks")["digit-instrument"] == scan.scan_clocks
-
-
-def test_an_engine_waits_for_its_program() -> None:
-    """Its outputs leave when they are computed, so the last leaves some clocks after the first."""
-    design = load_scene("digit").twin()
-    first, *_, last = design.output_clocks
-    assert clocks_per_frame(design) == 4 + last
-    assert last - first > 3
 
 
 def test_a_cascade_pays_clocks_for_accuracy(table: Table) -> None:

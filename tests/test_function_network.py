@@ -20,14 +20,7 @@ from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
 from tactus.report.draw.pictures import pictures
 from tactus.report.draw.titled_picture import Picture
-from tactus.report.measure.learned_edges import (
-    BINS,
-    INPUT,
-    SUM,
-    VALUES,
-    nodes_of,
-    scene_edges,
-)
+from tactus.report.measure.learned_edges import BINS, INPUT, SUM, VALUES, nodes_of, scene_edges
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_learned
@@ -94,18 +87,6 @@ def test_every_engine_adds_functions_up(options: dict) -> None:
 
 
 @pytest.mark.parametrize(
-    ("shape", "text"),
-    [
-        ((3, 4, 1), "largest error of 11 functions: "),
-        ((2, 2, 1), "largest errors of functions: f1_1 "),
-    ],
-)
-def test_many_functions_are_told_of_together(shape: tuple[int, ...], text: str) -> None:
-    engine = Engine.of([random_learned(shape, 0, 1.0, 5).layers()], Settings(options=WIDE))
-    assert engine.function_facts[0].startswith(text)
-
-
-@pytest.mark.parametrize(
     ("large", "opposite", "looked_up", "products"),
     [
         # What is left of a rising function without a line is one small function.
@@ -145,28 +126,6 @@ def test_a_later_network_takes_the_output_of_an_earlier_one() -> None:
     for network in networks:
         x = np.concatenate([x, network.process(x)], axis=1)
     assert np.abs(found / 2.0**SIGNAL.frac - x[:, 2:]).max() < 4 / 2.0**SIGNAL.frac
-
-
-@pytest.mark.parametrize("change", ["weight", "bias", "copy"])
-def test_other_layers_keep_their_words(change: str) -> None:
-    """A weight that is not 1 and a sum that is no copy are computed as they always were."""
-    first, second, last = random_learned((2, 2, 1), 0, 1.0, 5).layers().layers
-    weights, biases, sums = first.weights.copy(), first.biases.copy(), second.weights.copy()
-    if change == "weight":
-        sums[0, 0] = 0.5
-    elif change == "bias":
-        biases[0] = 0.25
-    else:
-        weights[0] *= 0.5
-    layers = replace(first, weights=weights, biases=biases), replace(second, weights=sums), last
-    network = DenseNetwork(layers)
-    engine = Engine.of([network])
-    frames = codes(2)
-    assert len(engine.integers[0].layers) == 3
-    found = engine.process(frames)
-    assert np.array_equal(found, evaluate(engine.integers, frames))
-    real = network.process(frames / 2.0**SIGNAL.frac)
-    assert np.abs(found / 2.0**SIGNAL.frac - real).max() < 4 / 2.0**SIGNAL.frac
 
 
 def test_a_file_holds_the_functions(tmp_path: Path) -> None:

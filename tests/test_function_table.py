@@ -16,7 +16,6 @@ from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -94,25 +93,6 @@ def test_a_table_is_cut_to_what_sums_reach() -> None:
 
 
 # On the engine.
-
-OPTIONS = [{}, {"pipeline": "deep"}, {"lanes": 0}, {"segment_width": 8}]
-
-
-@pytest.mark.parametrize("options", OPTIONS, ids=str)
-@pytest.mark.parametrize(
-    ("shape", "kinds"),
-    [
-        ((3, 4, 3, 2), ("table:softsign,gaussian,sine,gelu", "tanh")),
-        ((2, 3, 4, 1), ("relu", "table:points")),
-        ((2, 3, 3, 2), ("table:gelu", "sigmoid")),
-        ((2, 3, 1), ("table:softsign",)),
-    ],
-)
-def test_the_program_computes_the_graph(shape, kinds, options) -> None:
-    for lean in (True, False):
-        engine = Engine.of([network(shape, kinds)], Settings(options=options, lean=lean))
-        codes = samples(shape[0])
-        assert np.array_equal(engine.process(codes), exact(engine, codes))
 
 
 @pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)

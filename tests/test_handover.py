@@ -1,10 +1,8 @@
 """The files that an export adds to the entities run, parse, and list the existing files."""
 
-import os
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -22,7 +20,6 @@ from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-ROOT = Path(__file__).parents[1]
 # Values of several networks at once; frames further apart than their length; networks of different
 # depth; AXI4-Stream; frames without outputs, which are the past of others; the largest output.
 EVERY_RUN = ("digit-parallel", "wide", "chain", "axis", "past", "winner")
@@ -237,18 +234,3 @@ def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
     assert (
         "frames: positive := 11;" in (tmp_path / "one" / "vhdl" / "hybrid_vectors.vhd").read_text()
     )
-
-
-# Every run does the same with ``digit-single`` in test_export.py, test bench and example included.
-@pytest.mark.all_only
-def test_the_same_bytes_whatever_the_hash_seed(scenes, build, tmp_path: Path) -> None:
-    subprocess.run(
-        [sys.executable, "-m", "tactus.export", "digit-parallel", "vhdl", "--build", str(tmp_path)],
-        cwd=ROOT,
-        env=os.environ | {"PYTHONHASHSEED": "3"},
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
-    assert scenes["digit-parallel"].name == "digit-parallel"
-    states = {fingerprint([b / "digit-parallel" / "vhdl"]) for b in (build, tmp_path)}
-    assert len(states) == 1

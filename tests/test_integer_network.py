@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,23 +11,21 @@ from hypothesis import strategies as st
 
 from golden.engine.bounds import error_bounds
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
-from golden.engine.integer_network import (
-    IntegerLayer,
-    LayerRounding,
-    evaluate,
-    sample_words,
-)
+from golden.engine.integer_network import IntegerLayer, LayerRounding, evaluate, sample_words
 from golden.engine.quantise import integer_networks
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.lanes import Lanes
-from golden.networks.oracle import exact
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
 from golden.trained.function import Function
-from tb.common.cases import random_network
+from tactus.scene import load_scene
+from tactus.verify.benches.written import write_scene
+from tb.common.case_library import ENGINES
+from tb.common.cases import random_mlp, random_network
 
 TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))
 KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
@@ -170,26 +169,6 @@ def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
     assert found.tolist() == [-0.25, -0.25, 0.0, 0.0, 0.25, 0.25, 0.5]
 
 
-SEEDS = range(4)
-BOUNDED = (
-    ("tanh",),
-    ("relu",),
-    ("sigmoid",),
-    ("relu", "relu"),
-    ("sigmoid", "tanh"),
-    ("linear", "leaky_relu"),
-    ("leaky_relu", "relu", "tanh"),
-    ("hard_tanh", "relu", "sigmoid"),
-    ("relu", "relu", "relu", "relu"),
-)
-
-
-def drawn(kinds: tuple[str, ...], seed: int) -> Trained:
-    """A random network with 2 to 23 nodes in each hidden layer."""
-    nodes = np.random.default_rng((seed, len(kinds))).integers(2, 24, len(kinds)).tolist()
-    return random_network((4, *nodes, 2), kinds, 0.4 + 0.2 * seed, seed)
-
-
 def frames(seed: int) -> np.ndarray:
     """Random samples; some of them are all at rails or 0."""
     rng = np.random.default_rng(seed)
@@ -213,28 +192,6 @@ def real(network: Trained, samples: Real) -> Real:
     return np.clip(values, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
 
 
-@cache
-def seen(kinds: tuple[str, ...], seed: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The largest error of each output, and its bound, in units of 2**-13."""
-    network, codes = drawn(kinds, seed), frames(seed)
-    engine = Engine.of([network])
-    results = engine.process(codes)
-    assert np.array_equal(results[:20], exact(engine, codes[:20]))
-    errors = np.abs(SIGNAL.to_real(results) - real(network, SIGNAL.to_real(codes))).max(axis=0)
-    bounds = error_bounds(network, engine.program.segment_width, 4)
-    unit = 2**SIGNAL.frac
-    return tuple((unit * errors).tolist()), tuple((unit * bounds).tolist())
-
-
-@pytest.mark.parametrize("kinds", BOUNDED, ids="-".join)
-@pytest.mark.parametrize("seed", SEEDS)
-def test_no_error_exceeds_its_bound(kinds: tuple[str, ...], seed: int) -> None:
-    errors, bounds = seen(kinds, seed)
-    assert max(errors) > 0.5
-    for error, bound in zip(errors, bounds, strict=True):
-        assert error <= bound
-
-
 @pytest.mark.parametrize("rounding", ["even", "floor"])
 def test_quantised_layers_are_exact(rounding: str) -> None:
     """Only the weights of the last layer and its results are rounded."""
@@ -256,3 +213,63 @@ def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
     network = network_of([first, *layers[1:]])
     bounds = error_bounds(network, 9, 4)
     assert (bounds >= weights * quantiser.scale).all()
+
+
+@cache
+def engine(name: str, lanes: int, lean: bool = True) -> Engine:
+    settings = Settings(options={"lanes": lanes}, lean=lean)
+    if name in ENGINES:
+        case = ENGINES[name]
+        return Engine.of(case.networks(), settings, case.arrangement)
+    scene = load_scene(name)
+    return Engine.of(scene.mlps(), settings, scene.arrangement)
+
+
+@pytest.mark.parametrize("name", ["digit-single", "digit"])
+def test_a_frame_is_computed_within_a_scan(name: str) -> None:
+    assert engine(name, 0).output_clocks[-1] <= 4096
+
+
+def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
+    hardware = {"lanes": 0, "pipeline": "deep"}
+    with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep' with lanes 0"):
+        Engine.of(ENGINES["least-engine"].networks(), Settings(options=hardware))
+
+
+def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:
+    path = write_scene(
+        tmp_path,
+        "budget",
+        "exact",
+        [random_mlp((2, 3, 3), 1.0, 4)],
+        activation="precise",
+        design="engine",
+        hardware=lines,
+        sections=sections,
+    )
+    found = load_scene(str(path)).twin().core
+    assert isinstance(found, Engine)
+    return found
+
+
+def test_a_budget_takes_the_smallest_that_keeps_to_it(tmp_path) -> None:
+    slow, fast = (budgeted(tmp_path, f"lanes = {lanes}").output_clocks[-1] for lanes in (0, 1))
+    assert slow > fast
+    for clocks, serial in ((slow, True), (slow - 1, False), (fast, False)):
+        assert budgeted(tmp_path, f"clocks = {clocks}").serial is serial
+    with pytest.raises(InputError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
+        budgeted(tmp_path, f"clocks = {fast - 1}")
+    with pytest.raises(InputError, match=rf"expected {slow} or more, which .* lanes = 0"):
+        budgeted(tmp_path, f"lanes = 0\nclocks = {slow - 1}")
+
+
+def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:
+    for width, serial in ((11, True), (8, False)):
+        section = f"\n[front_end]\ncounter_width = {width}\n"
+        found = budgeted(tmp_path, "", section)
+        # There are two slots, and in each the sample is taken at the same place.
+        assert found.budget == (1 << width) // 2 - 1
+        assert found.serial is serial
+        assert found.output_clocks[-1] <= found.budget
+    with pytest.raises(InputError, match="front_end: instrument: got counter_width=4, a scan"):
+        budgeted(tmp_path, "", "\n[front_end]\ncounter_width = 4\n")

@@ -12,17 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
-from golden.layers.neuron import Neuron
 from golden.layers.node_sum import NodeSum
-from golden.layers.output_integral import OutputIntegral
 from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
 
 COEFF = Fix(18, 14)
 codes = st.integers(COEFF.low, COEFF.high)
-samples = st.integers(SIGNAL.low, SIGNAL.high)
 
 
 def one_sum(weights, bias, shift=0) -> NodeSum:
@@ -33,32 +29,6 @@ def layer(rows, biases, shift=0) -> InputIntegral:
     return InputIntegral(
         SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(map(tuple, rows)), tuple(biases)
     )
-
-
-@given(st.lists(st.tuples(codes, samples), min_size=1, max_size=6), codes, st.integers(0, 13))
-def test_node_is_the_rounded_exact_sum(pairs, bias, shift) -> None:
-    weights, x = zip(*pairs, strict=True)
-    bounds, twin = one_sum(weights, bias, shift), layer([weights], [bias], shift)
-    acc = sum((w * v) >> shift for w, v in pairs) + (bias << (13 - shift))
-    rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
-    expected = min(max(rounded, twin.out_fmt.low), twin.out_fmt.high)
-    assert twin.process(np.array(x)).tolist() == [expected]
-    assert abs(expected) <= bounds.reach or expected == twin.out_fmt.low
-
-
-@given(
-    st.lists(st.tuples(codes, samples), min_size=1, max_size=6),
-    codes,
-    st.integers(0, 13),
-    st.none() | st.integers(1, 500),
-)
-def test_a_neuron_is_the_rounded_exact_sum_times_its_factor(pairs, bias, shift, factor) -> None:
-    weights, x = zip(*pairs, strict=True)
-    twin = Neuron(SIGNAL, COEFF, SIGNAL, shift, weights, bias, factor)
-    acc = (sum((w * v) >> shift for w, v in pairs) + (bias << twin.bias_shift)) * (factor or 1)
-    assert -(1 << (twin.scaled_width - 1)) <= acc < 1 << (twin.scaled_width - 1)
-    rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
-    assert int(twin.process(np.array(x))) == min(max(rounded, SIGNAL.low), SIGNAL.high)
 
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
@@ -77,34 +47,6 @@ def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
     assert twin.acc_width <= max(2, twin.acc_bound.bit_length() + 1)
 
 
-@given(
-    st.integers(1, 4).flatmap(
-        lambda hidden: st.tuples(
-            st.lists(st.lists(codes, min_size=hidden, max_size=hidden), min_size=1, max_size=3),
-            st.lists(samples, min_size=hidden, max_size=hidden),
-        )
-    ),
-    st.booleans(),
-    st.integers(0, 13),
-)
-def test_output_is_the_rounded_exact_sum(case, scaled, shift) -> None:
-    weights, r = case
-    biases = [w[0] for w in weights]
-    factors = tuple(range(3, 3 + len(weights))) if scaled else None
-    twin = OutputIntegral(
-        SIGNAL, COEFF, SIGNAL, shift, tuple(tuple(w) for w in weights), tuple(biases), factors
-    )
-    results = twin.process(np.array(r))
-    for i, row in enumerate(weights):
-        acc = sum((w * v) >> shift for w, v in zip(row, r, strict=True))
-        acc += biases[i] << twin.bias_shift
-        assert -(1 << (twin.acc_width - 1)) <= acc < 1 << (twin.acc_width - 1)
-        acc *= factors[i] if factors else 1
-        assert -(1 << (twin.scaled_width - 1)) <= acc < 1 << (twin.scaled_width - 1)
-        rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
-        assert results[i] == min(max(rounded, SIGNAL.low), SIGNAL.high)
-
-
 def test_wrong_shapes_and_codes_are_refused() -> None:
     twin = layer([[1, 2, 3]], [0])
     with pytest.raises(InputError, match=r"got shape \(2,\), expected \(..., 3\)"):
@@ -115,31 +57,6 @@ def test_wrong_shapes_and_codes_are_refused() -> None:
         layer([[131072]], [0])
     with pytest.raises(InputError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
         layer([[1], [2]], [0])
-
-
-def scan(inputs, spacing, flags, clock=None):
-    controller = InputController(inputs, spacing)
-    return controller.process(flags, range(len(flags)) if clock is None else clock)
-
-
-def test_frames_of_the_right_length_pass() -> None:
-    found = scan(3, 0, [0, 0, 1] * 2)
-    assert found.addr.tolist() == [0, 1, 2] * 2
-    assert found.done.tolist() == [False, False, True] * 2
-    assert not found.error.any()
-
-
-def test_a_short_frame_is_one_error_and_the_next_frame_passes() -> None:
-    found = scan(3, 0, [0, 1, 0, 0, 1])
-    assert found.error.tolist() == [False, True, False, False, False]
-    assert found.done.tolist() == [False] * 4 + [True]
-
-
-def test_a_long_frame_is_one_error_and_dropped_up_to_its_last() -> None:
-    found = scan(3, 0, [0, 0, 0, 0, 0, 0, 1, 0, 0, 1])
-    assert np.flatnonzero(found.error).tolist() == [2]
-    assert found.accept.tolist() == [True] * 3 + [False] * 4 + [True] * 3
-    assert np.flatnonzero(found.done).tolist() == [9]
 
 
 Q13 = Fix(14, 13)

@@ -88,16 +88,6 @@ def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
     assert len(re.findall(r"weigh\d+_product <= ", text)) == len(weights) - zeros
 
 
-def test_outputs_that_nobody_asks_for(tmp_path: Path) -> None:
-    """digit-load is the first network of digit's cascade."""
-    lean, whole = load_scene("digit-load"), load_scene("digit")
-    codes = whole.vectors().codes
-    first = lean.twin().process(codes)
-    assert (first[:, 0] == whole.twin().process(codes)[:, 0]).all()
-    blocks, _ = exported(lean, tmp_path)
-    assert not blocks & {"cascade", "stream_multiplexer", "output_collector"}
-
-
 def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> None:
     mlp = random_mlp((2, 3, 4), 1.0, 1)
     found = {}

@@ -265,13 +265,6 @@ def test_a_quote_without_its_other_is_one_message(tmp_path: Path) -> None:
         assert f"error: {name}=it's: No closing quotation" in result.stderr
 
 
-def test_a_selection_reaches_the_tests(tmp_path: Path) -> None:
-    log = environment(tmp_path)
-    result = make(tmp_path, "test", VENV=str(tmp_path / "venv"), BLOCK="`x`", PAGES="1")
-    assert result.returncode == 0, result.stderr
-    assert calls(log) == [["tests/chosen.py", "--block=`x`", "--pages", "--tests="]]
-
-
 LEARNS = """
 [front_end]
 converter = "mcp3208"

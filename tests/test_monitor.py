@@ -385,10 +385,7 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
 
 
 def test_the_command_ends_with_what_it_saw(
-    scene: Scene,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture,
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     with TwinBoard(scene, 200.0) as simulated:
         words = [

@@ -6,9 +6,6 @@ import html
 import http.client
 import json
 import re
-import threading
-import time
-import urllib.request
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -29,13 +26,10 @@ from golden.link.packets import lesson_packet
 from golden.networks.learning_engine import LearningEngine
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
-from tactus.core.cli import run
-from tactus.monitor.__main__ import main
 from tactus.monitor.board import Board
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import NOT_SENT, Monitor
 from tactus.monitor.placements import Drift
-from tactus.monitor.ports import open_line
 from tactus.monitor.server import Server
 from tactus.monitor.twin_board import TwinBoard, TwinLessons
 from tactus.recalibration.fit import fit
@@ -398,12 +392,6 @@ def posted(server: Server, path: str, body: str, **headers: str) -> tuple[int, s
     return answer.status, answer.read().decode()
 
 
-def stated(server: Server) -> dict[str, Any]:
-    """What the page shows."""
-    with urllib.request.urlopen(server.address + "state") as answer:
-        return json.load(answer)
-
-
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_request_is_answered_with_what_was_expected(scene: Scene, name: str) -> None:
     request, message = WRONG[name]
@@ -500,86 +488,3 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     assert {(method, kind) for _, method, kind, _ in asked} == {("POST", "application/json")}
     refusal = "load: got nothing"
     assert told == [refusal, "", refusal, refusal, ""]
-
-
-def test_the_command_teaches_a_drifted_board_of_twins(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    """It is asked as the page asks, while it runs."""
-    words = ["monitor", str(scene.path), "twin", "--drift=0.03,0.02", "--seed=4"]
-    monkeypatch.setattr("sys.argv", words)
-    answers: list[Any] = []
-    done, starts = threading.Event(), Server.__enter__
-    monkeypatch.setattr("tactus.monitor.__main__.Terminal.over", lambda _: done.is_set())
-
-    def starting(server: Server) -> Server:
-
-        def teach() -> None:
-            try:
-                known = json.loads(posted(server, "/next", "{}")[1])
-                wait(lambda: posted(server, "/teach", json.dumps({"known": known}))[0] == 200)
-                answers.append(posted(server, "/teach", json.dumps({"learn": True}))[0])
-                wait(lambda: stated(server)["learning"]["on"])
-                answers.append(stated(server)["learning"]["shown"])
-            finally:
-                done.set()
-
-        found = starts(server)
-        threading.Thread(target=teach, daemon=True).start()
-        return found
-
-    monkeypatch.setattr(Server, "__enter__", starting)
-    assert run(main) == 0, capfd.readouterr().err
-    assert answers == [200, 1]
-    assert re.search(r"\d+ packets, \d+ missed, 0 damaged\n$", capfd.readouterr().out)
-
-
-@pytest.mark.all_only
-def test_the_simulated_hardware_is_taught(scene: Scene) -> None:
-    """Each output that it sends is one that a pupil has on its way, in the same order."""
-    board, said = Board(scene, scene), []
-    with open_line("sim", None, board, replace(DRIFT, seed=4)) as line:
-        monitor = Monitor(board, said.append)
-        frames: list[Any] = []
-        known = texts(scene, 75)
-        line.simulated.place(known)
-        done = threading.Event()
-        thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
-        thread.start()
-        try:
-            # The first packets may hold another row.
-            seen_frames(monitor, frames, 3)
-            before = frames[-1]
-            monitor.teach({"known": known, "learn": True})
-            seen_frames(monitor, frames, 9)
-        finally:
-            done.set()
-            thread.join()
-    assert said == []
-    flags = [frame.flags for frame in frames[3:]]
-    assert set(flags) <= {(), ("learning",)}
-    assert flags[-1] == ("learning",)
-    pupil = lessons_of(scene).pupil
-    samples, codes = np.array(before.samples), Board(scene, scene).known_codes(known)
-    pupil.keep(samples, np.array(codes))
-    way = []
-    for _ in range(3000):
-        way.append(tuple(pupil.process(samples[np.newaxis])[0].tolist()))
-        pupil.step()
-    at = 0
-    for frame in frames[3:]:
-        assert frame.samples == before.samples
-        at = way.index(frame.outputs, at)
-    assert frames[-1].outputs != before.outputs
-    assert at > 20
-
-
-def seen_frames(monitor: Monitor, frames: list[Any], count: int) -> None:
-    """Collect frames as they come, until there are so many."""
-    began = time.monotonic()
-    while len(frames) < count:
-        newest = monitor._newest
-        if newest is not None and (not frames or newest is not frames[-1]):
-            frames.append(newest)
-        time.sleep(0.01)
-        assert time.monotonic() - began < 600

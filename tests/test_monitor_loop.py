@@ -1,8 +1,6 @@
 """Tests the steps of docs/monitor.md: record on a board, train, load, and run the network."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +20,6 @@ from tactus.monitor.twin_board import TwinBoard
 from tactus.scene import Scene, load_scene
 from tactus.scene.image import scene_image
 
-ROOT = Path(__file__).parents[1]
 HARDWARE = "digit-board"
 # Every row with this distance in the recording is touched.
 EVERY = 4
@@ -126,53 +123,3 @@ def test_a_recording_without_a_sensor_is_refused(
     assert "got the sensors sensor1, sensor2, sensor4, expected sensor1, sensor2, sensor3" in said
     assert "; sensor3 is left out: 0.5 in every row" in said
     assert not (tmp_path / "a.toml").exists()
-
-
-def command(*words: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-@pytest.mark.all_only
-def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_path: Path) -> None:
-    """The commands run themselves, with the exported hardware in a simulator as the board."""
-    folder = str(tmp_path)
-    rows = hardware.vectors().targets[::9]
-    (tmp_path / "placements.csv").write_text(
-        "\n".join(["load,position", *(f"{d:g},{p:g}" for d, p, *_ in rows)]) + "\n"
-    )
-    said = command(
-        *("tactus.monitor.record", HARDWARE, "sim", f"{folder}/readings.csv"),
-        *(f"--labels={folder}/placements.csv", "--frames=1"),
-    )
-    assert f"wrote {folder}/readings.csv, {len(rows)} placements" in said
-    rig = f"{folder}/mine.toml"
-    command(
-        *("tactus.cli.scene", f"{folder}/readings.csv", "load,position"),
-        *(f"--to={rig}", f"--hardware={HARDWARE}"),
-    )
-    small(Path(rig))
-    command("tactus.cli.train", rig, "--build", f"{folder}/build")
-    said = command("tactus.monitor.load", rig, "sim", f"--hardware={HARDWARE}")
-    assert re.fullmatch(r"sim: mine runs, \d+ bytes\n", said)
-    said = command(
-        *("tactus.monitor", rig, "sim", f"--hardware={HARDWARE}", "--seconds=20"),
-        f"--to={folder}/seen.csv",
-    )
-    counted = re.search(r"(\d+) packets, 0 missed, 0 damaged\n", said)
-    assert counted
-    mine = load_scene(rig)
-    engine = Engine.of(mine.mlps(), arrangement=mine.arrangement)
-    header, *lines = (tmp_path / "seen.csv").read_text().splitlines()
-    assert header == "seconds,packet,computed,flags,sensor1,sensor2,sensor3,sensor4,load,position"
-    # Their number depends on the speed of the machine.
-    assert len(lines) == int(counted[1]) > 0
-    for line in lines:
-        *_, flags = line.split(",")[:4]
-        values = np.array([float(cell) for cell in line.split(",")[4:]])
-        codes = np.round(values * 8192).astype(np.int64)
-        assert not flags
-        assert np.array_equal(engine.process(codes[None, :4])[0], codes[4:])

@@ -1,7 +1,6 @@
 """Tests whole networks: bit-true against float, extreme weights, and figures of the thesis."""
 
 import hashlib
-import re
 import tomllib
 from dataclasses import replace
 
@@ -11,14 +10,21 @@ from conftest import tiered
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.activation.gradient import Gradient
 from golden.activation.segments import gradient_real
-from golden.common.block import walk
+from golden.common.block import around, walk
 from golden.input_error import InputError
+from golden.instruments.block_inputs import seen
+from golden.layers.input_controller import InputController
+from golden.layers.input_integral import InputIntegral
+from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import arrange
 from golden.networks.designs import DESIGNS
 from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
+from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.trained.mlp import Mlp
 from tactus.errors.scene_errors import held_out_means
@@ -56,15 +62,6 @@ def test_no_worse_than_the_simulated_networks_of_the_thesis(scene: Scene) -> Non
         known = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     else:
         known = thesis_figures("digit.hybrid", 4, scene.path)[: len(scene.outputs)]
-    assert (largest_means(scene, bit_true(scene)) <= known).all()
-
-
-@pytest.mark.parametrize(
-    ("name", "known"),
-    [("digit", [0.5, 0.6, 0.6, 0.5]), ("digit-single", [0.8, 0.6, 2.0, 1.5])],
-)
-def test_precise_networks_stay_as_good_as_they_are_published(name: str, known: list) -> None:
-    scene = load_scene(name)
     assert (largest_means(scene, bit_true(scene)) <= known).all()
 
 
@@ -132,50 +129,6 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     assert (np.abs(results - exact) <= bound).all()
 
 
-@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
-def test_rails_on_all_sensors(precision) -> None:
-    mlp = random_mlp((4, 6, 2), 3.0, 3)
-    design = Hybrid.of([mlp], Settings(precision, "gradient"))
-    rails = np.array(np.meshgrid(*[[SIGNAL.low, 0, SIGNAL.high]] * 4)).reshape(4, -1).T
-    results = design.process(rails)
-    assert results.min() >= SIGNAL.low
-    assert results.max() <= SIGNAL.high
-
-
-@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
-def test_the_parallel_form_gives_the_same_results(precision) -> None:
-    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    for spread in (0.5, 3.0):
-        mlp = random_mlp((3, 4, 2), spread, 1)
-        settings = Settings(precision, "gradient")
-        folded, parallel = (design.of([mlp], settings) for design in (Hybrid, Parallel))
-        assert np.array_equal(parallel.process(frames), folded.process(frames))
-        assert parallel.activations == folded.activations
-
-
-@pytest.mark.parametrize(
-    ("field", "change", "message"),
-    [
-        ("activations", lambda parts: parts[1:], "got 4 hidden neurons, 3 activations and"),
-        ("hidden_neurons", lambda parts: parts[1:], "got 3 hidden neurons, 4 activations and"),
-        (
-            "hidden_neurons",
-            lambda parts: (replace(parts[0], weights=(1,)), *parts[1:]),
-            "got hidden neurons of unequal numbers of weights",
-        ),
-        (
-            "output_neurons",
-            lambda parts: (replace(parts[0], factor=None), *parts[1:]),
-            "got factors of some outputs, expected all or none",
-        ),
-    ],
-)
-def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str) -> None:
-    design = Parallel.of([random_mlp((3, 4, 2), 1.0, 1)], Settings(THESIS, "gradient"))
-    with pytest.raises(InputError, match=f"parallel: {message}"):
-        replace(design, **{field: change(getattr(design, field))})
-
-
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
 def test_networks_together_are_folded(arrangement: str) -> None:
     mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
@@ -183,34 +136,10 @@ def test_networks_together_are_folded(arrangement: str) -> None:
         arrange(arrangement, mlps, Parallel, Settings(EXACT, "gradient"))
 
 
-def test_weights_beyond_the_format_are_refused() -> None:
-    mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
-    with pytest.raises(InputError, match="layer 1 weights: largest magnitude 200000 does not fit"):
-        Hybrid.of([mlp], Settings(EXACT, "gradient"))
-
-
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(InputError, match="hidden node 0: its normalised sum needs 15 bits"):
         Hybrid.of([mlp], Settings(THESIS, "gradient"))
-
-
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [
-        ("digit-single", {"coefficients": "block_ram"}),
-        ("comparison/digit-parallel-pade", {"iterations": 5}),
-    ],
-)
-def test_activations_of_different_latency_are_refused(name: str, change: dict) -> None:
-    design = load_scene(name).twin()
-    first, *others = design.activations
-    clocks = sorted({first.latency, replace(first, **change).latency})
-    assert len(clocks) == 2
-    message = f"{design.entity}: got activations of latencies {clocks}, expected one latency"
-    with pytest.raises(InputError, match=re.escape(message)):
-        replace(design, activations=(replace(first, **change), *others))
 
 
 @pytest.mark.parametrize(
@@ -257,3 +186,54 @@ def test_metrics_on_numbers_done_by_hand() -> None:
     load, position = summarise(errors, [1, 2, 2])
     assert (load.largest_mean, load.worst) == pytest.approx((20, 20))
     assert (position.mean, position.largest_mean) == pytest.approx((10, 10))
+
+
+def part_of(design: Network, kind: type) -> list:
+    return [part for part in walk(design) if isinstance(part, kind)]
+
+
+def frames_of(scene: Scene) -> Codes:
+    return scene.vectors().codes
+
+
+def test_the_layers_of_a_network(small_scene: Scene) -> None:
+    design, frames = small_scene.twin(), frames_of(small_scene)
+    (first,), (last,) = part_of(design, InputIntegral), part_of(design, OutputIntegral)
+    (samples,), (activations,) = seen(design, first, frames), seen(design, last, frames)
+    assert (samples == frames).all()
+    assert (last.process(activations) == design.process(frames)).all()
+
+
+def test_a_later_network_of_a_cascade_sees_earlier_outputs(small_cascade: Scene) -> None:
+    design, frames = small_cascade.twin(), frames_of(small_cascade)
+    outputs = design.process(frames)
+    for number, layer in enumerate(part_of(design, InputIntegral)):
+        (samples,) = seen(design, layer, frames)
+        expected = np.concatenate([frames, outputs[:, :number]], axis=1)
+        assert (samples == expected).all()
+
+
+def test_parts_of_the_activations_of_the_thesis() -> None:
+    """The inputs of all neurons with a part follow in order, and only for recorded frames."""
+    scene = load_scene("digit-thesis")
+    design, frames = scene.twin(), frames_of(scene)
+    (sign,) = {gradient.sign_retriever for gradient in part_of(design, Gradient)}
+    holders = [block for block in around(design, sign) if isinstance(block, Gradient)]
+    results = [gradient.process(*seen(design, gradient, frames)) for gradient in holders]
+    assert (sign.process(*seen(design, sign, frames)) == np.concatenate(results)).all()
+    for gradient in holders:
+        mag, coeff, intercept = seen(design, gradient.grad_eqn, frames)
+        (addr,) = seen(design, gradient.g_memory, frames)
+        assert (coeff == gradient.g_memory.process(addr)).all()
+        assert (intercept == gradient.i_memory.process(addr)).all()
+        assert len(mag) % len(frames) == 0
+
+
+def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> None:
+    design = small_scene.twin()
+    (controller,) = part_of(design, InputController)
+    with pytest.raises(InputError, match=r"input_controller.*does not compute it on its own"):
+        seen(design, controller, frames_of(small_scene))
+    # The recording leaves nothing behind.
+    (layer,) = part_of(design, InputIntegral)
+    assert type(layer).process.__qualname__ == "InputIntegral.process"

@@ -92,13 +92,7 @@ def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
     assert asked.returncode == 0, asked.stderr
 
 
-@pytest.mark.parametrize(
-    ("arrangement", "block"),
-    [
-        ("single", "rowwise"),
-        ("cascade", "cascade"),
-    ],
-)
+@pytest.mark.parametrize(("arrangement", "block"), [("single", "rowwise"), ("cascade", "cascade")])
 def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:
     simulated = run("-m", "tactus.verify.sim", scene(tmp_path, arrangement), "--block", block)
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr

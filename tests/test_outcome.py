@@ -9,13 +9,7 @@ import pytest
 from tactus.report.draw.outcome import disturbance_plots, predicted_plots
 from tactus.report.measure.bounds import limits
 from tactus.report.measure.disturbance import noise_and_drift
-from tactus.report.measure.outcome import (
-    SURE,
-    Outcome,
-    confidence,
-    outcome,
-    sensors,
-)
+from tactus.report.measure.outcome import SURE, Outcome, confidence, outcome, sensors
 from tactus.scene import Scene, load_scene
 
 

@@ -1,18 +1,50 @@
 """Pages contain what commands write into them, and the rest of a page stays as it is."""
 
+import math
 import re
+import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from types import FrameType, SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
-from pages import same_picture
+from conftest import ROOT
+from myhdl.conversion import _toVHDL
+from pages import DOCS, ROUNDING, cells, same_picture, shows
+from shared import Shared
 
+from golden.common.block import walk
 from golden.input_error import InputError
-from tactus.core.fingerprint import ROOT
+from golden.layers.listing import listing
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.designs import DESIGNS
+from golden.networks.engine import Engine
+from golden.networks.left_out import left_out
+from golden.sensing.scan import Scan
+from tactus.cli.demo import error_table
+from tactus.cli.train import train_scene
+from tactus.core.commands import BY_NAME
+from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
+from tactus.export.exporter import export
 from tactus.report.page import lists
 from tactus.report.page.lists import END, begin, put
 from tactus.report.page.made import MADE, MARK, scenes
+from tactus.scene import load_scene, thesis_figures
+from tactus.scene.disturbance import Disturbance
+from tactus.scene.image import hex_text
+from tactus.synth.budget import read_budget
+from tactus.synth.netlist import KINDS
+from tactus.verify.benches.collected import CASES_OF
+from tactus.verify.benches.written import write_scene
+from tb.common.cases import random_mlp
 
-pytestmark = pytest.mark.pages
+pytestmark = [
+    pytest.mark.pages,
+    pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning"),
+]
 
 HDL, SCENES = ROOT / "hdl", ROOT / "scenes"
 PAGE = Path("page.md")
@@ -90,3 +122,177 @@ def test_a_page_with_a_result_opens_with_a_picture_and_is_short(name: str) -> No
     shown = [line for line in page.splitlines() if line and not line.startswith("<!--")]
     assert [line[:2] for line in shown[:2]] == ["# ", "!["]
     assert len(page.split()) <= 900
+
+
+def test_hex_is_padded_to_the_memory_and_bin_is_not(shared: Shared) -> None:
+    for name in ("digit-reload", "rails-reload", "deep-reload"):
+        (engine,) = (b for b in walk(shared.scene(name).twin()) if isinstance(b, Engine))
+        image = engine.loaded
+        assert image is not None
+        lines, count = hex_text(image).split(), len(image.words)
+        assert len(lines) == image.sizes.program_words > count, name
+        assert set(lines[count:]) == {"000000000"}
+        assert [int(line, 16) for line in lines[:count]] == list(image.words)
+        assert len(image.to_bytes()) == 5 + 5 * count + 2
+
+
+@pytest.fixture(scope="module", params=["digit-fast", *CASES_OF["adder_graph"]])
+def adders(request: pytest.FixtureRequest, shared: Shared) -> AdderGraph:
+    core = shared.scene(request.param).twin().core
+    assert isinstance(core, AdderGraph)
+    return core
+
+
+def test_a_listing_computes_what_the_matrix_does(adders: AdderGraph) -> None:
+    rng = np.random.default_rng(1)
+    for matrix in adders.layers:
+        frames = rng.integers(matrix.in_fmt.low, matrix.in_fmt.high + 1, (50, matrix.inputs))
+        names = {f"in_data_{k}": frames[:, k] for k in range(matrix.inputs)}
+        for line in listing(matrix)[2:]:
+            name, _, what = line.split(maxsplit=2)
+            names[name] = eval(what, {"__builtins__": {}}, names)
+        results = [names[f"out_data_{i}"] for i in range(len(matrix.weights))]
+        # A row without weights is a constant.
+        found = np.stack([np.broadcast_to(one, len(frames)) for one in results], axis=-1)
+        low, high = matrix.out_fmt.low, matrix.out_fmt.high
+        assert np.array_equal(np.clip(found, low, high), matrix.process(frames))
+
+
+def engine(name: str) -> Engine:
+    (found,) = (block for block in walk(load_scene(name).twin()) if isinstance(block, Engine))
+    return found
+
+
+def test_how_soon_outputs_are_there() -> None:
+    """The figures are those of docs/future-work.md."""
+    page = " ".join((DOCS / "future-work.md").read_text(encoding="utf-8").split())
+    found = re.search(r"less than (\d+) us after the last sample of a scan of (\d+) us", page)
+    assert found
+    scene = load_scene("digit-instrument")
+    scan = next(b.scan_clocks for b in walk(scene.twin()) if isinstance(b, Scan))
+    last = engine("digit-instrument").output_clocks[-1]
+    assert [int(text) for text in found.groups()] == [
+        math.ceil(last / scene.clock_mhz),
+        scan / scene.clock_mhz,
+    ]
+
+
+PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")])
+SHEETS = sorted((ROOT / "docs" / "blocks").glob("*.md"))
+HEADINGS = ["Diagram", "Behaviour"]
+OPTIONAL = ["Numeric behaviour", "Limits"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_links_lead_somewhere(page: Path) -> None:
+    text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+        if not target.startswith(("http:", "https:", "mailto:")):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_the_change_log_names_commands_that_there_are() -> None:
+    """test_documented.py tries the commands of the other pages."""
+    text = (ROOT / "CHANGELOG.md").read_text()
+    for name in re.findall(r"(?:^|`)make ([a-z]+)", text, re.M):
+        assert name in {*BY_NAME, "help", "tools"}, name
+
+
+# The block that new-block.md adds does not exist here, nor does the design of new-design.md.
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.stem not in ("new-block", "new-design")],
+    ids=lambda p: str(p.relative_to(ROOT)),
+)
+def test_tests_that_are_named_exist(page: Path) -> None:
+    """A page names a test as `file`: `function`, `function`."""
+    named = re.findall(r"`((?:tests|tb)/[\w/]+\.py)`:((?:,?\s+`\w+`)+)", page.read_text())
+    for file, functions in named:
+        text = (ROOT / file).read_text()
+        for function in re.findall(r"\w+", functions):
+            assert re.search(rf"\b{function}\b", text), f"{page.name} names {file}: {function}"
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
+def test_a_blocks_page_has_its_headings_in_order_and_is_short(sheet: Path) -> None:
+    """Diagrams, waveforms, formulas and tables are not counted as words."""
+    text = sheet.read_text()
+    found = re.findall(r"^## (.+)$", text, re.M)
+    assert found == HEADINGS + [heading for heading in OPTIONAL if heading in found]
+    lines = re.sub(r"```.*?```", "", text, flags=re.S).splitlines()
+    prose = [line for line in lines if not line.startswith(("|", "    ", "!", "<!--"))]
+    assert sum(len(line.split()) for line in prose) <= 250
+
+
+def test_the_demos_table_holds_the_errors() -> None:
+    scene = load_scene("digit")
+    printed = "\n".join(error_table(scene))
+    errors, held_out = scene_errors(scene), held_out_means(scene)
+    noisy = [disturbed_errors(scene, Disturbance(noise)) for noise in noises_of(scene)]
+    thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+    assert held_out is not None
+    for n, name in enumerate(scene.outputs):
+        kinds = [errors[kind][n] for kind in ("float", "bit-true")]
+        figures = [figure for e in kinds for figure in (e.mean, e.largest_mean, e.worst)]
+        figures += [held_out[n], *(errors[n] for errors in noisy), thesis[n]]
+        for text, figure in zip(cells(printed, name), figures, strict=True):
+            assert shows(text, figure, ROUNDING), name
+
+
+def test_the_scenes_page_names_the_designs_that_go_with_a_section() -> None:
+    page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    streams = [f"`{name}`" for name, design in DESIGNS.items() if design.stream == "serial"]
+    for name in ("front_end", "visualisation"):
+        section = page.partition(f"### [{name}]\n")[2].partition("\n#")[0]
+        assert f"The design must be {' or '.join(streams)}, which" in section
+
+
+def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
+    """The page shows the texts of the twin and the recorded cells."""
+    page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    first, *others = re.search(r"make lean SCENE=(\S+) BESIDE=(\S+)`", page).groups()
+    shown = page.partition(f"\nscene {first} leaves out:\n")[2].partition("\n```")[0]
+    texts, _, table = shown.partition("\n\n")
+    assert [line.strip() for line in texts.splitlines()] == left_out(load_scene(first).twin())
+    for name in (first, *others):
+        scene = load_scene(name)
+        recorded = read_budget(scene.path)["xc2v"][scene.twin().entity]
+        assert cells(table, name) == [str(recorded[kind]) for kind in KINDS]
+    whole, found = (cells(table, *start) for start in ((f"{first},", "whole"), (first,)))
+    saved = [str(int(a) - int(b)) for a, b in zip(whole, found, strict=True)]
+    assert cells(table, "saved") == saved
+
+
+WALK = re.compile(r"^ ?\d+\. .*?\[(\w+)\]\(\.\./([\w/]+\.py)\)", re.M | re.S)
+
+
+def returning(work: Callable[[], Any]) -> list[tuple[str, str]]:
+    """The functions of the project, with their files, in the order in which they first return."""
+    found: dict[tuple[str, str], None] = {}
+
+    def look(frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        if event == "return" and code.co_filename.startswith(str(ROOT)):
+            found.setdefault((code.co_name, str(Path(code.co_filename).relative_to(ROOT))))
+
+    sys.setprofile(look)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return list(found)
+
+
+def test_the_walk_from_a_csv_file_to_vhdl(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    walk = WALK.findall(page.partition("## From a CSV file")[2].partition("\n## ")[0])
+    assert len({file for _, file in walk}) == len(walk) <= 12
+    mlp, chosen = random_mlp((2, 2, 1), 1.0, 1), {"design": "engine", "activation": "precise"}
+    written = write_scene(tmp_path, "my", "exact", [mlp], **chosen)
+    scene = partial(load_scene, str(written))
+    # MyHDL takes away whatever looks on when it converts.
+    monkeypatch.setattr(_toVHDL, "sys", SimpleNamespace(**vars(sys) | {"setprofile": bool}))
+    trained = returning(lambda: train_scene(scene(), tmp_path, 1))
+    exported = returning(lambda: export(scene(), "vhdl", tmp_path / "vhdl"))
+    assert [one for one in trained if one in walk[:4]] == walk[:4]
+    assert [one for one in exported if one in walk[4:]] == walk[4:]

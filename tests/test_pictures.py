@@ -115,16 +115,6 @@ def test_ids_that_matplotlib_makes_are_numbered() -> None:
     )
 
 
-def test_no_two_pictures_of_a_page_share_an_id() -> None:
-    shown = [*PICTURES, (profile, "digit-thesis")]
-    found: list[str] = []
-    for draw, name in shown:
-        text = drawn(draw, name)
-        ids = [element.get("id", "") for element in parse(text).iter() if element.get("id")]
-        found += ids
-    assert len(found) == len(set(found))
-
-
 @pytest.mark.parametrize("name", ["digit", "digit-single", "swing-window-cascade"])
 def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
     scene = load_scene(name)

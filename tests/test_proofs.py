@@ -8,16 +8,12 @@ import pytest
 from shared import Shared
 
 from golden.input_error import InputError
-from tactus.scene import load_scene
-from tactus.verify.benches.runner import Job, jobs, with_parts
-from tactus.verify.benches.runner import export as run_export
-from tactus.verify.benches.written import write_scene
+from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off import record
 from tactus.verify.sign_off.proofs import PROOFS, properties_of
 from tactus.verify.sign_off.prove import check_record, command, entities, settle
 from tactus.verify.sign_off.solver import Answer, Inquiry
 from tactus.verify.sign_off.subject import chosen_blocks
-from tb.common.cases import random_mlp
 from tb.common.properties import Property
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -61,40 +57,6 @@ def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, b
     for job in entities(block, export):
         for item in properties_of(job):
             assert settle(job, item, tmp_path / "work").faults == [], item.name
-
-
-def hidden(found: list[Job]) -> Job:
-    """The matrix of the hidden layer of a graph of adders."""
-    inside = (one for job in found for one in with_parts(job))
-    return next(one for one in inside if one.entity == "constant_matrix_hidden")
-
-
-@pytest.mark.all_only
-def test_a_row_that_is_a_constant_is_proved_too(shared: Shared, tmp_path: Path) -> None:
-    """Its register holds anything in the first clock, so nothing is said of the result behind."""
-    job = hidden(shared.jobs("rails-graph", "icarus"))
-    (item,) = (item for item in properties_of(job) if item.name == "results")
-    assert "constant0_number ==" in " ".join(item.states)
-    assert settle(job, item, tmp_path).faults == []
-
-
-@pytest.mark.all_only
-def test_sums_that_all_take_over_last_bits_are_proved_too(tmp_path: Path) -> None:
-    """With adders of three operands, a list of sums can hold no other."""
-    path = write_scene(
-        tmp_path,
-        "small",
-        "exact",
-        [random_mlp((2, 2, 1), 3.0, 21)],
-        activation="bipartite",
-        design="adder_graph",
-        hardware="adder_operands = 3\nadders_per_clock = 4",
-    )
-    scene = load_scene(str(path))
-    run_export(scene, "verilog", tmp_path)
-    job = hidden(jobs(scene, "icarus", build=tmp_path))
-    (item,) = (item for item in properties_of(job) if "append" in item.refuted_by[0][0])
-    assert settle(job, item, tmp_path / "work").faults == []
 
 
 def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:

@@ -12,13 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from copied import movable
 
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from tactus.cli.recalibrate import main
 from tactus.core.table import read_table, write_table
-from tactus.export.exporter import export
 from tactus.network_files.network_file import provenance_path
 from tactus.recalibration.fit import Fit, fit, left_out, misses
 from tactus.recalibration.folder import now_read
@@ -31,9 +29,8 @@ from tactus.recalibration.sensitivity import (
     noise_of_repeats,
     outputs_and_slopes,
 )
-from tactus.scene import Scene, Vectors, load_scene, scene_path
+from tactus.scene import Scene, Vectors, load_scene
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.image import hardware_of, scene_image
 from tactus.scene.scale import Scale, readings, signals
 
 DRIFT = Disturbance(gain=0.03, offset=0.02)
@@ -72,19 +69,6 @@ def test_slopes_are_finite_differences_of_the_outputs(name: str) -> None:
         moved = step * np.eye(len(scene.sensors))[sensor]
         higher, lower = (scene.process_real(samples + sign * moved) for sign in (1, -1))
         assert slopes[:, :, sensor] == pytest.approx((higher - lower) / (2 * step), abs=1e-6)
-
-
-def test_what_a_placement_tells_is_how_its_errors_move() -> None:
-    """The errors move with one expected standard deviation of a sensor's gain and of its offset."""
-    scene, recorded = digit()
-    vectors, step = scene.vectors(), 1e-6
-    for k in range(8):
-        theta = step * np.eye(8)[k]
-        higher, lower = (
-            scene.process_real(recorded.moved(vectors.inputs, s * theta)) for s in (1, -1)
-        )
-        expected = 100 * (higher - lower) / (2 * step) / vectors.scale
-        assert recorded.tells[:, :, k] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
 def test_a_correction_is_of_readings_in_their_unit() -> None:
@@ -135,23 +119,6 @@ def test_twenty_placements_at_random_bring_the_errors_back() -> None:
     assert np.mean(before, axis=0).min() > 10 * own.max()
     assert (np.mean(after, axis=0) < 1.4 * own).all()
     assert np.max(after) < 3 * own.max()
-
-
-def test_it_is_the_ridge_regression_that_the_page_gives() -> None:
-    """For outputs that are linear in the correction, both estimate and uncertainty agree."""
-    scene, recorded = digit(0.003)
-    theta = 1e-5 * np.arange(1, 9)
-    rows = np.arange(0, 143, 20)
-    there = at(scene, rows, scene.vectors().inputs)
-    there = replace(there, targets=scene.process_real(recorded.moved(there.inputs, theta)))
-    spread = np.linalg.inv(recorded.spread(there))
-    tells = recorded.telling(there)
-    information = np.einsum("roi,rop,rpj->ij", tells, spread, tells)
-    covariance = np.linalg.inv(np.eye(8) + information)
-    found = fit(recorded, there)
-    assert found.root @ found.root.T == pytest.approx(covariance, abs=1e-3)
-    expected = covariance @ information @ theta
-    assert found.theta == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
 
 
 def test_rows_of_one_placement_are_its_repeats() -> None:
@@ -351,59 +318,6 @@ def test_the_copy_has_corrected_weights_and_says_so(
     same_outputs(scene, copy)
 
 
-def test_a_scene_in_raw_units_is_recalibrated_in_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The sensors give 0 to 5 V. The networks use readings, and the correction uses signals."""
-    shipped = load_scene("digit-load")
-    path = shipped.data_path
-    table = read_table(path, [*shipped.sensors, "load", "position"])
-    table[:, :4] = 2.5 + 2.5 * table[:, :4]
-    write_table(tmp_path / "raw.csv", [*shipped.sensors, "load", "position"], table, 6)
-    text = re.sub(r'file = ".*"', 'file = "raw.csv"', shipped.path.read_text())
-    text = re.sub(r"weights = .*", 'weights = "raw.npz"', text)
-    scales = ", ".join(f"{name} = {{ offset = 2.5, factor = 2.5 }}" for name in shipped.sensors)
-    text = text.replace("\n[network]", f"scale = {{ {scales} }}\n\n[network]")
-    (tmp_path / "raw.toml").write_text(text)
-    mlp = shipped.mlps()[0]
-    np.savez(
-        tmp_path / "raw.npz", w1=mlp.w1 / 2.5, b1=mlp.b1 - mlp.w1.sum(axis=1), w2=mlp.w2, b2=mlp.b2
-    )
-    scene = load_scene(str(tmp_path / "raw.toml"))
-    assert mean_errors(scene, scene.vectors().inputs).max() < 1
-    copy = recalibrated(tmp_path, scene, monkeypatch)
-    assert read_table(copy.data_path, scene.sensors).min() >= 0
-    same_outputs(scene, copy)
-
-
-def reloadable(folder: Path) -> Scene:
-    """The networks of the digit, on an engine that can be reloaded."""
-    text = movable(scene_path("digit"))
-    text = text.replace('design = "engine"', 'design = "engine"\nreload = true')
-    (folder / "digit.toml").write_text(text)
-    return load_scene(str(folder / "digit.toml"))
-
-
-def test_an_engine_gets_a_new_image_and_no_new_hardware(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scene = reloadable(tmp_path)
-    copy = recalibrated(tmp_path, scene, monkeypatch)
-    images = [scene_image(one, hardware_of(scene)) for one in (scene, copy)]
-    assert images[0].sizes == images[1].sizes
-    assert len(images[0].words) == len(images[1].words)
-    assert images[0].to_bytes() != images[1].to_bytes()
-    exported = []
-    for n, one in enumerate((scene, copy)):
-        folder = tmp_path / f"vhdl{n}"
-        export(one, "vhdl", folder)
-        # The export also holds a test bench and its frames.
-        order = (folder / "compile_order.txt").read_text().split()
-        exported.append({name: (folder / name).read_bytes() for name in order})
-    assert exported[0]
-    assert exported[0] == exported[1]
-
-
 def test_without_placements_some_are_proposed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -498,23 +412,3 @@ def test_a_placement_that_is_noted_wrongly_is_named(
     message = r"place of placement 10 \(force 24, place 220\) is off by"
     with pytest.warns(UserWarning, match=message), suppress(InputError):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
-
-
-def test_the_first_proposed_leaves_the_least_error_expected() -> None:
-    """The expected error is computed for every row, one by one."""
-    _, recorded = digit(0.002)
-    spread = np.linalg.inv(recorded.spread(recorded.recorded))
-    squares = recorded.squares.mean(axis=0)
-    known, rows = np.eye(8), []
-    for one in islice(proposed(recorded), 3):
-        added = np.einsum("roi,rop,rpj->rij", recorded.tells, spread, recorded.tells)
-        covariances = np.linalg.inv(known + added)
-        left = np.einsum("ij,rji->r", squares, covariances)
-        left[rows] = np.inf
-        assert left[one.row] == pytest.approx(left.min(), rel=1e-5)
-        expected = np.sqrt(
-            recorded.error**2 + np.einsum("oij,ji->o", recorded.squares, covariances[one.row])
-        )
-        assert one.expected.after == pytest.approx(expected)
-        rows.append(one.row)
-        known = known + added[one.row]

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +13,16 @@ import pytest
 from refused import Desk
 
 from golden.numbers.precision import SIGNAL
+from golden.trained.mlp import Mlp
 from tactus.core.finding import FAULT, OK, WARNING, Finding, faults
 from tactus.core.table import read_csv_file, read_table, write_table
+from tactus.export.__main__ import export_scene
 from tactus.network_files.network_file import save_network
 from tactus.rig.check import everything
 from tactus.rig.predict import predict, readings_of, write_prediction
 from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
 from tactus.scene import Scene, load_scene, scene_names
+from tactus.scene.codes import saturating
 from tactus.train.descent.split import split_story
 from tactus.verify.benches.written import write_scene
 from tactus.verify.check import check
@@ -65,11 +69,6 @@ def column(path: Path, name: str, values: Callable) -> None:
     write_table(file, names, table, 6)
 
 
-def semicolons(path: Path) -> None:
-    file = path.with_suffix(".csv")
-    file.write_text(file.read_text().replace(",", ";"))
-
-
 def keep(rows: int) -> Callable[[Path], None]:
     def cut(path: Path) -> None:
         file = path.with_suffix(".csv")
@@ -101,9 +100,6 @@ def larger(path: Path) -> None:
 
 
 FAULTS = {
-    "csv gone": (lambda p: p.with_suffix(".csv").unlink(), r"rig\.csv: no such file"),
-    "separator": (semicolons, "got a semicolon between the cells"),
-    "column": (lambda p: change(p, "'x1'|\"x1\"", '"x9"'), "no column 'x9'"),
     "rows": (keep(7), "got 7 rows, expected at least 8"),
     "blocks": (
         lambda p: change(p, r"\[training\]", '[training]\nsplit = "blocks"\nblock_rows = 50'),
@@ -112,17 +108,13 @@ FAULTS = {
     "sensor": (lambda p: column(p, "x1", lambda x: 0 * x), "column 'x1': got 0 in every row"),
     "output": (lambda p: column(p, "y1", lambda y: 0 * y + 0.5), "take it out of data.outputs"),
     "codes": (larger, "got 12 of 60 readings outside -1 to 1"),
-    "target": (lambda p: column(p, "y1", lambda y: 3 * y), "got a target of"),
-    "zero": (lambda p: column(p, "y1", lambda y: y - y[0]), "holds a target of 0"),
     "ending": (lambda p: change(p, r"rig-1\.npz", "rig-1.txt"), "got the ending '.txt'"),
     "folder": (folder_for_a_file, r"rig-1\.npz: cannot be written: got a folder, expected a file"),
     "long": (lambda p: change(p, "rig-1", "n" * 250), "cannot be written: File name too long"),
-    "nul": (lambda p: change(p, "rig-1", r"rig\\u0000"), "expected the name of a file"),
     "no folder": (lambda p: change(p, "rig-1", "rig.csv/rig"), r"rig\.npz: cannot be written"),
     "build": (file_for_a_folder, r"build/store/.*: cannot be written: .*Not a dir|File exists"),
     "shape": (other_shape, r"rig-1\.npz: w1: got shape \(4, 4\), expected \(5, 4\)"),
     "no network": (no_network, r"rig\.npz: not an NPZ of numbers"),
-    "scene": (lambda p: change(p, "hidden =", "hiden ="), "key 'hiden' is not known"),
     "clocks": (
         lambda p: change(p, "interface", "clocks = 3\ninterface"),
         "clocks: got 3, expected",
@@ -380,3 +372,55 @@ def test_the_command(scene: Scene) -> None:
 def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
     fresh = touch(drawn(1000, 7), 7)
     assert sum(map(bool, reasons(known, fresh, estimates(fresh)))) <= 30
+
+
+RIGHT = random_mlp((3, 5, 2), 1.0, 2)
+# Networks that fit the formats, and their outputs that always saturate.
+WRONG = {
+    "weights of 100": (replace(RIGHT, w2=np.full((2, 5), 100.0)), ["y0", "y1"]),
+    "all weights of 100": (Mlp(*(np.full(a.shape, 100.0) for a in vars(RIGHT).values())), "both"),
+    "a bias of 50,000": (replace(RIGHT, b2=np.array([50_000.0, 0.1])), ["y0"]),
+    "a bias of -50,000": (replace(RIGHT, b2=np.array([0.1, -50_000.0])), ["y1"]),
+}
+
+
+def saturating_scene(
+    folder: Path, mlp: Mlp, design: str = "hybrid", activation: str = "gradient"
+) -> Scene:
+    path = write_scene(folder, "rig", "exact", [RIGHT], design=design, activation=activation)
+    save_network(path.with_suffix(".npz"), mlp, {})
+    return load_scene(str(path))
+
+
+def warned(scene: Scene, build: Path) -> list[str]:
+    found = everything(scene, build)
+    return [f.text for f in found if f.verdict == WARNING and "saturates" in f.text]
+
+
+@pytest.mark.parametrize("name", WRONG)
+@pytest.mark.parametrize(("design", "activation"), [("hybrid", "gradient"), ("engine", "precise")])
+def test_outputs_that_saturate_are_named(
+    tmp_path: Path, name: str, design: str, activation: str
+) -> None:
+    mlp, outputs = WRONG[name]
+    scene = saturating_scene(tmp_path, mlp, design, activation)
+    names = ["y0", "y1"] if outputs == "both" else outputs
+    lines = warned(scene, tmp_path / "build")
+    assert len(lines) == len(names)
+    results = scene.twin().core.process(scene.vectors().codes)
+    for line, output in zip(lines, names, strict=True):
+        column = results[:, scene.outputs.index(output)]
+        count = int(((column == SIGNAL.low) | (column == SIGNAL.high)).sum())
+        assert count > 0.9 * len(column)
+        text = "all" if count == len(column) else f"{count} of"
+        assert line.startswith(f"output {output!r} saturates in {text} 12 recorded frames: ")
+
+
+def test_an_export_warns_of_them(tmp_path: Path) -> None:
+    scene = saturating_scene(tmp_path, WRONG["a bias of 50,000"][0])
+    with pytest.warns(UserWarning, match=r"rig\.toml: output 'y0' saturates in all 12 recorded"):
+        export_scene(scene, "verilog", tmp_path / "verilog")
+
+
+def test_no_shipped_scene_saturates() -> None:
+    assert not [text for name in scene_names() for text in saturating(load_scene(name))]

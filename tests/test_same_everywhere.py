@@ -16,13 +16,10 @@ from myhdl.conversion import _toVerilog
 
 import tactus.export.hierarchy
 from golden.activation.lut import lut_for
-from golden.activation.pade import pade_for
-from golden.activation.polynomial import COEFFICIENTS, polynomial_for
-from golden.activation.segments import COEFF_WIDTH_LIMIT, GRADIENT, coefficient_codes
 from golden.networks.constants import quantised
 from golden.numbers import transcendental
 from golden.numbers.fixed import Fix
-from golden.numbers.precision import EXACT, PRECISIONS, THESIS, Precision
+from golden.numbers.precision import EXACT
 from golden.numbers.transcendental import exp_floors, tanh_floors
 from golden.visualisation.exp_memory import exp_memory
 from tactus.core import machine
@@ -156,62 +153,6 @@ def nearest(value: Fraction) -> int:
 def code(value: Fraction, fmt: Fix) -> int:
     """The code of a fraction, as ``Fix.quantise`` would give it."""
     return min(max(nearest(value * 2**fmt.frac), fmt.low), fmt.high)
-
-
-@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
-def test_gradients_are_those_of_exact_fractions(precision: Precision) -> None:
-    """This holds for every Q, halves included."""
-    width, limit = precision.coeff_width, precision.gradient_frac_limit
-    for factor in range(1, 900):
-        real = [Fraction(str(g)) * factor for g in GRADIENT]
-        points = [
-            next(p for p in range(limit, -1, -1) if nearest(v * 2**p) < 2 ** (width - 1))
-            for v in real
-        ]
-        frac = max(
-            p for p in range(max(points) + 1) if nearest(max(real) * 2**p) < 2**COEFF_WIDTH_LIMIT
-        )
-        codes = [
-            nearest(v * 2 ** min(p, frac)) << (frac - min(p, frac))
-            for v, p in zip(real, points, strict=True)
-        ]
-        assert coefficient_codes(factor, width, limit) == (codes, frac)
-
-
-def test_quadratics_are_those_of_exact_fractions() -> None:
-    a11 = Fraction(str(COEFFICIENTS[0][1]))
-    for factor in range(1, 900):
-        twin = polynomial_for(THESIS, factor, THESIS.hidden_fmt.high)
-        formats = twin.formats
-        places = (formats.quadratic, formats.linear, formats.constant)
-        assert twin.coeffs == tuple(
-            tuple(
-                code(Fraction(str(a)) / a11 / factor**power, fmt)
-                for power, (a, fmt) in enumerate(zip(row, places, strict=True))
-            )
-            for row in COEFFICIENTS[: len(twin.coeffs)]
-        )
-        exact = a11 * factor**2 * Fraction(2) ** formats.factor_frac
-        assert twin.factor == nearest(exact)
-        assert nearest(exact) < 1 << THESIS.coeff_width <= nearest(2 * exact)
-        doublings = next(n for n in range(20) if factor <= 3 << n)
-        assert formats.linear.frac == THESIS.gradient_frac_limit + doublings
-
-
-@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
-@pytest.mark.parametrize("rho", ["4.5", "1.5", "0.7", "5.125"])
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-def test_constants_of_pade_are_those_of_exact_fractions(precision: Precision, rho: str) -> None:
-    twin = pade_for(precision, 1, precision.hidden_fmt.high, float(rho))
-    inverse = 1 / Fraction(rho)
-    for horner, values in (
-        (twin.numerator, (Fraction(1), Fraction(1, 9), Fraction(1, 945))),
-        (twin.ratio, (inverse - 1, Fraction(4, 9) * inverse, Fraction(1, 63) * inverse)),
-    ):
-        points = (horner.out_frac, horner.inner_frac, horner.k2_frac)
-        expected = [nearest(v * 2**p) for v, p in zip(values, points, strict=True)]
-        assert [horner.k0, horner.k1, horner.k2] == expected
-    assert twin.start == nearest(inverse * 2**twin.formats.reciprocal.frac)
 
 
 @pytest.mark.parametrize("name", scene_names())

@@ -110,11 +110,6 @@ def thesis() -> Scene:
     return load_scene("thesis")
 
 
-def test_the_default_scenes_are_shipped() -> None:
-    assert DEFAULT_SCENES[0] == "thesis"
-    assert set(DEFAULT_SCENES) <= set(scene_names())
-
-
 def test_the_default_scenes_have_the_same_sensors_and_outputs() -> None:
     first, *others = map(load_scene, DEFAULT_SCENES)
     for other in others:

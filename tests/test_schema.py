@@ -18,14 +18,7 @@ from tactus.core.schema import REQUIRED, Key, KeyTable, Span, json_schema
 from tactus.physics.gauge_rig import FOLDER as RIGS
 from tactus.physics.gauge_rig import RIG
 from tactus.report.page import lists
-from tactus.scene import (
-    FOLDER,
-    class_names,
-    comparison_names,
-    load_scene,
-    scene_names,
-    scene_path,
-)
+from tactus.scene import FOLDER, class_names, comparison_names, load_scene, scene_names, scene_path
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 
 SCHEMA = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
@@ -75,20 +68,12 @@ def test_every_shipped_file_is_accepted(table: KeyTable, path: Path) -> None:
     ("old", "new", "says"),
     [
         ("[hardware]", "[hardwear]", "'hardwear' was unexpected"),
-        ("precision =", "precison =", "'precison' was unexpected"),
         ('design = "engine"\n', "", "'design' is a required property"),
         ('design = "engine"', 'design = "engin"', "'engin' is not one of"),
-        ('design = "engine"', "design = 3", "3 is not one of"),
         ('sensors = ["sensor1"', 'sensors = ["sensor4"', "has non-unique elements"),
         ("[training]", "[training]\nsteps = 2.5", "2.5 is not of type 'integer'"),
-        ("[training]", "[training]\nsteps = 0", "0 is less than or equal to the minimum of 0"),
-        ("[training]", "[training]\nsteps = 1000001", "greater than the maximum of 1000000"),
-        ("[training]", '[training]\nrefit = "yes"', "'yes' is not of type 'boolean'"),
         ("[training]", '[training]\ndigits = "few"', "'few' is not valid under any"),
         ("[training]", "[training]\ndrift = { gian = 1 }", "'gian' was unexpected"),
-        ("[training]", "[front_end]\nsample_at = 1\n[training]", "equal to the maximum of 1"),
-        ("[training]", "[front_end]\ncounter_width = 25\n[training]", "the maximum of 24"),
-        ("[training]", '[front_end]\nrate_hz = "fast"\n[training]', "is not of type 'number'"),
     ],
 )
 def test_an_editor_sees_what_the_check_refuses(

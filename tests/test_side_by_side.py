@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import pytest
 from pages import ROUNDING, shows
-from refused import Desk
 
-from golden.input_error import InputError
-from tactus.cli import demo
 from tactus.errors.scene_errors import held_out_means, scene_errors
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.page.side_by_side import KINDS, side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
 from tactus.synth.budget import read_budget
-from tactus.verify.benches import results
-from tactus.verify.benches.runner import Job
 from tactus.verify.benches.tools import SIMULATORS
 
 
@@ -105,23 +99,3 @@ def test_cells_are_those_that_were_recorded(
         "multiplier": device["mult18x18"] * printed["mult18x18_percent"] / 100,
     }
     assert cells[0] == (f"{expected[kind]:,.0f}" if kind in expected else "-")
-
-
-def test_the_demo_says_what_it_does_from_the_start(
-    desk: Desk, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
-) -> None:
-    """It says so before it reads a scene, and before it exports one."""
-
-    def read(name: str) -> Scene:
-        assert capfd.readouterr().out == "demo: reading mine.toml\n"
-        return load_scene(name)
-
-    def plan(*_: object) -> list[Job]:
-        assert capfd.readouterr().out == "mine: exporting VHDL and Verilog, and compiling\n"
-        raise InputError("seen")
-
-    monkeypatch.setattr(demo, "ready_scene", read)
-    monkeypatch.setattr(results, "plan", plan)
-    monkeypatch.setattr(sys, "argv", ["demo", "mine.toml"])
-    with pytest.raises(InputError, match="seen"):
-        demo.main()

@@ -20,12 +20,7 @@ from tactus.scene import Scene, load_scene
 from tactus.train import spline_training
 from tactus.train.descent.objective import Rows
 from tactus.train.descent.search import bit_true_error
-from tactus.train.spline_training import (
-    SplineStages,
-    function_network,
-    measure,
-    train,
-)
+from tactus.train.spline_training import SplineStages, function_network, measure, train
 from tactus.train.splines import training as splines
 from tactus.train.splines.descent import descend, stopped_early
 from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges
@@ -121,28 +116,6 @@ def test_the_gradient_for_classes_is_the_differences(kind: int) -> None:
     for row, by_row in zip(parts, np.moveaxis(slopes, 0, -1), strict=True):
         expected += by_row.T @ (np.diag(row) - np.outer(row, row)) @ by_row / 2
     np.testing.assert_allclose(hessian, expected, atol=1e-6)
-
-
-def test_classes_are_learned_and_pruned() -> None:
-    """A class is decided by one input of three, of which the others tell nothing."""
-    rng = np.random.default_rng(4)
-
-    def drawn(count: int) -> Rows:
-        inputs = rng.uniform(-1, 1, (count, 3))
-        inside = np.abs(inputs[:, 0]) + 0.1 * rng.normal(size=count) < 0.5
-        targets = np.eye(2)[inside.astype(int)]
-        return Rows(inputs, targets, np.ones_like(targets))
-
-    parts = drawn(200), drawn(200)
-    settings = SplineSettings(1, 4, 4, 0.1, 0.1, loss=CrossEntropy())
-    found = trained(settings, np.random.default_rng(1), *parts)
-    less = pruned(found, *parts, Learned.error)
-    for one in (found, less):
-        wrong = one.process(parts[1].inputs).argmax(axis=1) != parts[1].targets.argmax(axis=1)
-        assert wrong.mean() < 0.15
-    assert found.edges.first.tolist() == [[CURVED] * 3]
-    assert less.edges.first.tolist() == [[CURVED, FLAT, FLAT]]
-    assert less.error(parts[1]) <= 1.02 * found.error(parts[1])
 
 
 def test_errors_of_words_are_expected_in_the_objective() -> None:

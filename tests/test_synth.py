@@ -1,10 +1,6 @@
 """Tests counts of cells, depth and clock, their records, and what is placed on an ECP5."""
 
-import json
 import re
-import subprocess
-import sys
-from collections import Counter
 from graphlib import CycleError
 from pathlib import Path
 from typing import Any
@@ -17,28 +13,18 @@ from golden.common.block import walk
 from golden.input_error import InputError, MissingFileError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.numbers.fixed import Fix
-from tactus.core.fingerprint import ROOT
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
 from tactus.synth import recorded, timing
 from tactus.synth.absorb import absorb
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
-from tactus.synth.cells import (
-    DEPTH,
-    FAMILIES,
-    FLAT,
-    FLAT_FAMILY,
-    synthesise,
-    synthesise_flat,
-)
+from tactus.synth.cells import FAMILIES, FLAT, FLAT_FAMILY, synthesise, synthesise_flat
 from tactus.synth.lean import cells
 from tactus.synth.netlist import KINDS, count, depth, total
 from tactus.synth.timing import OPERANDS, read_timing
 from tactus.synth.tools import digest, run_tool
 from tactus.verify.benches.runner import Job, run_job
-from tactus.verify.benches.written import write_scene
 from tactus.verify.sign_off.netlist import on_cells
-from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -380,44 +366,6 @@ def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: s
         found[family][f"engine {FLAT}"] = synthesise_flat(verilog, "engine")
     budget = read_budget(scene.path)
     assert differences(found, {family: budget[family]}) == []
-
-
-@pytest.mark.all_only
-@pytest.mark.usefixtures("yosys")
-def test_the_command(tmp_path: Path) -> None:
-    """CI calls the command for two shipped scenes on every push, and places and routes them."""
-    mlp = random_mlp((1, 1, 1), 1.0, 1)
-    scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp], activation="precise")))
-    command = [sys.executable, "-m", "tactus.synth", str(scene.path), "--build", str(tmp_path)]
-
-    def call(*more: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([*command, *more], cwd=ROOT, capture_output=True, text=True)
-
-    first = call("--record")
-    assert first.returncode == 0, first.stderr
-    assert "in an XC2V3000: " in first.stdout
-    assert "MHz reached, 64 MHz needed" in first.stdout
-    figures = json.loads((tmp_path / "small" / "synth" / "synth.json").read_text())
-    assert figures["cells"] == read_budget(scene.path)
-    assert figures["cells"]["xc2v"]["hybrid"]["multiplier"] == 3
-    assert figures["timing"]["needed_mhz"] == 64
-
-    figures["cells"]["xc2v"]["hybrid"]["multiplier"] = 2
-    write_budget(scene.path, figures["cells"])
-    again = call()
-    assert again.returncode == 2
-    assert f"{scene.path.with_suffix('.cells.csv')}: 1 figures differ" in again.stderr
-    assert "xc2v, hybrid: multiplier: got 3, recorded 2" in again.stderr
-
-
-def test_counts_of_a_scene_add_up() -> None:
-    """A block has at least as many cells as its parts, and its kinds add up to its cells."""
-    budget = read_budget(load_scene("digit-load").path)["xc2v"]
-    design = load_scene("digit-load").twin()
-    parts = Counter(part.entity for part in design.parts())
-    for kind in KINDS:
-        assert sum(n * budget[name][kind] for name, n in parts.items()) <= budget["engine"][kind]
-    assert budget["engine"][DEPTH] >= max(budget[name][DEPTH] for name in parts)
 
 
 # What a memory may return for a word that is just written, and the case in which that does harm.

@@ -1,12 +1,16 @@
 """Tests the two tiers of make test: it counts what ALL=1 adds, and an empty selection fails."""
 
 import os
+import platform
 import re
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
 
+from tactus.core import machine
+from tactus.verify.benches import tools
 from tactus.verify.benches.collected import ROOT
 
 # A test of the second tier that takes less than a second.
@@ -22,9 +26,9 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_a_file_that_is_missing_is_named() -> None:
-    result = run("test_lut.py", "-n", "1")
+    result = run("test_gradient.py", "-n", "1")
     assert result.returncode == pytest.ExitCode.USAGE_ERROR
-    assert "TESTS=test_lut.py: no such file or folder; did you mean" in result.stderr
+    assert "TESTS=test_gradient.py: no such file or folder; did you mean" in result.stderr
 
 
 def test_the_summary_counts_what_is_left_and_a_choice_that_runs_nothing_fails() -> None:
@@ -48,5 +52,21 @@ def test_a_block_and_pages_are_selections_of_pytest() -> None:
         return said.stdout + said.stderr
 
     assert "pytest -k comparator_bank and not test_site" in chosen("--block=comparator_bank")
-    assert re.search(r"pytest -m pages .*tests/test_docs\.py", chosen("--pages"))
+    assert re.search(r"pytest -m pages .*tests/test_pages\.py", chosen("--pages"))
     assert "did you mean 'comparator_bank'" in chosen("--block=comparater_bank")
+
+
+NAMES = ["processor", "instructions", "system", "versions", "took"]
+
+
+def test_the_lines_name_what_is_here() -> None:
+    lines = machine.closing(61.7, **tools.simulator_versions())
+    assert [line.split()[0] for line in lines] == NAMES
+    text = "\n".join(lines)
+    assert platform.machine() in text
+    assert f"{os.cpu_count()} core" in text
+    for name in ("tactus", "numpy", "scipy", "myhdl", "cocotb"):
+        assert f"{name} {version(name)}" in text
+    assert f"python {platform.python_version()}" in text
+    assert re.search(r"ghdl (\d+\.\d+\S*|none), icarus (\d+\.\d+\S*|none)$", text, re.M)
+    assert re.search(r"^took +62 s$", text, re.M)

@@ -1,12 +1,17 @@
 """Tests training: derivatives, optimisers, early stopping, split, determinism, and results."""
 
+import socket
+import threading
 import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from derivatives import check_derivatives
+from distributed import Client, LocalCluster
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
@@ -19,6 +24,8 @@ from tactus.network_files.network_file import provenance_path, save_network
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import percent_errors
+from tactus.train.candidate_runs import continued
+from tactus.train.descent.cluster import computed_on
 from tactus.train.descent.objective import Objective, Rows, pack, unpack
 from tactus.train.descent.scg import minimise
 from tactus.train.descent.search import (
@@ -26,6 +33,8 @@ from tactus.train.descent.search import (
     Result,
     bit_true_error,
     bit_true_errors,
+    candidates,
+    measure,
     signed_errors,
     train,
 )
@@ -267,19 +276,6 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
         assert abs(moved.mean()) < 0.2
 
 
-@pytest.mark.all_only
-def test_training_for_noise_makes_a_network_that_noise_moves_less() -> None:
-    scene = load_scene("digit")
-    noisy = disturbed(scene, noise=0.02)
-    asked = task_for(noisy, scene.vectors(), [])
-    plain = train(task_for(scene, scene.vectors(), []), 8, 0)
-    trained = train(asked, 8, 0)
-    # On unseen rows with noise the difference is so large that last bits cannot change it.
-    assert bit_true_error(asked, trained, asked.test) < 0.8 * bit_true_error(
-        asked, plain, asked.test
-    )
-
-
 def noisy_digit(**settings) -> Scene:
     scene = disturbed(load_scene("digit"), noise=0.002)
     members = (scene.members[0],)
@@ -313,15 +309,6 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
         for name in ("chosen", "tested", "written")
     }
     assert same == {"chosen": True, "tested": True, "written": False}
-
-
-@pytest.mark.all_only
-def test_refitting_lowers_the_error_on_all_rows() -> None:
-    stages = Stages(noisy_digit(refit=True))
-    stages.add(5, 0)
-    task = stages.task([], 0)
-    written = bit_true_error(task, stages.written[0], task.every)
-    assert written < bit_true_error(task, stages.chosen[0], task.every)
 
 
 @pytest.mark.parametrize("refit", [False, True])
@@ -383,3 +370,76 @@ def test_what_is_stated_is_what_the_written_network_does(
     errors = [round(error, 4) for error in bit_true_errors(task, member.load())]
     assert 0.5 not in errors
     assert [provenance[f"{part}_rms_percent"] for part in ("validation", "test")] == errors
+
+
+def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
+    """The results of 3 sizes with 2 starts each."""
+    members = (replace(scene.members[0], hidden=0),)
+    scene = replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
+    task = task_for(scene, scene.vectors(), [])
+    return list(continued(measure, Result, task, candidates(task), record, workers))
+
+
+def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:
+    """The two worker processes are reached over sockets, as those of another machine would be."""
+    here = searched(small_scene, tmp_path / "here.jsonl")
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    with cluster, Client(cluster) as client:
+        with computed_on(client.scheduler.address):
+            there = searched(small_scene, tmp_path / "there.jsonl", workers=-1)
+        worker = next(iter(client.scheduler_info()["workers"]))
+        message = f"CLUSTER={worker}: no scheduler answers: what answers there is a Worker of Dask"
+        with pytest.raises(InputError, match=message), computed_on(worker):
+            pass
+        executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
+    assert there == here
+    assert (tmp_path / "there.jsonl").read_bytes() == (tmp_path / "here.jsonl").read_bytes()
+    assert len(executed) == 2
+    assert sum(executed.values()) > 0, "the cluster computed nothing"
+
+
+@contextmanager
+def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
+    """The address of a program that listens but is not a scheduler."""
+    server = socket.create_server(("127.0.0.1", 0))
+    taken: list[socket.socket] = []
+
+    def serve() -> None:
+        with suppress(OSError):
+            while True:
+                taken.append(server.accept()[0])
+                answer(taken[-1])
+
+    threading.Thread(target=serve, daemon=True).start()
+    try:
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+    finally:
+        for one in (server, *taken):
+            one.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason"),
+    [
+        (lambda taken: None, "nothing within 1 s"),
+        (lambda taken: taken.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n"), "what .* another proto"),
+        (lambda taken: taken.sendall(bytes(4000)), "what answers there speaks another protocol"),
+        (lambda taken: taken.sendall(bytes(range(256))), "what answers there speaks another"),
+        (lambda taken: taken.close(), "(nothing within|Timed out|in <TCP)"),
+    ],
+    ids=["silent", "http", "zeros", "bytes", "closed"],
+)
+def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
+    answer: Callable[[socket.socket], object], reason: str, capfd: pytest.CaptureFixture
+) -> None:
+    """Otherwise it would wait for seven minutes, or try to read a message of 3.07 EiB."""
+    with listening(answer) as address:
+        message = f"^CLUSTER={address}: no scheduler answers: {reason}.*; expected the address of a"
+        with pytest.raises(InputError, match=message) as refused, computed_on(address, 1.0):
+            pass
+        assert "\n" not in str(refused.value)
+    said = capfd.readouterr()
+    assert (said.out, said.err) == (
+        f"CLUSTER={address}: asking for its scheduler, 1 s at most\n",
+        "",
+    )

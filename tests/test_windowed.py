@@ -14,7 +14,6 @@ from golden.numbers.fixed import Fix
 from golden.sensing.frame_window import FrameWindow
 from golden.trained.window import Window
 from tactus.verify.benches.collected import CASES
-from tactus.verify.benches.myhdl_simulation import simulate
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import PAST, WINDOW
 from tb.common.cases import Case
@@ -72,13 +71,6 @@ def test_what_stands_around_it_has_its_past(past: Windowed, around: type[Network
     frames = random_frames(30, past.inputs)
     assert network.past == past.past
     assert np.array_equal(network.process(frames), past.process(frames))
-
-
-def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
-    """MyHDL checks every bound of every signal, while the ring wraps around."""
-    frames = random_frames(past.frame_window.words, past.inputs)
-    results, _ = simulate(past, frames)
-    assert np.array_equal(results, past.process(frames))
 
 
 def test_outputs_come_behind_what_the_frame_window_sends(past: Windowed) -> None:

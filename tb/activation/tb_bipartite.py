@@ -5,7 +5,7 @@ input; for each bit of every word of both tables, a code of either sign whose re
 codes on either side of 2, 4, 8, zero and both ends.
 Drives: the inputs back to back, then in random order with gaps and resets.
 Checks: the activation bit for bit, and the clock in which it appears.
-Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
+Does not prove: how close the tables are to tanh (tests/test_precise.py, over all codes).
 """
 
 import cocotb

@@ -3,7 +3,7 @@
 Sweeps: the codes of tb_bipartite at both nodes, in different orders.
 Drives: the inputs back to back, then in random order with gaps and resets.
 Checks: both activations bit for bit, and their clock.
-Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
+Does not prove: how close the tables are to tanh (tests/test_precise.py, over all codes).
 """
 
 import cocotb

@@ -5,7 +5,7 @@ segment, with both of its ends among them, in each block of the table, with and 
 block for negative sums.
 Drives: the codes in their order, for one block after the other.
 Checks: the segment's address, in its clock.
-Does not prove: that the table holds the right words (tests/test_tanh_table.py does).
+Does not prove: that the table holds the right words (tests/test_precise.py does).
 """
 
 import cocotb

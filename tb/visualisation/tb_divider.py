@@ -7,8 +7,7 @@ Drives: the pairs that the recorded frames bring, as close as the block takes th
 the sweep likewise, in random order with gaps and resets, and closer than the block takes them.
 Checks: the quotient bit for bit, and the clock in which it appears; that it stays; that a pair
 which is followed too soon has no quotient.
-Does not prove: that all pairs are right (tests/test_visualisation.py compares random ones with the
-steps of the twin).
+Does not prove: that all pairs are right.
 """
 
 import cocotb

@@ -73,8 +73,8 @@ def undetected_bits(record: Record) -> list[str]:
         memory, address, bit = re.split(r"\[|\] bit ", one)
         found.setdefault((memory, bit), []).append(address)
     return _table(
-        "Bits of words whose faults the bench does not detect. `tests/test_initial_words.py` "
-        "compares every exported word with that of the twin:",
+        "Bits of words whose faults the bench does not detect. The proof for every frame computes "
+        "with each of them:",
         ["memory", "bit", "addresses"],
         [[f"`{memory}`", bit, ", ".join(at)] for (memory, bit), at in sorted(found.items())],
     )

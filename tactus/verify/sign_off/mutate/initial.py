@@ -3,9 +3,8 @@
 Yosys' mutants change logic and what is connected to a memory, but no word in it. These change the
 text of the Verilog, and the trace of the bench is replayed on each, as on all other mutants. There
 is no proof that a mutant computes the same: where no bench tells a bit, it counts as not detected.
-That such a bit is right anyway is shown by comparing each exported word with the twin's
-(``tests/test_initial_words.py``); that no result depends on it, by computing all of them with it
-changed (``tests/test_bipartite.py``).
+That such a bit is right anyway is shown by the proof for every frame, which computes with each
+word.
 """
 
 import random
