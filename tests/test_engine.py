@@ -25,10 +25,12 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.frame_check import FrameCheck
-from golden.engine.graph import LOOKED_UP, Graph, Kind, Neuron, Term
+from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.lane_groups import LaneGraph
+from golden.engine.lane_pipeline import LanePipeline
+from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import Pipeline
-from golden.engine.program import Instruction, Program, assemble
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
@@ -223,49 +225,23 @@ def test_the_schedule_respects_hazards(graph: Graph, pipeline: Pipeline) -> None
     assert ends == sorted(ends)
 
 
-@pytest.mark.parametrize("pipeline", PIPELINES, ids=str)
-def test_the_page_says_where_each_field_stands(pipeline: Pipeline) -> None:
-    page = PAGE.read_text()
-    names = [field.name for field in fields(Instruction)]
+@pytest.mark.parametrize("registers", [0, 1])
+def test_the_page_says_where_each_field_stands(registers: int) -> None:
+    page, pipeline = PAGE.read_text(), LanePipeline(registers)
+    names = [field.name for field in fields(LaneInstruction)]
+    shared = LaneGraph(2, Graph(1, ()), (), ((0, 0),))
     for name in names:
         row = re.search(rf"^\| `{name}` \| (\d+)(?: to (\d+))? \| (?:`(\w+)`)? ?\|", page, re.M)
         assert row, name
         high, low = int(row[1]), int(row[2] or row[1])
         words = [0] * 40
         words[20] = (2 << high) - (1 << low)
-        program = Program(1, 9, (), tuple(words), pipeline, (), rectifies=name == "relu")
-        steps = program.instructions
+        steps = LaneProgram(1, 9, (), tuple(words), pipeline, (), shared=shared).lane_steps
         found = [n for n, step in enumerate(steps) if getattr(step, name)]
         assert found == [20 - (getattr(pipeline, row[3]) if row[3] else 0)], name
         others = [getattr(steps[found[0]], other) for other in names if other != name]
         assert not any(others), name
-        value = getattr(steps[found[0]], name)
-        assert value in (-1, (2 << (high - low)) - 1), name
-
-
-@given(graph=graphs(), pipeline=st.sampled_from(PIPELINES))
-def test_the_program_holds_what_was_scheduled(graph: Graph, pipeline: Pipeline) -> None:
-    program = assemble(graph, tanh_table(9).within(4 << 9), pipeline)
-    steps = schedule(graph, pipeline)
-    found = program.instructions
-    assert len(found) == len(steps)
-    address = {k: k for k in range(graph.inputs)}
-    for n, (step, got) in enumerate(zip(steps, found, strict=True)):
-        output = step.neuron >= 0 and graph.neurons[step.neuron].output
-        # A step that looks up has no weight. Here tanh is the only function, so it names no block.
-        assert got.weight == (0 if step.term.kind in LOOKED_UP else step.term.weight)
-        assert got.kind == step.term.kind
-        assert got.take_intercept == (step.term.kind is Kind.INTERCEPT)
-        assert (got.first, got.store) == (step.first, step.last)
-        assert got.first_of_output == (step.first and output)
-        assert got.output == (step.last and output)
-        assert got.end == (n == len(steps) - 1)
-        if step.term.source >= 0:
-            assert got.source == address[step.term.source]
-        if step.last:
-            address[graph.inputs + step.neuron] = len(address)
-    assert len(address) == program.addresses
-    assert program.words[-pipeline.padding :] == (0,) * pipeline.padding
+        assert getattr(steps[found[0]], name) == (2 << (high - low)) - 1, name
 
 
 def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
@@ -282,10 +258,10 @@ def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
 
 def test_registers_behind_the_memories_change_no_result() -> None:
     mlps = [random_mlp((3 + n, 3, 1), 1.0, n) for n in range(3)]
-    plain = Engine.of(mlps, arrangement="cascade")
-    table = tanh_table(9)
-    program = assemble(plain.graph, table.within(plain.graph.reach(table)), PIPELINES[1])
-    registered = replace(plain, program=program)
+    plain, registered = (
+        Engine.of(mlps, Settings(options={"pipeline": depth}), "cascade")
+        for depth in ("short", "deep")
+    )
     codes = random_codes(3, 20)
     results, _ = simulate(registered, codes)
     assert np.array_equal(results, plain.process(codes))
@@ -300,26 +276,25 @@ def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
     main()
     head, columns, *lines = capsys.readouterr().out.splitlines()
     engine = load_scene(str(path)).twin()
-    program = engine.program
-    assert head.startswith(f"words 0 to {len(program.table) - 1}: tanh in segments of 0.03125")
+    steps = engine.program.lane_steps
+    assert head.startswith("tanh in 256 segments of 0.03125")
     names = columns.split()
-    assert names == ["step", "word", "neuron", "operand", "address", "weight", "then"]
+    assert names == ["step", "neuron", "operand", "address", "weight", "then"]
     begin = [columns.index(name) for name in names]
     rows = [
         [line[a:b].strip() for a, b in zip(begin, [*begin[1:], None], strict=True)]
-        for line in lines
+        for line in lines[: len(steps)]
     ]
-    assert [row[:2] for row in rows] == [
-        [str(n), str(len(program.table) + n)] for n in range(len(program.instructions))
-    ]
-    for row, step in zip(rows, program.instructions, strict=True):
-        if row[3].startswith("sample"):
-            assert row[4] == str(step.source)
-            weight = step.weight / (1 << coeff_frac(HIDDEN, SAMPLE))
-            assert float(row[5]) == pytest.approx(weight, rel=1e-5)
+    assert [row[0] for row in rows] == [str(n) for n in range(len(steps))]
+    for row, step in zip(rows, steps, strict=True):
+        if row[2].startswith("sample"):
+            assert row[3] == str(step.source)
+            (weight,) = engine.program.weights[step.place]
+            frac = coeff_frac(HIDDEN, SAMPLE)
+            assert float(row[4]) == pytest.approx(weight / (1 << frac), rel=1e-5)
     assert rows[-1][-1].endswith(f"leaves in clock {engine.output_clocks[-1]}")
     stored = [int(row[-1].split()[2].rstrip(",")) for row in rows if row[-1]]
-    assert stored == list(range(engine.inputs, program.addresses))
+    assert stored == list(range(engine.inputs, engine.program.addresses))
 
 
 def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None:
@@ -349,10 +324,7 @@ def test_what_does_not_fit_is_refused() -> None:
             Settings(activation_options={"coefficients": "block_ram"}),
             "activation_options: got coefficients, expected none: its precise has one form",
         ),
-        (
-            Settings(options={"clock": 9}),
-            "hardware: got 'clock', expected lanes or segment_width or",
-        ),
+        (Settings(options={"clock": 9}), "hardware: got 'clock', expected lanes or"),
     ],
 )
 def test_settings_that_an_engine_does_not_know_are_refused(settings, message: str) -> None:

@@ -49,8 +49,8 @@ SLOW = [
 
 
 # Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them.
-NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "lanes", "multiple", "parallel")
-NETWORKS += ("table_graph",)
+NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "multiple", "parallel")
+NETWORKS += ("serial_engine", "table_graph")
 CASES_PROVED = [
     f"{case} verilog"
     for case in dict.fromkeys(case for block in NETWORKS for case in CASES_OF[block])
@@ -94,31 +94,34 @@ def replaced(file: str, pattern: str, text: str) -> Callable[[Path], None]:
 # It changes the results from the thousandth frame on, which no bench reaches.
 COUNTS = """reg [9:0] frames;
 always @(posedge clk) if (rst) frames <= 0; else if (finish && frames != 999) frames <= frames + 1;
-assign out_data = $signed(data[18-1:4]) ^ (frames == 999);"""
-OUT = r"assign out_data = \$signed\(data\[18-1:4\]\);"
+assign out_data = $signed(first_data[18-1:4]) ^ (frames == 999);"""
+OUT = r"assign out_data = \$signed\(first_data\[18-1:4\]\);"
 FAULTS = {
-    "a bit of a word of the table": replaced("program_memory.v", "24eb1d57f", "24eb1d57e"),
+    "a bit of a word of the table": replaced("engine.v", "<= 22306;", "<= 22307;"),
     "results from the thousandth frame on": replaced("engine.v", OUT, COUNTS),
     "what a register held before": replaced(
         "engine.v",
         OUT,
         "reg kept; always @(posedge clk) kept <= kept;\n"
-        "assign out_data = $signed(data[18-1:4]) ^ kept;",
+        "assign out_data = $signed(first_data[18-1:4]) ^ kept;",
     ),
     "timing that hangs on data": replaced(
-        "engine.v", r"out_valid <= leaves;", "out_valid <= leaves && data != 77;"
+        "engine.v", r"out_valid <= leaves;", "out_valid <= leaves && first_data != 77;"
     ),
     "a clock too late": replaced(
         "engine.v", r"out_valid <= leaves;", "late <= leaves; out_valid <= late;"
     ),
     "one sample of one frame": replaced(
-        "engine.v", OUT, "assign out_data = $signed(data[18-1:4]) ^ (data == 18'sd54321);"
+        "engine.v",
+        OUT,
+        "assign out_data = $signed(first_data[18-1:4]) ^ (first_data == 18'sd54321);",
     ),
     "what the frame before left": replaced(
         "engine.v",
         OUT,
-        "reg kept; always @(posedge clk) if (rst) kept <= 0; else if (finish) kept <= data[4];\n"
-        "assign out_data = $signed(data[18-1:4]) ^ kept;",
+        "reg kept; always @(posedge clk)\n"
+        "if (rst) kept <= 0; else if (finish) kept <= first_data[4];\n"
+        "assign out_data = $signed(first_data[18-1:4]) ^ kept;",
     ),
     "busy at the published interval": replaced(
         "frame_check.v",
@@ -177,7 +180,7 @@ def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
     folder = tmp_path / scene.name / "verilog"
     assert outcome(description(scene), folder) == "proved"
     second = r"\1 ^ lane_loop0_samples0_half_out;"
-    replaced("lanes.v", r"(assign out_data = [^;]*);", second)(folder)
+    replaced("engine.v", r"(assign out_data = [^;]*);", second)(folder)
     assert outcome(description(scene), folder) == "DiffersError"
 
 

@@ -28,7 +28,7 @@ from tactus.verify.benches.runner import bench_input, plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
 from tactus.verify.benches.written import scene_of
 from tb.common.case_library import LAYERED, RELOADED, RELOADED_LANES
-from tb.common.cases import Case, random_mlp, random_network
+from tb.common.cases import Case, random_mlp, random_network, write_scene
 from tb.common.images import networks_of_other_depth
 from tb.networks.tb_engine import SCENES, shipped_with_room
 
@@ -80,7 +80,7 @@ def test_the_bytes_are_what_the_page_says(hardware: Engine) -> None:
     assert int.from_bytes(header, "big") == len(image.words) - 1 | (image.inputs - 2) << 18
     words = [int.from_bytes(sent[n : n + 5], "big") for n in range(0, len(sent), 5)]
     assert tuple(reversed(words)) == image.words
-    start = crc_hqx(bytes([1, 9, 7, 9, 0]), 0xFFFF)
+    start = crc_hqx(bytes([2, 1, 9, 7, 9, 0]), 0xFFFF)
     assert int.from_bytes(check, "big") == crc_hqx(data[:-2], start)
 
 
@@ -95,7 +95,7 @@ def test_each_changed_bit_is_found(hardware: Engine) -> None:
 
 
 @pytest.mark.parametrize(
-    "sizes", [Sizes(1024, 128, 9), Sizes(512, 64, 9), Sizes(512, 128, 8)], ids=str
+    "sizes", [Sizes(1024, 128, 9), Sizes(512, 64, 9), Sizes(1024, 128, 8)], ids=str
 )
 def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Sizes) -> None:
     assert hardware.loaded is not None
@@ -103,15 +103,16 @@ def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Si
     assert hardware.image_loader.judge(other.to_bytes()) is None
 
 
-@pytest.mark.parametrize("last", [2, 512, *(2 | 1 << bit for bit in range(9, 18))])
+@pytest.mark.parametrize("last", [2, 1536, *(2 | 1 << bit for bit in range(11, 18))])
 def test_more_words_than_there_are_are_refused(hardware: Engine, last: int) -> None:
-    """The nine low bits of the header name just the words that come, and the check matches.
+    """The low bits of the header name just the words that come, and the check matches.
 
-    Only the first of these headers fits a memory of 512 words.
+    Only the first of these headers fits memories of 1536 words.
     """
-    image, fits = hardware.loaded, last < 512
+    image, fits = hardware.loaded, last < 1536
     assert image is not None
-    words = image.words[: last % 512 + 1]
+    assert image.sizes.words == 1536
+    words = (image.words * 2)[: last % 2048 + 1]
     numbers = ((image.inputs - 2) << 18 | last, *reversed(words))
     data = b"".join(number.to_bytes(5, "big") for number in numbers)
     data += crc_hqx(data, image.sizes.check_start).to_bytes(2, "big")
@@ -126,26 +127,33 @@ def test_more_words_than_there_are_are_refused(hardware: Engine, last: int) -> N
 @pytest.mark.parametrize(
     ("keys", "faults"),
     [
-        ("program_words = 256", ["program words, there are 256"]),
-        ("operand_words = 32", ["operand words, there are 32"]),
-        (
-            "program_words = 256\noperand_words = 8",
-            ["program words, there are 256", "operand words, there are 8"],
-        ),
+        ("", ["program words, there are 512"]),
+        ("program_words = 1024\noperand_words = 32", ["operand words, there are 32"]),
+        ("operand_words = 8", ["program words, there are 512", "operand words, there are 8"]),
     ],
 )
-def test_what_does_not_fit_is_refused(
-    tmp_path: Path, hardware: Engine, keys: str, faults: list[str]
-) -> None:
-    scene = reloadable("digit", tmp_path, keys)
+def test_what_does_not_fit_is_refused(tmp_path: Path, keys: str, faults: list[str]) -> None:
+    networks = [random_mlp((9, 50, 4), 1.0, seed=1)]
+    options = {"reload": True, "program_words": 1024}
+    hardware = Engine.of(networks, Settings(options=options))
+    path = write_scene(
+        tmp_path,
+        "large",
+        "exact",
+        networks,
+        activation="precise",
+        design="engine",
+        hardware=f"reload = true\n{keys}",
+    )
     with pytest.raises(InputError, match="the image needs") as refusal:
-        scene.twin()
+        load_scene(str(path)).twin()
     message = str(refusal.value)
-    assert message.startswith(f"{scene.path}: ")
-    assert hardware.loaded is not None
+    assert message.startswith(f"{path}: ")
+    loaded = hardware.loaded
+    assert loaded is not None
     needed = {
-        "program words": len(hardware.loaded.words),
-        "operand words": hardware.inputs + len(hardware.graph.neurons),
+        "program words": (len(loaded.words) - loaded.sizes.table_words) // loaded.sizes.columns,
+        "operand words": loaded.program.addresses,
     }
     found = re.findall(r"(\d+) (\w+ words)(, there are \d+)", message)
     assert [f"{what}{there}" for _, what, there in found] == faults
@@ -242,7 +250,8 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     twin = hardware.twin()
     assert isinstance(twin, Engine)
     image = scene_image(load_scene("swing-single"), twin)
-    size = f"{len(image.words)} of 512 program words, 38 of 128 operand words"
+    size = f"{len(image.words)} of 1536 words of tables, weights and program, "
+    size += "38 of 128 operand words"
     assert f"{size}, {len(image.to_bytes())} bytes" in capsys.readouterr().out
     folder = tmp_path / "swing-single" / "image"
     assert (folder / "swing-single.bin").read_bytes() == image.to_bytes()
@@ -250,11 +259,11 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     assert tuple(read) == image.contents
     lines = (folder / "swing-single.mem").read_text().splitlines()[1:]
     assert [int(line.split()[1], 16) for line in lines] == list(image.words)
-    assert any("node 1 sum = 1 x" in line for line in lines)
+    assert any("node 1 sum = 1" in line for line in lines)
 
 
 def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
-    small = reloadable("digit-load", tmp_path, "program_words = 256\noperand_words = 32").path
+    small = reloadable("digit-load", tmp_path, "operand_words = 32").path
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
@@ -262,10 +271,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     command += ["--hardware", str(small), "--build", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2
-    assert (
-        "program words, there are 256 (hardware.program_words); 40 operand words, there are 32"
-        in result.stderr
-    )
+    assert "the image needs 40 operand words, there are 32" in result.stderr
     assert image.read_bytes() == b"before"
 
 

@@ -15,7 +15,6 @@ from golden.engine.integer_network import IntegerLayer, LayerRounding, evaluate,
 from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
@@ -93,9 +92,9 @@ def test_so_do_several_networks_on_one_engine(arrangement: str, width: int) -> N
     assert [one.earlier for one in whole] == ([0, 1, 2] if arrangement == "cascade" else [0] * 3)
     expected = evaluate(whole, frames)
     assert len(np.unique(expected, axis=0)) > 20
-    settings_ = Settings(options={"segment_width": width})
-    for design in (Engine, Lanes):
-        engine = design.of(networks, settings_, arrangement)
+    for lanes in (1, 2):
+        options = {"segment_width": width, "lanes": lanes}
+        engine = Engine.of(networks, Settings(options=options), arrangement)
         assert np.array_equal(engine.process(frames), expected)
 
 

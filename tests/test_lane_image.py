@@ -17,11 +17,9 @@ from test_image import reloadable
 
 from golden.engine.fields import signed_code
 from golden.engine.image import Image, Sizes
-from golden.engine.lane_image import LaneSizes
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
 from golden.trained.dense import Quantiser, Trained, layers_of
@@ -36,19 +34,19 @@ from tb.common.images import networks_of_other_depth, networks_of_other_function
 CASES = {
     name: case
     for name, case in (ENGINES | LANES | LAYERED | TABLES).items()
-    if "reload" not in case.hardware and "serial" not in case.hardware
+    if "reload" not in case.hardware
 }
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 
 def on_lanes(name: str, folder: Path, keys: str = "lanes = 3") -> Scene:
     """The networks of a shipped scene, on lanes that can be reloaded."""
-    return reloadable(name, folder, keys, "lanes")
+    return reloadable(name, folder, keys)
 
 
-def lanes_for(network: Trained, **options: object) -> Lanes:
-    """Lanes that can be reloaded and that run the network."""
-    return Lanes.of([network], Settings(options={"reload": True, **options}))
+def lanes_for(network: Trained, **options: object) -> Engine:
+    """An engine that can be reloaded and that runs the network."""
+    return Engine.of([network], Settings(options={"reload": True, **options}))
 
 
 def from_bytes(hardware: Engine, image: Image) -> Engine:
@@ -69,7 +67,7 @@ def check_results(hardware: Engine, image: Image, other: Design) -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_what_is_loaded_computes_what_the_scene_does(name: str, tmp_path: Path) -> None:
     hardware = on_lanes("digit", tmp_path).twin()
-    assert isinstance(hardware, Lanes)
+    assert isinstance(hardware, Engine)
     scene = load_scene(name)
     image = scene_image(scene, hardware)
     running = from_bytes(hardware, image)
@@ -88,7 +86,7 @@ def test_networks_of_any_kind(name: str, lanes: int) -> None:
     case, pipeline = CASES[name], "deep" if lanes == 5 else "short"
     networks = case.networks()
     options = {"reload": True, "lanes": lanes, "program_words": 2048, "pipeline": pipeline}
-    hardware = Lanes.of(networks, Settings(options=options), case.arrangement)
+    hardware = Engine.of(networks, Settings(options=options), case.arrangement)
     assert hardware.loaded is not None
     assert hardware.lanes == lanes
     check_results(hardware, hardware.loaded, Engine.of(networks, Settings(), case.arrangement))
@@ -153,12 +151,12 @@ def test_an_image_for_other_hardware_fails_its_check() -> None:
         assert hardware.image_loader.judge(other.image) is None
         assert other.image_loader.judge(hardware.image) is None
         assert other.image_loader.judge(other.image) is not None
-    starts = {Sizes(table_blocks=blocks).check_start for blocks in range(17)} | {
-        LaneSizes(lanes=lanes, program_words=2048, table_blocks=blocks).check_start
+    starts = {
+        Sizes(lanes=lanes, program_words=2048, table_blocks=blocks).check_start
         for lanes in range(1, 17)
         for blocks in range(5)
     }
-    assert len(starts) == 17 + 16 * 5
+    assert len(starts) == 16 * 5
 
 
 def test_more_words_than_there_are_are_refused() -> None:
@@ -174,8 +172,11 @@ def test_more_words_than_there_are_are_refused() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"program_words": 500}, r"program_words: got 500, expected a power of two, 2 to 8192"),
-        ({"program_words": 16384}, r"program_words: got 16384, expected a power of two, 2 to 8192"),
+        ({"program_words": 500}, r"program_words: got 500, expected a power of two, 2 to 65536"),
+        (
+            {"lanes": 2, "program_words": 16384},
+            r"program_words: got 16384, expected a power of two, 2 to 8192",
+        ),
         (
             {"program_words": 256},
             r"hardware\.program_words: got 256, expected 512 or more, which the tables of each "
@@ -208,9 +209,9 @@ def test_what_does_not_fit_is_refused() -> None:
     ):
         hardware.image_for([functions])
     learned = LEARNED["learned-engine"].networks()
-    with pytest.raises(InputError, match=r"hardware\.lanes: got several for sums of functions"):
-        lanes_for(functions, program_words=2048).image_for(learned)
-    built_in = Lanes.of([wide])
+    with pytest.raises(InputError, match=r"hardware\.lanes: got 2 for sums of functions, exp"):
+        lanes_for(functions, lanes=2, program_words=2048).image_for(learned)
+    built_in = Engine.of([wide])
     with pytest.raises(InputError, match="its program is part of the hardware, expected reload"):
         built_in.image_for([wide])
 
@@ -247,7 +248,7 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     monkeypatch.setattr("sys.argv", ["image", *words])
     main()
     twin = hardware.twin()
-    assert isinstance(twin, Lanes)
+    assert isinstance(twin, Engine)
     image = scene_image(load_scene("swing-single"), twin)
     size = f"{len(image.words)} of 2560 words of tables, weights and program, "
     size += f"{image.program.addresses} of 128 operand words, {len(image.to_bytes())} bytes"
@@ -257,7 +258,7 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     read = [int(line, 16) for line in (folder / "swing-single.hex").read_text().splitlines()]
     assert tuple(read) == image.contents
     heading, *lines = (folder / "swing-single.mem").read_text().splitlines()
-    assert "for 3 lanes, 512 program words" in heading
+    assert "for lanes 3, 512 program words" in heading
     assert [int(line.split()[1], 16) for line in lines] == list(image.words)
     assert any("node 1 sum: 1 and node 2 sum: 1" in line for line in lines)
 
@@ -265,7 +266,7 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
 def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
     twins = [scene_of(case, tmp_path, name).twin() for name, case in RELOADED_LANES.items()]
     for twin in twins:
-        assert isinstance(twin, Lanes)
+        assert isinstance(twin, Engine)
         assert twin.image
     # They differ in each choice of the hardware.
     for first, second in pairwise(twins):

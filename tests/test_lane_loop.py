@@ -17,7 +17,6 @@ from golden.engine.loop_program import LoopProgram
 from golden.engine.loop_schedule import least_length, shortest_loop, sizes_of
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.trained.dense import Quantiser
 from tactus.cli.listing import main
@@ -35,7 +34,7 @@ SHORTEST = {
 }
 
 
-def loop_of(twin: Lanes) -> LoopProgram:
+def loop_of(twin: Engine) -> LoopProgram:
     assert isinstance(twin.program, LoopProgram)
     return twin.program
 
@@ -93,13 +92,13 @@ def test_networks_of_any_shape(several: tuple, lanes: int, share: float, deep: b
     arrangement, mlps = several
     codes = random_codes(mlps[0].shape[0], 50)
     options = {"lanes": lanes, "pipeline": "deep" if deep else "short"}
-    plain = Lanes.of(mlps, Settings(options=options), arrangement)
+    plain = Engine.of(mlps, Settings(options=options), arrangement)
     shared = plain.program.shared
     shortest = shortest_loop(shared, LanePipeline(int(deep)), plain.interval)
     assume(shortest)
     assert shortest.length >= least_length(shared)
     wanted = shortest.length + round(share * (plain.interval - 1 - shortest.length))
-    many = Lanes.of(mlps, Settings(options={**options, "interval": wanted}), arrangement)
+    many = Engine.of(mlps, Settings(options={**options, "interval": wanted}), arrangement)
     assert shortest.length <= many.interval <= wanted
     one = Engine.of(mlps, Settings(), arrangement)
     assert np.array_equal(many.process(codes), one.process(codes))
@@ -110,7 +109,7 @@ def test_networks_of_any_shape(several: tuple, lanes: int, share: float, deep: b
 def test_outputs_leave_where_no_sample_is_stored(interval: int) -> None:
     """The loop of a window stores many samples, and sends outputs later."""
     mlps = load_scene("swing-window").mlps()
-    check(loop_of(Lanes.of(mlps, Settings(options={"lanes": 4, "interval": interval}))))
+    check(loop_of(Engine.of(mlps, Settings(options={"lanes": 4, "interval": interval}))))
 
 
 @pytest.mark.parametrize("quantiser", [None, Quantiser(2.0**-3, 0, 0, 15)], ids=["plain", "codes"])
@@ -118,11 +117,11 @@ def test_outputs_leave_where_no_sample_is_stored(interval: int) -> None:
 def test_networks_of_several_layers(lanes: int, quantiser: Quantiser | None) -> None:
     layers = ("relu", "relu", "relu") if quantiser else ("relu", "tanh", "hard_tanh")
     network = random_network((3, 7, 5, 4, 3), layers, 1.5, 5, quantiser)
-    plain = Lanes.of([network], Settings(options={"lanes": lanes}))
+    plain = Engine.of([network], Settings(options={"lanes": lanes}))
     loop = shortest_loop(plain.program.shared, LanePipeline(), plain.interval)
     assert loop is not None
     options = {"lanes": lanes, "interval": loop.length}
-    many = Lanes.of([network], Settings(options=options))
+    many = Engine.of([network], Settings(options=options))
     codes = random_codes(many.inputs, 100)
     assert np.array_equal(many.process(codes), Engine.of([network]).process(codes))
     found, expected = many.saturations(codes), plain.saturations(codes)
@@ -135,12 +134,12 @@ def test_networks_of_several_layers(lanes: int, quantiser: Quantiser | None) -> 
 def test_the_shortest_loop_of_a_scene(name: str) -> None:
     scene = load_scene(name)
     plain = scene.twin()
-    assert isinstance(plain, Lanes)
+    assert isinstance(plain, Engine)
     least = shortest_loop(plain.program.shared, LanePipeline(), plain.interval)
     assert least is not None
     assert (plain.interval, least.length) == SHORTEST[name]
     many = with_demand(scene, least.length).twin()
-    assert isinstance(many, Lanes)
+    assert isinstance(many, Engine)
     assert many.interval == least.length
     codes = np.concatenate([scene.vectors().codes[:200], random_codes(many.inputs, 200)])
     assert np.array_equal(many.process(codes), plain.process(codes))
@@ -188,7 +187,7 @@ def test_a_rate_makes_a_loop_too(tmp_path) -> None:
 
 
 def test_a_frame_waits_for_the_next_loop() -> None:
-    twin = Lanes.of(
+    twin = Engine.of(
         OVERLAPPED["rails-loop"].networks(), Settings(options={"lanes": 3, "interval": 38})
     )
     length, stages = twin.interval, loop_of(twin).stages
@@ -218,14 +217,15 @@ def test_the_listing_has_a_line_for_every_word(tmp_path, capsys, monkeypatch) ->
     twin = scene.twin()
     monkeypatch.setattr("sys.argv", ["listing", str(scene.path)])
     main()
-    columns, *lines = capsys.readouterr().out.splitlines()
+    table, columns, *lines = capsys.readouterr().out.splitlines()
+    assert table.startswith("tanh in 256 segments")
     assert columns.split()[:3] == ["word", "began", "neurons"]
     assert [line.split()[0] for line in lines[: twin.interval]] == [
         str(n) for n in range(twin.interval)
     ]
     for clock in twin.output_clocks:
         assert sum(f"leaves in clock {clock}" in line for line in lines) == 1
-    assert lines == loop_listing(twin.graph, loop_of(twin))[1:]
+    assert lines == loop_listing(twin.graph, loop_of(twin))[2:]
 
 
 def test_a_frame_check_without_results_has_no_port_for_them() -> None:

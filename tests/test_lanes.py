@@ -21,7 +21,6 @@ from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.networks.lanes import Lanes
 from golden.networks.left_out import left_out
 from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
@@ -35,6 +34,7 @@ from tb.common.case_library import ENGINES, LANES, LAYERED, TABLES
 
 # Clocks from frame to frame, and the lanes that are built.
 SHIPPED = {
+    "digit": (236, 1),
     "comparison/digit-lanes2": (153, 2),
     "comparison/digit-lanes4": (130, 4),
     "comparison/digits-lanes8": (397, 8),
@@ -48,12 +48,12 @@ DEEP = (
 
 def lanes_of(
     name: str, lanes: int, lean: bool = True, pipeline: str = "short"
-) -> tuple[Lanes, Engine]:
+) -> tuple[Engine, Engine]:
     """A case of the benches of the engine with several multipliers and with one."""
     case = (ENGINES | LAYERED | TABLES)[name]
     found = case.networks()
     options = {"lanes": lanes, "pipeline": pipeline}
-    many = Lanes.of(found, Settings(options=options, lean=lean), case.arrangement)
+    many = Engine.of(found, Settings(options=options, lean=lean), case.arrangement)
     return many, Engine.of(found, Settings(lean=lean), case.arrangement)
 
 
@@ -64,7 +64,7 @@ def test_a_scene_has_the_results_of_one_multiplier(name: str) -> None:
     assert (many.interval, many.lanes) == SHIPPED[name]
     codes = np.concatenate([scene.vectors().codes[:200], random_codes(many.inputs, 200)])
     assert np.array_equal(many.process(codes), one.process(codes))
-    assert many.interval < one.interval
+    assert many.interval < one.interval or many.lanes == 1
 
 
 @settings(max_examples=40)
@@ -73,7 +73,7 @@ def test_networks_of_any_shape(several: tuple, lanes: int, lean: bool) -> None:
     arrangement, mlps = several
     codes = random_codes(mlps[0].shape[0], 50)
     one = Engine.of(mlps, Settings(lean=lean), arrangement)
-    many = Lanes.of(mlps, Settings(options={"lanes": lanes}, lean=lean), arrangement)
+    many = Engine.of(mlps, Settings(options={"lanes": lanes}, lean=lean), arrangement)
     assert np.array_equal(many.process(codes), one.process(codes))
 
 
@@ -109,7 +109,7 @@ def test_registers_behind_the_memories_change_no_result(name: str, lanes: int) -
     codes = random_codes(one.inputs, 100)
     assert np.array_equal(deep.process(codes), one.process(codes))
     assert deep.latency > lanes_of(name, lanes)[0].latency
-    assert deep.program_memory.registers == deep.operand_memory.registers == 1
+    assert deep.operand_memory.registers == 1
 
 
 @pytest.mark.parametrize("pipeline", ["short", "deep"])
@@ -191,12 +191,13 @@ def test_the_hardware_in_myhdl(tmp_path, name: str) -> None:
     assert np.array_equal(results, many.process(codes))
 
 
-@pytest.mark.parametrize("design", [Engine, Lanes])
-def test_codes_of_one_bit(design: type[Engine]) -> None:
+@pytest.mark.parametrize("lanes", [0, 1, 2])
+def test_codes_of_one_bit(lanes: int) -> None:
     """A code has no bit above its lowest one, which is 0 half way between two codes."""
     weights = np.array([[1.0, 0.0], [0.5, 0.5], [1.0, 1.0]])
     hidden = Dense(weights, np.zeros(3), "relu", quantiser=Quantiser(1.0, 0, 0, 1))
-    twin = design.of([network_of([hidden, Dense(np.array([[0.5, 0.25, 0.125]]), np.zeros(1))])])
+    outputs = Dense(np.array([[0.5, 0.25, 0.125]]), np.zeros(1))
+    twin = Engine.of([network_of([hidden, outputs])], Settings(options={"lanes": lanes}))
     assert twin.graph.cut == WIDTH - 2
     samples = np.array([[0.5, 0.0], [0.5, 0.5], [0.75, 0.0], [0.75, 0.75], [-0.5, 0.75]])
     codes, _ = SIGNAL.quantise(samples)
@@ -229,29 +230,30 @@ def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
     monkeypatch.setattr("sys.argv", ["listing", "comparison/digit-lanes4"])
     main()
     many = load_scene("comparison/digit-lanes4").twin()
-    columns, *lines = capsys.readouterr().out.splitlines()
+    head, columns, *lines = capsys.readouterr().out.splitlines()
+    assert head.startswith("tanh in 256 segments")
     assert columns.split()[:4] == ["step", "neurons", "operand", "address"]
     assert [line.split()[0] for line in lines[: many.program.length]] == [
         str(n) for n in range(many.program.length)
     ]
     assert lines[many.program.length - 1].endswith(f"leaves in clock {many.output_clocks[-1]}")
-    assert lines == lane_listing(many.graph, many.program)[1:]
+    assert lines == lane_listing(many.graph, many.program)[2:]
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"lanes": 17}, "hardware.lanes: got 17, expected 1 to 16"),
-        ({"lanes": 0}, "hardware.lanes: got 0, expected 1 to 16"),
+        ({"lanes": 17}, "hardware.lanes: got 17, expected 0 to 16"),
+        ({"lanes": -1}, "hardware.lanes: got -1, expected 0 to 16"),
         (
             {"multiplier": "serial"},
-            "lanes: hardware: got 'multiplier', expected lanes or segment_width or",
+            "engine: hardware: got 'multiplier', expected lanes or segment_width or",
         ),
     ],
 )
 def test_options_that_it_does_not_have(options: dict, message: str) -> None:
     with pytest.raises(InputError) as error:
-        Lanes.of(ENGINES["least-engine"].networks(), Settings(options=options))
+        Engine.of(ENGINES["least-engine"].networks(), Settings(options=options))
     assert message in str(error.value)
 
 
@@ -286,13 +288,13 @@ def test_tables_that_take_too_much_memory_are_refused() -> None:
         spread=20.0,
     ).networks()
     with pytest.raises(InputError, match="functions: got 18432 words"):
-        Lanes.of(wide, Settings(options={"segment_width": 7}, lean=False))
+        Engine.of(wide, Settings(options={"segment_width": 7}, lean=False))
 
 
 def test_a_scene_with_too_many_weights_is_refused() -> None:
     wide = replace(LANES["least-lanes"], shapes=[(900, 20, 1)]).networks()
     with pytest.raises(InputError, match="got 8998 weights of each lane, expected 8192 at most"):
-        Lanes.of(wide, Settings(options={"lanes": 2}))
+        Engine.of(wide, Settings(options={"lanes": 2}))
 
 
 def test_parts_have_names_of_their_own() -> None:

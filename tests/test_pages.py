@@ -130,7 +130,7 @@ def test_hex_is_padded_to_the_memory_and_bin_is_not(shared: Shared) -> None:
         image = engine.loaded
         assert image is not None
         lines, count = hex_text(image).split(), len(image.words)
-        assert len(lines) == image.sizes.program_words > count, name
+        assert len(lines) == image.sizes.words > count, name
         assert set(lines[count:]) == {"000000000"}
         assert [int(line, 16) for line in lines[:count]] == list(image.words)
         assert len(image.to_bytes()) == 5 + 5 * count + 2

@@ -13,7 +13,7 @@ from golden.engine.accumulator import Accumulator
 from golden.engine.fields import signed_code
 from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.lane_groups import partners
-from golden.engine.lane_program import OPENS, start_of
+from golden.engine.lane_program import FIELDS, start_of
 from golden.engine.operand_memory import WORD
 from golden.engine.operand_select import OperandSelect
 from golden.numbers.fixed import Codes, Fix
@@ -67,7 +67,7 @@ class LaneAccumulate(Accumulator):
                 "opens",
                 "comes with `coeff`: 1 a sum of this lane starts, 2 one of all lanes, 3 one of an "
                 "output",
-                Unsigned(OPENS[1]),
+                Unsigned(FIELDS["opens"][1]),
             ),
             *gathers,
             output_port("acc", "the sum, four clocks after `word`", acc),

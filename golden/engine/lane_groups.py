@@ -184,23 +184,24 @@ def _neuron(found: _Shared, place: int, weights: dict[tuple[int, ...], int]) -> 
     members = [(lane, graph.neurons[n]) for lane, n in enumerate(group.members) if n >= 0]
     names = [neuron.name for _, neuron in members]
     terms: list[Term] = []
-    columns: dict[tuple[Kind, int], list[list[int]]] = {}
+    columns: dict[tuple[Kind, int, Function], list[list[int]]] = {}
     for lane, neuron in members:
-        met: Counter[tuple[Kind, int, int]] = Counter()
+        met: Counter[tuple[Kind, int, Function, int]] = Counter()
         for term in neuron.terms:
             home = found.lane_of(term.source) if term.source >= graph.inputs else -1
             source = _source(found, term.source)
             at = home if group.joined and home >= 0 else lane
             # A weight of several parts takes several steps.
-            row = met[term.kind, source, at]
-            met[term.kind, source, at] += 1
-            rows = columns.setdefault((term.kind, source), [])
+            key = term.kind, source, term.function
+            row = met[*key, at]
+            met[*key, at] += 1
+            rows = columns.setdefault(key, [])
             if row == len(rows):
                 rows.append([0] * found.lanes)
             for column in range(found.lanes) if group.alike else (at,):
                 rows[row][column] = term.weight
-    first, function = members[0][1], members[0][1].function
-    for (kind, source), rows in columns.items():
+    first = members[0][1]
+    for (kind, source, function), rows in columns.items():
         for weight in map(tuple, rows):
             place = weights.setdefault(weight, len(weights))
             terms.append(Term(kind, source, place, function))

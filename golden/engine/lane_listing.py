@@ -6,17 +6,18 @@ from golden.engine.formats import ONE, coeff_frac
 from golden.engine.graph import Graph, Kind
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneProgram
-from golden.engine.listing import operand_text
+from golden.engine.listing import operand_text, tables
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
 
 _COLUMNS = ("step", "neurons", "operand", "address", "weight of each lane", "then")
+_ALONE = ("step", "neuron", "operand", "address", "weight", "then")
 
 
 def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
     """The program as text, with a line for every step, and the path that bounds its clocks."""
     shared = program.shared
-    rows: list[Sequence[str]] = [_COLUMNS]
+    rows: list[Sequence[str]] = [_COLUMNS if program.lanes > 1 else _ALONE]
     kept = graph.inputs
     for n, (step, code) in enumerate(
         zip(program.scheduled(graph), program.lane_steps, strict=True)
@@ -24,7 +25,9 @@ def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
         waits = step.neuron < 0
         then = ""
         if step.last:
-            then = f"kept at {kept}" + " by all lanes" * bool(code.together)
+            then = f"kept at {kept}" + " by all lanes" * (
+                shared.groups[step.neuron].joined and program.lanes > 1
+            )
             kept += 1
         if code.output:
             then += f", leaves in clock {program.clock(n)}"
@@ -45,7 +48,7 @@ def lane_listing(graph: Graph, program: LaneProgram) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-    return [*lines, "", *path_text(shared, program.pipeline)]
+    return [*tables(graph, program), *lines, "", *path_text(shared, program.pipeline)]
 
 
 def weights_text(shared: LaneGraph, step: Step) -> str:

@@ -35,7 +35,8 @@ class LaneMemory(Block):
     beginning. So the address needs no adder, and where no sum lies beyond the last segment no
     comparison either.
 
-    A word that is read in the clock in which it is written has its old value.
+    Nothing is read in the clock of a write, because what a block RAM then gives differs between
+    devices.
     """
 
     block = "lane_memory"
@@ -78,9 +79,14 @@ class LaneMemory(Block):
         return (self.blocks - 1).bit_length()
 
     @property
+    def row_width(self) -> int:
+        """Bits of the number of an intercept, or of a slope; one at least."""
+        return max(1, self.block_width + self.segment_bits)
+
+    @property
     def half_width(self) -> int:
         """Bits of an address within the weights, or within the table."""
-        looked_up = 1 + self.block_width + self.segment_bits if self.table else 0
+        looked_up = 1 + self.row_width if self.table else 0
         return max(self.place_width, looked_up)
 
     @property
@@ -171,13 +177,16 @@ class LaneMemory(Block):
         write_addr: ArrayLike,
         data: ArrayLike,
     ) -> Codes:
-        """The word that is read in each clock from a memory that is written meanwhile."""
+        """The word that is there behind each clock, of a memory that is written meanwhile.
+
+        It is -1 before any is read.
+        """
         memory = np.array(self.contents, dtype=np.int64)
         read = self.address(place, word, kind)
         columns = [np.asarray(c).tolist() for c in (read, write, write_addr, data)]
-        found = []
+        found: list[int] = []
         for source, writes, to, given in zip(*columns, strict=True):
-            found.append(memory[source])
+            found.append((found or [-1])[-1] if writes else memory[source])
             if writes:
                 memory[to] = given
         return np.array(found, dtype=np.int64)

@@ -12,9 +12,14 @@ class LanePipeline(Pipeline):
     A weight and a word of the table come from the same memory, so no register need wait for the
     table. A result is ready two clocks sooner than with ``Pipeline``.
 
-    With ``memory_registers`` there is one behind the program and one behind the operands. The words
-    of a lane's memory go straight into the register of the multiplier.
+    With ``memory_registers`` there is one behind the program, one behind the operands and one
+    behind the words of each lane's memory.
     """
+
+    @property
+    def address(self) -> int:
+        """The address of the operand is valid."""
+        return 0
 
     @property
     def place(self) -> int:
@@ -22,9 +27,14 @@ class LanePipeline(Pipeline):
         return self.operand
 
     @property
+    def beside(self) -> int:
+        """The number of the counter in the clock of ``place``, which addresses the weight."""
+        return self.place + 1 + self.memory_registers
+
+    @property
     def weight(self) -> int:
         """The coefficient is valid, and so is the operand that the kind has selected."""
-        return self.operand + 1
+        return self.operand + 1 + self.memory_registers
 
     @property
     def start(self) -> int:

@@ -1,56 +1,95 @@
 """The program of an engine with several multipliers, and a function that executes it."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self, TypeVar
 
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
 from golden.engine.finish import word_of
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
-from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined
-from golden.engine.graph import Graph, Kind
+from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined, segments_of
+from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
 from golden.engine.lane_memory import block_of
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.line_table import LineTable
-from golden.engine.listing import operand_text
+from golden.engine.listing import operand_text, weight_text
 from golden.engine.program import Program, weight_of
 from golden.engine.schedule import Step
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
-# The fields of a word of the program: lowest bit, and number of bits. The weights are not in it,
-# but in the memory of each lane, all at the same place. In a step that looks up a function, the
-# place names its block, if there are several; see golden/engine/function_table.py.
-PLACE = (0, 13)
-SOURCE = (13, 10)
-KIND = (23, 2)
 # Whether a sum starts. All lanes start one each, or they start to add up one neuron together, whose
 # half unit counts once; it is that of an output or of any other neuron.
-OPENS = (25, 2)
 NO_SUM, OWN, JOINED, JOINED_OUTPUT = range(4)
-# Bit k is set in the k-th of the steps that add up the sums of lanes.
-GATHER = (27, 4)
-STORE = (31, 1)
-# Every lane stores the result of the first one.
-TOGETHER = (32, 1)
-RELU = (33, 1)
-OUTPUT = (34, 1)
-END = (35, 1)
+# The fields of a step: the clock of a pipeline in which each is used, and its bits in a word of 36
+# bits. The word of that clock holds it, so the control path needs no registers of its own.
+#
+# place: The place of the weights in the memories of the lanes; in a step that looks up a function,
+#     its block, if there are several (golden/engine/function_table.py).
+# gather: Bit k is set in the k-th of the steps that add up the sums of lanes.
+# together: Every lane stores the result of the first one.
 FIELDS = {
-    "place": PLACE,
-    "source": SOURCE,
-    "kind": KIND,
-    "opens": OPENS,
-    "gather": GATHER,
-    "store": STORE,
-    "together": TOGETHER,
-    "relu": RELU,
-    "output": OUTPUT,
-    "end": END,
+    "place": ("place", 13),
+    "source": ("address", 10),
+    "kind": ("operand", 2),
+    "opens": ("start", 2),
+    "gather": ("gather", 4),
+    "store": ("mark", 1),
+    "together": ("mark", 1),
+    "relu": ("mark", 1),
+    "output": ("mark", 1),
+    "end": ("mark", 1),
 }
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a word has its fields, from the lowest bit on.
+
+    widths: The bits of each; a field without bits is always 0.
+    """
+
+    widths: tuple[int, ...] = tuple(bits for _, bits in FIELDS.values())
+
+    @classmethod
+    def of(cls, lanes: int) -> Self:
+        """That of a word of 36 bits. A single lane has the bits of two fields for its places."""
+        fields = {name: bits for name, (_, bits) in FIELDS.items()}
+        if lanes == 1:
+            fields["place"] += fields["gather"] + fields["together"]
+            fields |= {"gather": 0, "together": 0}
+        return cls(tuple(fields.values()))
+
+    def __getitem__(self, name: str) -> tuple[int, int]:
+        """The lowest bit of a field, and its number of bits."""
+        place = list(FIELDS).index(name)
+        return sum(self.widths[:place]), self.widths[place]
+
+    @property
+    def width(self) -> int:
+        """Bits of a word."""
+        return sum(self.widths)
+
+
+def alone(graph: Graph, addresses: int, blocks: int) -> Layout | None:
+    """The layout of a word of 18 bits for a single lane, with its weight beside it.
+
+    None where it takes more bits.
+    """
+    widths = {name: bits for name, (_, bits) in FIELDS.items()} | {
+        "place": (2 * blocks - 1).bit_length() if blocks > 1 else 0,
+        "source": addresses,
+        "gather": 0,
+        "together": 0,
+        "relu": int(graph.rectifies),
+    }
+    found = Layout(tuple(widths.values()))
+    return found if found.width <= WIDTH else None
 
 
 @dataclass(frozen=True)
@@ -74,9 +113,17 @@ class LaneProgram(Program):
     """The contents of the program memory, and of the memories of the lanes.
 
     shared: The groups from which it was assembled.
+    beside: The weight that stands beside each word, where one memory holds the program, the weights
+        and the table of a single lane; empty where lanes have memories of their own.
+    beside_notes: What each of these weights stands for.
+    rows: How many rows of the table that memory holds; a row is an intercept and a slope.
     """
 
     shared: LaneGraph = field(kw_only=True)
+    layout: Layout = field(default=Layout(), kw_only=True)
+    beside: tuple[int, ...] = field(default=(), kw_only=True)
+    beside_notes: tuple[str, ...] = field(default=(), kw_only=True)
+    rows: int = field(default=0, kw_only=True)
 
     @property
     def lanes(self) -> int:
@@ -85,11 +132,68 @@ class LaneProgram(Program):
     @property
     def weights(self) -> tuple[tuple[int, ...], ...]:
         """For each place the weight of each lane."""
-        return self.shared.weights
+        return tuple((weight,) for weight in self.beside) or self.shared.weights
+
+    @property
+    def contents(self) -> tuple[int, ...]:
+        """All words of the memory of a single lane, with zeros up to a power of two.
+
+        A row of the table is an intercept and a slope, and any other row is a word of the program
+        and the weight beside it.
+        """
+        half, mask = len(self.table) // 2, (1 << WIDTH) - 1
+        table = zip(self.table[: self.rows], self.table[half : half + self.rows], strict=True)
+        rows = self._in_order(table, zip(self.words, self.beside, strict=True), (0, 0))
+        found = [word & mask for row in rows for word in row]
+        return tuple(found + [0] * ((2 << self.row_bits) - len(found)))
+
+    @property
+    def meanings(self) -> tuple[str, ...]:
+        """What each word of ``contents`` stands for; the last text serves all words beyond."""
+        table = ((f"intercept of segment {n}", f"slope of segment {n}") for n in range(self.rows))
+        steps = zip(self.notes, self.beside_notes, strict=True)
+        rows = self._in_order(table, steps, ("not used",) * 2)
+        return (*(text for row in rows for text in row), "not used")
+
+    def _in_order(self, table: Iterable[Row], steps: Iterable[Row], unused: Row) -> list[Row]:
+        if self.begin:
+            return [*table, *steps]
+        words = list(steps)
+        return [*words, *[unused] * ((1 << self.row_width) - len(words)), *table]
+
+    @property
+    def begin(self) -> int:
+        """The row of the first word of the program.
+
+        A program that is no longer than the table stands before it, so that one bit tells which of
+        them is read; a longer one stands behind it, so that no row is left over.
+        """
+        return self.rows if len(self.words) > 1 << self.row_width else 0
+
+    @property
+    def counter_width(self) -> int:
+        """Bits of the counter, which steps through the program."""
+        return max(1, (self.begin + len(self.words) - 1).bit_length())
+
+    @property
+    def row_bits(self) -> int:
+        """Bits of the number of a row."""
+        above = self.rows and not self.begin
+        return self.row_width + 1 if above else self.counter_width
+
+    @property
+    def segment_bits(self) -> int:
+        """Bits of the number of a segment."""
+        return (len(self.table) // 2 // self.blocks - 1).bit_length() if self.table else 0
+
+    @property
+    def row_width(self) -> int:
+        """Bits of the number of a row of the table; one at least."""
+        return max(1, (self.blocks - 1).bit_length() + self.segment_bits)
 
     def field(self, name: str) -> tuple[int, int]:
         """The lowest bit of a field in a word, and its number of bits."""
-        return FIELDS[name]
+        return self.layout[name]
 
     @cached_property
     def intercepts(self) -> Codes:
@@ -104,38 +208,20 @@ class LaneProgram(Program):
         """The steps, up to the end of the frame."""
         at, words = self.pipeline, self.words
         assert isinstance(at, LanePipeline)
+        clocks = {name: getattr(at, clock) for name, (clock, _) in FIELDS.items()}
         found: list[LaneInstruction] = []
         for n in range(len(words) - at.mark):
-            early, start, late = words[n + at.operand], words[n + at.start], words[n + at.mark]
-            found.append(
-                LaneInstruction(
-                    place=get(words[n + at.place], PLACE),
-                    source=get(words[n], SOURCE),
-                    kind=get(early, KIND),
-                    opens=get(start, OPENS),
-                    gather=get(words[n + at.gather], GATHER),
-                    store=get(late, STORE),
-                    together=get(late, TOGETHER),
-                    relu=get(late, RELU),
-                    output=get(late, OUTPUT),
-                    end=get(late, END),
-                )
-            )
+            values = {name: get(words[n + k], self.layout[name]) for name, k in clocks.items()}
+            if self.beside and values["kind"] not in LOOKED_UP:
+                values["place"] = n + at.beside
+            found.append(LaneInstruction(**values))
             if found[-1].end:
                 break
         return found
 
     @property
-    def output_steps(self) -> list[int]:
-        return [n for n, step in enumerate(self.lane_steps) if step.output]
-
-    @property
-    def length(self) -> int:
-        return len(self.lane_steps)
-
-    @property
-    def store_steps(self) -> list[int]:
-        return [n for n, step in enumerate(self.lane_steps) if step.store]
+    def steps(self) -> list[LaneInstruction]:
+        return self.lane_steps
 
     def scheduled(self, graph: Graph) -> list[Step]:
         """The steps of the groups."""
@@ -187,7 +273,8 @@ class LaneProgram(Program):
                 pairs = dict(reduction_steps(self.lanes)[step.gather.bit_length() - 1])
                 added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
             else:
-                weights = self.weights[step.place]
+                looks = step.kind in LOOKED_UP
+                weights = (0,) * self.lanes if looks else self.weights[step.place]
                 added = [self._product(step, memories[j], weights[j], zero) for j in lanes]
             if step.opens:
                 sums = [zero + start_of(step.opens, lane) for lane in lanes]
@@ -233,20 +320,31 @@ def assemble_lanes(
     lanes: int,
     pipeline: LanePipeline,
     every: bool = False,
+    least_addr_width: int = 0,
 ) -> LaneProgram:
     """The program of a graph.
 
     table: That of the graph's functions; None where no neuron looks anything up.
     every: Whether all of these lanes are there, even if the graph has no work for some.
+    least_addr_width: The fewest bits of the address of an operand; 0 where the memory of a lane is
+        apart from that of the program, however few lanes there are.
     """
     if table:
         check_words(table)
     shared = assign_to_lanes(graph, lanes, every)
-    _check(shared)
+    layout = None
+    if least_addr_width and shared.lanes == 1:
+        width = max(least_addr_width, (graph.inputs + len(shared.groups) - 1).bit_length())
+        layout = alone(graph, width, table.blocks if table else 1)
+    beside = bool(layout)
+    layout = layout or Layout.of(shared.lanes)
+    _check(shared, layout)
     steps = shared.schedule(pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
     codes = codes_of(graph.functions)
+    weights = [0] * len(words) if beside else []
+    texts = ["no weight"] * len(weights)
     left = 0
     for n, step in enumerate(steps):
         term, wait = step.term, step.neuron < 0
@@ -257,17 +355,28 @@ def assemble_lanes(
         adds = not wait and left <= 0
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
-        put(words, n, SOURCE, addresses[term.source])
-        put(words, n + pipeline.operand, KIND, int(term.kind))
-        put(words, n + pipeline.place, PLACE, weight_of(term, codes))
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
-        put(words, n + pipeline.start, OPENS, opens if step.first else NO_SUM)
-        put(words, n + pipeline.gather, GATHER, 1 << -left if adds else 0)
-        put(words, n + pipeline.mark, STORE, step.last)
-        put(words, n + pipeline.mark, TOGETHER, step.last and group.joined)
-        put(words, n + pipeline.mark, RELU, step.last and neuron.relu)
-        put(words, n + pipeline.mark, OUTPUT, step.last and neuron.output)
-        put(words, n + pipeline.mark, END, n == len(steps) - 1)
+        place = weight_of(term, codes)
+        if beside and term.kind not in LOOKED_UP:
+            weights[n + pipeline.beside] = code = shared.weights[place][0]
+            if not wait:
+                own = replace(step, term=replace(term, weight=code))
+                texts[n + pipeline.beside] = f"{neuron.name} x {weight_text(shared.graph, own)}"
+            place = 0
+        values = {
+            "place": place,
+            "source": addresses[term.source],
+            "kind": int(term.kind),
+            "opens": opens if step.first else NO_SUM,
+            "gather": 1 << -left if adds else 0,
+            "store": step.last,
+            "together": step.last and group.joined,
+            "relu": step.last and neuron.relu,
+            "output": step.last and neuron.output,
+            "end": n == len(steps) - 1,
+        }
+        for name, value in values.items():
+            put(words, n + getattr(pipeline, FIELDS[name][0]), layout[name], value)
         left -= not wait
     return LaneProgram(
         graph.inputs,
@@ -281,7 +390,22 @@ def assemble_lanes(
         graph.even,
         1 << (table.blocks - 1).bit_length() if table else 1,
         shared=shared,
+        layout=layout,
+        beside=tuple(weights),
+        beside_notes=tuple(texts),
+        rows=_rows(graph, table) if table else 0,
     )
+
+
+def _rows(graph: Graph, table: LineTable) -> int:
+    """The rows of a table up to the last one that a sum reaches.
+
+    A sum beyond the last segment has the words of the last one.
+    """
+    whole = len(joined(graph.functions, table.width).slopes)
+    if table.blocks > 1 or len(table.slopes) < whole:
+        return len(table.slopes)
+    return min(segments_of(table.width), (graph.reach(table) >> table.width) + 1)
 
 
 def _table_words(table: LineTable) -> tuple[int, ...]:
@@ -298,18 +422,19 @@ def _table_words(table: LineTable) -> tuple[int, ...]:
     )
 
 
-def _check(shared: LaneGraph) -> None:
-    graph, most = shared.graph, (1 << SOURCE[1]) - 1
+def _check(shared: LaneGraph, layout: Layout) -> None:
+    graph, most = shared.graph, (1 << FIELDS["source"][1]) - 1
     values = graph.inputs + len(graph.neurons)
     if values > most:
         raise InputError(
             f"program: got {values} words of the operand memory, {graph.inputs} samples and "
             f"{len(graph.neurons)} results, expected {most} at most"
         )
-    if len(shared.weights) > 1 << PLACE[1]:
+    places = 1 << layout["place"][1]
+    if layout.width > WIDTH and len(shared.weights) > places:
         raise InputError(
-            f"program: got {len(shared.weights)} weights of each lane, expected {1 << PLACE[1]} at "
-            "most; more lanes have fewer each"
+            f"program: got {len(shared.weights)} weights of each lane, expected {places} at most; "
+            "more lanes have fewer each"
         )
 
 

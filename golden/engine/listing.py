@@ -13,6 +13,7 @@ from golden.trained.function import TANH
 
 if TYPE_CHECKING:
     from golden.engine.program import Program
+    from golden.engine.serial_program import SerialProgram
 
 _COLUMNS = ("step", "word", "neuron", "operand", "address", "weight", "then")
 
@@ -54,7 +55,7 @@ def text_of(graph: Graph, step: Step) -> str:
     return f"{joint} {operand_text(graph, step)} x {weight_text(graph, step)}{end}"
 
 
-def listing(graph: Graph, program: Program) -> list[str]:
+def listing(graph: Graph, program: SerialProgram) -> list[str]:
     """The program as text, with a line for every step.
 
     The column ``word`` is the address in the program memory at which the fields of a step begin;
@@ -88,23 +89,23 @@ def listing(graph: Graph, program: Program) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-    return [*_tables(graph, program), *lines]
+    return [*tables(graph, program), *lines]
 
 
-def _tables(graph: Graph, program: Program) -> list[str]:
-    """A line for every table of the program."""
+def tables(graph: Graph, program: Program) -> list[str]:
+    """A line for every table of the program, with its segments, of which two blocks have two."""
     segment = 2.0 ** (program.segment_width - HIDDEN.frac)
+    if not program.table:
+        return []
+    count = len(program.table) // 2 // program.blocks
     if graph.functions == (TANH,) and program.blocks == 1:
-        last = len(program.table) - 1
-        return [f"words 0 to {last}: tanh in segments of {segment:g}; the last holds beyond"]
+        return [f"tanh in {count} segments of {segment:g}; the last one serves all beyond"]
     found = []
-    words = len(program.table) // program.blocks
     for function, code in codes_of(graph.functions).items():
-        first = (code >> 1) * words
-        last = first + words * (1 + (code & 1)) - 1
         error = table_of(function, program.segment_width).error
+        first, own = (code >> 1) * count, count * (1 + (code & 1))
         found.append(
-            f"words {first} to {last}: {function.name} in segments of {segment:g}; error "
+            f"{function.name} in {own} segments of {segment:g}, from {first} on; error "
             f"{error:.2g} at most"
         )
     return found

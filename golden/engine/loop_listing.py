@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from golden.engine.graph import Graph, Kind
 from golden.engine.lane_listing import weights_text
-from golden.engine.listing import operand_text
+from golden.engine.listing import operand_text, tables
 from golden.engine.loop_program import LoopProgram
 from golden.engine.loop_schedule import sizes_of
 
@@ -43,7 +43,7 @@ def loop_listing(graph: Graph, program: LoopProgram) -> list[str]:
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-    return [*lines, "", *_facts(program)]
+    return [*tables(graph, program), *lines, "", *_facts(program)]
 
 
 def _ago(loops: int) -> str:

@@ -20,6 +20,7 @@ from golden.engine.lane_program import (
     OWN,
     LaneInstruction,
     LaneProgram,
+    Layout,
     start_of,
 )
 from golden.engine.listing import operand_text
@@ -41,7 +42,7 @@ Field = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class LoopLayout:
+class LoopLayout(Layout):
     """Where a word has its fields: for each its lowest bit and its number of bits.
 
     place_width, source_width, turn_width, gather_width: Bits of the fields that are as wide as the
@@ -53,10 +54,10 @@ class LoopLayout:
     last one, see ``wrap_lead``.
     """
 
-    place_width: int
-    source_width: int
-    turn_width: int
-    gather_width: int
+    place_width: int = field(kw_only=True)
+    source_width: int = field(kw_only=True)
+    turn_width: int = field(kw_only=True)
+    gather_width: int = field(kw_only=True)
 
     @cached_property
     def _fields(self) -> dict[str, Field]:
@@ -267,10 +268,10 @@ def _assembled(program: LaneProgram, graph: Graph, loop: LoopSchedule) -> LoopPr
     }
     places = max(len(shared.weights) - 1, 2 * program.blocks - 1 if program.blocks > 1 else 0)
     layout = LoopLayout(
-        max(1, places.bit_length()),
-        (len(times) - 1).bit_length(),
-        max(ago.values(), default=0).bit_length(),
-        len(reduction_steps(shared.lanes)),
+        place_width=max(1, places.bit_length()),
+        source_width=(len(times) - 1).bit_length(),
+        turn_width=max(ago.values(), default=0).bit_length(),
+        gather_width=len(reduction_steps(shared.lanes)),
     )
     words = [0] * length
 

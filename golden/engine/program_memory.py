@@ -1,4 +1,4 @@
-"""program_memory: holds the words of program and table, and the counter that reads them."""
+"""program_memory: holds the words of a program, and the counter that reads them."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.border import State
-from golden.common.port import Port, Unsigned, input_port, output_port
+from golden.common.port import Port, Unsigned, output_port
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import ProgramWords, Stepped, counters, later
 from golden.numbers.fixed import Codes
@@ -14,10 +14,9 @@ from golden.numbers.fixed import Codes
 
 @dataclass(frozen=True)
 class ProgramMemory(ProgramWords, Stepped):
-    """Words of 36 bits, two read in each clock: at a counter, and at a hidden sum's segment.
+    """Words of 36 bits, of which a counter reads one in each clock.
 
-    table, words, notes, segment_addr_width: See ``ProgramWords``. An empty table is not looked up,
-        and there are no ports for it.
+    words, notes: See ``ProgramWords``.
     registers: Number of registers behind the memory.
     """
 
@@ -28,17 +27,7 @@ class ProgramMemory(ProgramWords, Stepped):
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
         counted = output_port("word", f"the word at the counter, {later(self.latency)}", word)
-        if not self.table:
-            return (*self.counter_ports, counted)
-        return (
-            *self.counter_ports,
-            self.segment_port,
-            input_port("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
-            counted,
-            output_port(
-                "table_word", f"the word at `segment`, {later(self.look_up_latency)}", word
-            ),
-        )
+        return (*self.counter_ports, counted)
 
     def process(
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
@@ -55,8 +44,3 @@ class ProgramMemory(ProgramWords, Stepped):
     ) -> Codes:
         """The counter in each clock, starting in a clock in which it rests."""
         return counters(self.begin, len(self.contents), start, run, finish, reset)
-
-    def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
-        """The word of the table for each segment; 0 where ``look_up`` is low."""
-        words = np.array(self.contents, dtype=np.int64)[np.asarray(segment)]
-        return np.where(np.asarray(look_up, dtype=bool), words, 0)

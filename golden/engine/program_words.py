@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.port import CLOCKED, Port, Unsigned, input_port
+from golden.common.port import CLOCKED, Port, input_port
 from golden.numbers.fixed import Codes
 
 
@@ -14,16 +14,15 @@ from golden.numbers.fixed import Codes
 class ProgramWords(Block):
     """A memory whose contents are constants of the entity.
 
-    table, words: The memory holds the table, and behind it the words of the program.
+    words: The words of the program.
     notes: What each word stands for, as a comment in the exported file.
-    segment_addr_width: Bits of the address of a word of the table.
+    table: Words that stand before the program, if there are any.
     """
 
     area = "engine"
-    table: tuple[int, ...]
     words: tuple[int, ...]
     notes: tuple[str, ...]
-    segment_addr_width: int
+    table: tuple[int, ...] = ()
 
     @property
     def contents(self) -> tuple[int, ...]:
@@ -48,13 +47,8 @@ class ProgramWords(Block):
 
 
 class Stepped(Block):
-    """A memory through which a counter steps, with registers behind it.
+    """A memory through which a counter steps. A subclass has the number of registers behind it."""
 
-    A subclass has as fields the bits of the address of a word of the table, and the number of
-    registers.
-    """
-
-    segment_addr_width: int
     registers: int
 
     @property
@@ -70,21 +64,8 @@ class Stepped(Block):
         )
 
     @property
-    def segment_port(self) -> Port:
-        """The segment whose word is looked up."""
-        segment = Unsigned(self.segment_addr_width)
-        return input_port(
-            "segment", "address of a word of the table", segment, "segment_addr_width"
-        )
-
-    @property
     def latency(self) -> int:
         return 1 + self.registers
-
-    @property
-    def look_up_latency(self) -> int:
-        """Clocks from a segment to the word of that segment."""
-        return 1 + 2 * self.registers
 
 
 def counters(

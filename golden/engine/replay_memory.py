@@ -1,6 +1,6 @@
 """replay_memory: the words of table and program, read once for every bit plane."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,8 +20,8 @@ from golden.numbers.fixed import Codes
 class ReplayMemory(ProgramWords):
     """Words of 36 bits, read neuron by neuron and pass by pass, and a table that is looked up.
 
-    table, words, notes, segment_addr_width: See ``ProgramWords``. In the table slopes and
-        intercepts alternate.
+    words, notes, table: See ``ProgramWords``. In the table slopes and intercepts alternate.
+    segment_addr_width: Bits of the address of a word of the table.
 
     A pass ends with the word that is marked as the last for its plane; the next pass begins with
     the neuron's first word. After the pass of plane 0 comes the next neuron. Its first word follows
@@ -29,6 +29,7 @@ class ReplayMemory(ProgramWords):
     """
 
     block = "replay_memory"
+    segment_addr_width: int = field(kw_only=True)
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -8,7 +8,8 @@ from itertools import groupby
 import numpy as np
 
 from golden.engine.fields import get, put, signed_code
-from golden.engine.formats import WIDTH
+from golden.engine.finish import word_of
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.function_table import check_words, codes_of
 from golden.engine.graph import Graph, Kind
 from golden.engine.line_table import LineTable
@@ -18,7 +19,6 @@ from golden.engine.program import (
     KIND,
     SOURCE,
     WEIGHT,
-    Instruction,
     Program,
     check_values,
     table_notes,
@@ -39,6 +39,23 @@ BEFORE = (33, 2)
 NOTHING, STORED, LEAVES, ENDS = range(4)
 # Beside it, whether that sum becomes 0 where it is below.
 RELU_BEFORE = (35, 1)
+_HALF = 1 << (DROPPED - 1)
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One step, with its fields gathered from the words that hold them."""
+
+    weight: int
+    source: int
+    kind: int
+    take_intercept: int
+    first: int
+    first_of_output: int
+    store: int
+    output: int
+    end: int
+    relu: int = 0
 
 
 @dataclass(frozen=True)
@@ -56,6 +73,10 @@ class SerialProgram(Program):
     @cached_property
     def slopes(self) -> Codes:
         return np.array([signed_code(word) for word in self.table[::2]])
+
+    @property
+    def steps(self) -> list[Instruction]:
+        return self.instructions
 
     @cached_property
     def instructions(self) -> list[Instruction]:
@@ -84,6 +105,55 @@ class SerialProgram(Program):
     def scheduled(self, graph: Graph) -> list[Step]:
         return schedule(graph, self.pipeline, replayed)
 
+    def execute(self, samples: Codes) -> Codes:
+        results = [word >> OUTPUT_SHIFT for step, _, word in self.run(samples) if step.output]
+        return np.stack(results, axis=-1)
+
+    def stored(self, graph: Graph, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
+        order = [step.neuron for step in self.scheduled(graph) if step.last]
+        for number, (step, sums, word) in zip(order, self.run(samples), strict=True):
+            yield number, bool(step.relu), sums, word
+
+    def run(self, samples: Codes) -> Iterator[tuple[Instruction, Codes, Codes]]:
+        """The last step of each neuron in the order of the program, its sums, and their words."""
+        memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
+        intercepts, slopes = self.intercepts, self.slopes
+        distances = 1 << self.segment_width
+        segments: tuple[tuple[int, int], Codes, Codes] | None = None
+        acc = product = np.zeros(len(samples), dtype=np.int64)
+        for step in self.instructions:
+            if step.kind == Kind.ONE:
+                product = np.asarray(step.weight << DROPPED)
+            elif step.kind == Kind.WORD:
+                product = memory[step.source] * step.weight if step.weight else np.asarray(0)
+            else:
+                word = memory[step.source]
+                if segments is None or segments[0] != (step.source, step.weight):
+                    negative = word >> (WIDTH - 1)
+                    segment = (word ^ negative) >> self.segment_width
+                    np.minimum(segment, self.segments - 1, out=segment)
+                    block = (step.weight >> 1) | (negative & step.weight & 1)
+                    segments = (
+                        (step.source, step.weight),
+                        negative,
+                        segment + block * self.segments,
+                    )
+                coeffs = intercepts if step.take_intercept else slopes
+                if step.kind == Kind.INTERCEPT:
+                    # This operand is the number one with the sign of the word.
+                    product = coeffs[segments[2]] * ((segments[1] | 1) << DROPPED)
+                else:
+                    product = coeffs[segments[2]] * ((word & (distances - 1)) - distances // 2)
+            if step.first:
+                half = _HALF << (OUTPUT_SHIFT if step.first_of_output else 0)
+                acc = np.broadcast_to(product + half, len(samples))
+            else:
+                acc = acc + product
+            if step.store:
+                word = word_of(acc, step.relu, self.cut, self.even)
+                memory.append(word)
+                yield step, acc, word
+
     def clock(self, step: int) -> int:
         """The clock of the result of a step's neuron, counted from a frame's last sample."""
         clocks = sum(replay.clocks for place, replay in self._neurons() if place <= step)
@@ -103,7 +173,7 @@ class SerialProgram(Program):
 
 
 def assemble_serial(graph: Graph, table: LineTable, pipeline: SerialPipeline) -> SerialProgram:
-    """Assemble the program of a graph; the parameters are those of ``assemble``."""
+    """The program of a graph. ``table`` is that of all functions of the graph."""
     check_values(graph)
     check_words(table)
     codes = codes_of(graph.functions)

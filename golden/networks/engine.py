@@ -1,4 +1,4 @@
-"""Engine: computes a whole scene with a program and one multiplier, or none."""
+"""Engine: computes a whole scene with a program and multipliers that work side by side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ import numpy as np
 
 from golden.common.block import Block
 from golden.common.port import Port, Unsigned, input_port, output_port
-from golden.engine.formats import DROPPED, HIDDEN
+from golden.engine.formats import DROPPED
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.function_table import SEGMENT_WIDTH, joined, table_of
@@ -17,25 +17,23 @@ from golden.engine.graph import Graph
 from golden.engine.image import Image, Sizes, image_of, own_image
 from golden.engine.image_loader import ImageLoader
 from golden.engine.integer_network import IntegerNetwork
+from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_groups import assign_to_lanes
+from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_pipeline import LanePipeline
+from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
+from golden.engine.lane_round import LaneRound
+from golden.engine.loop_program import LoopProgram, assemble_loop
 from golden.engine.loop_schedule import shortest_loop
-from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
-from golden.engine.operand_select import OperandSelect
-from golden.engine.pipeline import Pipeline, SerialPipeline
-from golden.engine.plane_select import PlaneSelect
-from golden.engine.program import SOURCE, Program, assemble
+from golden.engine.pipeline import SerialPipeline
+from golden.engine.program import Program
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
-from golden.engine.replay_memory import ReplayMemory
-from golden.engine.round_saturate import RoundSaturate
-from golden.engine.serial_accumulate import SerialAccumulate
-from golden.engine.serial_program import SerialProgram, assemble_serial
-from golden.engine.table_address import TableAddress
+from golden.engine.serial_program import assemble_serial
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.network import CHUNK
@@ -67,11 +65,10 @@ NAMED = 8
 
 @dataclass(frozen=True)
 class Engine(Design):
-    """Every neuron of a scene, one product per clock (ours; single, multiple and cascade alike).
+    """Every neuron of a scene, one product of each lane per clock (ours).
 
-    With ``lanes = 0`` the engine has no multiplier, and a product takes as many clocks as its
-    operand has bits. With several lanes, or frames that overlap, it is a ``Lanes``. The results are
-    the same.
+    It takes single, multiple and cascade alike. A lane has a multiplier. Without lanes there is
+    none, and the engine is another machine with the same results, ``SerialEngine``.
 
     acc_width: Bits of the sum. All sums of the program fit in them.
     integers: The networks in whole numbers from which the graph was made.
@@ -80,6 +77,7 @@ class Engine(Design):
         None for a program that is part of the hardware.
     budget: The most clocks from the last sample to the last output that the scene allows; 0 for no
         limit.
+    asked: The lanes that the scene asks for. No more are built than a layer has nodes for.
     """
 
     block = "engine"
@@ -88,7 +86,7 @@ class Engine(Design):
     precisions = (EXACT.name,)
     known_activations = ("precise",)
     activation_choices = False
-    most_nodes = (1 << SOURCE[1]) - 1
+    most_nodes = (1 << FIELDS["source"][1]) - 1
     options: ClassVar[tuple[str, ...]] = (
         "lanes",
         "segment_width",
@@ -100,96 +98,95 @@ class Engine(Design):
         "operand_words",
         "table_blocks",
     )
-    program: Program
+    program: LaneProgram
     acc_width: int
     integers: tuple[IntegerNetwork, ...]
     graph: Graph
     loaded: Image | None = None
     budget: int = 0
+    asked: int = 1
 
     @classmethod
     def build(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
         chosen: dict[str, Any] = {
+            "lanes": 1,
             "segment_width": SEGMENT_WIDTH,
             "pipeline": "short",
             **settings.options,
         }
-        lean, budget = settings.lean, chosen.pop("clocks", 0)
-        if budget:
-            left = replace(settings, options=chosen)
-            return cls._within(budget, networks, left, arrangement, variant)
-        lanes, interval = chosen.pop("lanes", 1), chosen.pop("interval", 0)
+        if chosen.get("clocks"):
+            return cls._within(networks, settings, arrangement, variant)
+        lanes, width, lean = chosen["lanes"], chosen["segment_width"], settings.lean
         if not 0 <= lanes <= MOST_LANES:
             raise InputError(f"hardware.lanes: got {lanes}, expected 0 to {MOST_LANES}")
-        # That module needs this one.
-        from golden.networks.lanes import Lanes
-
-        several: Any = Lanes
-        own = replace(settings, options={**chosen, "lanes": lanes, "interval": interval})
-        if lanes > 1:
-            many: Self = several.build(networks, own, arrangement, variant)
-            return many
-        serial = lanes == 0
-        depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
-        if serial and depth != "short":
-            raise InputError(
-                f"hardware.pipeline: got {depth!r} with lanes 0, expected lanes 1 or more"
-            )
-        if serial and reload:
-            raise InputError("hardware.reload: got true with lanes 0, expected lanes 1 or more")
-        integers = integer_networks(arrangement, networks, settings.met, chosen["segment_width"])
-        graph = cls.graph_for(integers, lean)
+        reload, depth = chosen.pop("reload", False), chosen.pop("pipeline")
+        asked = chosen.pop("interval", None)
+        if not lanes and (reload or depth != "short"):
+            key, got = ("reload", "true") if reload else ("pipeline", repr(depth))
+            raise InputError(f"hardware.{key}: got {got} with lanes 0, expected lanes 1 or more")
+        integers = integer_networks(arrangement, networks, settings.met, width)
+        graph = _graph_of(integers, lanes, lean)
         # Straight functions alone need no table, so the width of its segments is any.
-        table = joined(
-            graph.functions, chosen["segment_width"] if graph.looks_up else SEGMENT_WIDTH
-        )
+        table = joined(graph.functions, width if graph.looks_up else SEGMENT_WIDTH)
         if lean and not reload:
             table = table.within(graph.reach(table))
-        pipeline = Pipeline(int(depth == "deep"))
         acc_width = max(LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH, graph.sum_bits(table))
-        loaded = None
+        pipeline, loaded = LanePipeline(int(depth == "deep")), None
+        kind: Any = cls
         program: Program
         if reload:
-            loaded = own_image(graph, Sizes, {**chosen, "pipeline": pipeline})
-            program, acc_width = loaded.program, loaded.sizes.acc_width
-        elif serial:
-            program = assemble_serial(graph, table, SerialPipeline())
+            loaded = own_image(graph, {**chosen, "pipeline": pipeline})
+            acc_width = loaded.sizes.acc_width
+            program = replace(loaded.program, shared=assign_to_lanes(graph, lanes, every=True))
+        elif lanes:
+            program = assemble_lanes(
+                graph,
+                table if graph.looks_up else None,
+                lanes,
+                pipeline,
+                least_addr_width=LEAST_ADDR_WIDTH,
+            )
         else:
-            program = assemble(graph, table, pipeline)
-        built = cls(
+            # A subclass, whose module takes this one.
+            from golden.networks.serial_engine import SerialEngine
+
+            kind, program = SerialEngine, assemble_serial(graph, table, SerialPipeline())
+        built: Self = kind(
             program,
             acc_width,
             integers,
             graph,
             loaded,
+            asked=lanes,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-        if 0 < interval < built.interval and lanes:
-            many = several.build(networks, own, arrangement, variant)
-            return many
-        return built
+        if not lanes or asked is None or asked >= built.interval:
+            return built
+        if loaded:
+            raise InputError(
+                f"hardware.interval: got {asked} with reload, expected {built.interval} or more"
+            )
+        return replace(built, program=assemble_loop(built.program, graph, asked))
 
     @classmethod
     def _within(
-        cls,
-        clocks: int,
-        networks: Sequence[Trained],
-        settings: Settings,
-        arrangement: str,
-        variant: str,
+        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        """The smallest engine whose last output leaves at most ``clocks`` after the last sample."""
-        chosen = settings.options
-        # Without a multiplier there is one pipeline, no image, and no loop.
-        fast = chosen["pipeline"] != "short" or chosen.get("reload")
-        interval: Any = chosen.get("interval", 0)
+        """The smallest engine whose last output leaves in time after the last sample.
+
+        Where the number of lanes is not given, it is none or one.
+        """
+        chosen: dict[str, Any] = dict(settings.options)
+        clocks, interval = chosen.pop("clocks"), chosen.get("interval")
+        # Without lanes there is one pipeline, no image, and no loop.
+        fast = chosen.get("pipeline", "short") != "short" or chosen.get("reload")
         for lanes in [chosen["lanes"]] if "lanes" in chosen else [0, 1][bool(fast) :]:
             tried = replace(settings, options={**chosen, "lanes": lanes})
             engine = cls.build(networks, tried, arrangement, variant)
-            late = not lanes and 0 < interval < engine.interval
+            late = interval and not lanes and engine.interval > interval
             if engine.output_clocks[-1] <= clocks and not late:
                 return replace(engine, budget=clocks)
         raise InputError(
@@ -220,42 +217,14 @@ class Engine(Design):
         return self.output_clocks[0]
 
     @property
-    def interval(self) -> int:
-        """Samples of a frame may come once the last output of the frame before has left."""
-        return self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
-
-    @property
-    def busy(self) -> int:
-        return self.output_clocks[-1] + self.program.pipeline.free - 1
-
-    @property
     def lanes(self) -> int:
-        """The number of multipliers."""
-        return int(not self.serial)
-
-    @property
-    def loops(self) -> bool:
-        """Whether its program is a loop, in which frames overlap."""
-        return False
-
-    @property
-    def options_built(self) -> Mapping[str, object]:
-        return {"lanes": self.lanes}
-
-    @property
-    def shortest_interval(self) -> int:
-        """That of the shortest loop that is found, or else its interval."""
-        sums = any(layer.added for network in self.integers for layer in network.layers)
-        if self.serial or self.loaded or sums:
-            return self.interval
-        pipeline = LanePipeline(self.program.pipeline.memory_registers)
-        found = shortest_loop(assign_to_lanes(self.graph, 1), pipeline, self.interval)
-        return found.length if found else self.interval
+        """The number of lanes, each of which has a multiplier."""
+        return self.program.lanes
 
     @property
     def serial(self) -> bool:
         """Whether the engine works without a multiplier."""
-        return isinstance(self.program, SerialProgram)
+        return False
 
     @property
     def rectifies(self) -> bool:
@@ -287,23 +256,40 @@ class Engine(Design):
     ) -> Image:
         """The image with which the same hardware computes other networks."""
         integers = integer_networks(arrangement, networks, met, self._sizes.segment_width)
-        return image_of(self.graph_for(integers), self._sizes)
-
-    @classmethod
-    def graph_for(cls, integers: Sequence[IntegerNetwork], lean: bool = True) -> Graph:
-        """The graph of networks that the design can compute."""
-        return graph_of(integers, lean)
+        return image_of(_graph_of(integers, self.lanes), self._sizes)
 
     def running(self, image: Image) -> Self:
         """The same hardware, running another image."""
         return replace(self, program=image.program, loaded=image)
 
     @property
-    def addr_width(self) -> int:
-        """Bits of the operand memory's address."""
-        if self.loaded:
-            return self.loaded.sizes.operand_addr_width
-        return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
+    def loops(self) -> bool:
+        """Whether its program is a loop, in which frames overlap."""
+        return isinstance(self.program, LoopProgram)
+
+    @property
+    def interval(self) -> int:
+        """Samples of a frame may come once the last output of the frame before has left."""
+        return (
+            self.program.loop.length
+            if isinstance(self.program, LoopProgram)
+            else self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
+        )
+
+    @property
+    def busy(self) -> int:
+        return self.interval - self.inputs
+
+    def begun(self, ended: Codes) -> Codes:
+        if not isinstance(self.program, LoopProgram):
+            return ended
+        length, computed = self.interval, self.interval * self.program.stages
+        found: list[int] = []
+        for clock in ended.tolist():
+            before = found[-1] if found else clock - computed
+            late = clock - before
+            found.append(clock if late >= computed else before - late // -length * length)
+        return np.array(found, dtype=np.int64)
 
     @property
     def input_controller(self) -> FrameCheck:
@@ -311,9 +297,11 @@ class Engine(Design):
 
     @property
     def frame_check(self) -> FrameCheck:
-        return FrameCheck(
-            self.inputs, self.addr_width, self.output_clocks[-1], self.program.pipeline
-        )
+        if not self.loops:
+            last = self.output_clocks[-1]
+            return FrameCheck(self.inputs, self.addr_width, last, self.program.pipeline)
+        width = self.inputs.bit_length()
+        return FrameCheck(self.inputs, width, self.busy, LanePipeline(), results=False)
 
     @property
     def frame_guard(self) -> FrameGuard:
@@ -326,101 +314,144 @@ class Engine(Design):
         return ImageLoader(sizes.words, self.addr_width, sizes.check_start)
 
     @property
-    def program_ram(self) -> ProgramRam:
-        """Replaces the program memory where the image can change."""
-        return ProgramRam(
-            self._sizes.program_addr_width,
-            self._sizes.table_words,
-            self.table_address.addr_width,
-            self.program.pipeline.memory_registers,
-        )
-
-    @property
     def _sizes(self) -> Sizes:
         if self.loaded is None:
             raise InputError(f"{self.entity}: its program is part of the hardware, expected reload")
         return self.loaded.sizes
 
     @property
-    def program_memory(self) -> ProgramMemory:
-        return ProgramMemory(
-            self.program.table,
-            self.program.words,
-            self.program.notes,
-            self.table_address.addr_width,
-            self.program.pipeline.memory_registers,
-        )
+    def sample_memory(self) -> OperandMemory:
+        """Keeps the frame that comes and the one before, in a loop."""
+        return OperandMemory(self.inputs.bit_length() + 1, variant="samples")
+
+    @property
+    def source_width(self) -> int:
+        """Bits of the address of an operand in a word of the program."""
+        if isinstance(self.program, LoopProgram):
+            return self.program.layout.source_width
+        return self.addr_width
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the operand memory's address."""
+        if self.loaded:
+            return self.loaded.sizes.operand_addr_width
+        words = self.program.addresses
+        if isinstance(self.program, LoopProgram):
+            layout = self.program.layout
+            words = 1 << (layout.source_width + layout.turn_width)
+        return max(LEAST_ADDR_WIDTH, (words - 1).bit_length())
 
     @property
     def operand_memory(self) -> OperandMemory:
         return OperandMemory(self.addr_width, self.program.pipeline.memory_registers)
 
     @property
-    def table_address(self) -> TableAddress:
-        width, kept = self.program.segment_width, self.program.segments
-        whole = joined(self.graph.functions, width).segments
-        every = 1 << (HIDDEN.width - 1 - width)
-        return TableAddress(width, kept, kept == whole < every, self.program.blocks)
+    def options_built(self) -> Mapping[str, object]:
+        built = {"lanes": self.lanes}
+        return {**built, "interval": self.interval} if self.loops else built
 
     @property
-    def operand_select(self) -> OperandSelect:
-        # The operand must be as late as the word of the table.
-        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
+    def shortest_interval(self) -> int:
+        """That of the shortest loop that is found, or else its interval."""
+        program, most = self.program, self.interval
+        assert isinstance(program.pipeline, LanePipeline)
+        found = shortest_loop(program.shared, program.pipeline, most)
+        return found.length if found else most
 
     @property
-    def multiply_accumulate(self) -> MultiplyAccumulate:
-        return MultiplyAccumulate(self.acc_width)
+    def looks_up(self) -> bool:
+        """Whether there is a table."""
+        return bool(self.program.table)
 
     @property
-    def round_saturate(self) -> RoundSaturate:
-        return RoundSaturate(self.acc_width, self.rectifies, self.program.cut, self.program.even)
+    def alone(self) -> bool:
+        """Whether one memory holds the program, and the weights and the table of a single lane."""
+        return bool(self.program.beside)
 
     @property
-    def replay_memory(self) -> ReplayMemory:
-        """Replaces ``program_memory`` where there is no multiplier."""
-        return ReplayMemory(
-            self.program.table,
-            self.program.words,
-            self.program.notes,
-            self.table_address.addr_width + 1,
+    def program_memory(self) -> ProgramMemory:
+        program = self.program
+        registers = program.pipeline.memory_registers
+        return ProgramMemory(program.words, program.notes, registers=registers)
+
+    @property
+    def program_ram(self) -> ProgramRam:
+        registers = self.program.pipeline.memory_registers
+        return ProgramRam(self._sizes.program_addr_width, registers)
+
+    @property
+    def lane_memories(self) -> tuple[LaneMemory, ...]:
+        """The weights of each lane, and its table."""
+        program = self.program
+        if self.alone:
+            return ()
+        if self.loaded:
+            room = LaneMemory.empty(
+                self.loaded.sizes.program_words,
+                self.loaded.sizes.table_words,
+                program.segment_width,
+                program.blocks,
+            )
+            return (replace(room, variant=self.variant),) * self.lanes
+        return tuple(
+            LaneMemory(
+                tuple(row[lane] for row in program.weights),
+                program.table,
+                program.segment_width,
+                tuple(program.weight_notes(self.graph, lane)),
+                program.blocks,
+                variant=f"{self.variant}_{lane}" if self.variant else str(lane),
+            )
+            for lane in range(self.lanes)
         )
 
     @property
-    def plane_select(self) -> PlaneSelect:
-        """Replaces ``operand_select`` where there is no multiplier."""
-        return PlaneSelect(self.program.segment_width)
+    def accumulators(self) -> tuple[LaneAccumulate, ...]:
+        """What multiplies and adds up in each lane."""
+        width = self.program.segment_width if self.looks_up else 0
+        return tuple(
+            LaneAccumulate.of_lane(self.acc_width, width, lane, self.lanes, self.variant)
+            for lane in range(self.lanes)
+        )
 
     @property
-    def serial_accumulate(self) -> SerialAccumulate:
-        """Replaces ``multiply_accumulate`` where there is no multiplier."""
-        return SerialAccumulate(self.acc_width)
-
-    @property
-    def steps(self) -> tuple[Block, ...]:
-        """The blocks that read the program, choose the operands and add the products up."""
-        if self.serial:
-            return self.replay_memory, self.plane_select, self.serial_accumulate
-        return self.program_memory, self.operand_select, self.multiply_accumulate
+    def rounds(self) -> tuple[LaneRound, ...]:
+        """What turns the sum of each lane into a word."""
+        names = ["lead"] + ["other"] * (self.lanes - 1)
+        return tuple(
+            LaneRound(
+                self.acc_width,
+                self.rectifies,
+                name == "lead",
+                self.program.cut,
+                self.program.even,
+                variant=f"{self.variant}_{name}" if self.variant else name,
+            )
+            for name in names
+        )
 
     def parts(self) -> tuple[Block, ...]:
-        program, select, accumulate = self.steps
-        control: tuple[Block, ...] = (self.frame_check, program)
+        control: tuple[Block, ...] = (self.frame_check,)
+        if not self.alone:
+            control = (self.frame_check, self.program_memory)
         if self.loaded:
             control = (self.image_loader, self.frame_guard, self.program_ram)
         return (
             *control,
-            self.operand_memory,
-            self.table_address,
-            select,
-            accumulate,
-            self.round_saturate,
+            *([self.sample_memory] if self.loops else []),
+            *[self.operand_memory] * self.lanes,
+            *self.lane_memories,
+            *self.accumulators,
+            *self.rounds,
         )
 
     def facts(self) -> tuple[str, ...]:
-        multiplier = "no multiplier" if self.serial else "one multiplier"
+        count = "no" if self.serial else "one" if self.lanes == 1 else str(self.lanes)
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
-        return multiplier, spent, *self.function_facts
+        facts = (f"{count} multiplier{'s' * (self.lanes > 1)}", spent, *self.function_facts)
+        return (*facts, f"a frame every {self.interval} clocks") if self.loops else facts
 
     @property
     def function_facts(self) -> tuple[str, ...]:
@@ -456,3 +487,13 @@ class Engine(Design):
                     found = sums >> DROPPED
                     counts[layers[place]][part] += (found > word) | ((found < word) & (not relu))
         return counts
+
+
+def _graph_of(integers: Sequence[IntegerNetwork], lanes: int, lean: bool = True) -> Graph:
+    """The graph of networks that so many lanes can compute."""
+    if lanes > 1 and any(layer.added for network in integers for layer in network.layers):
+        raise InputError(
+            f"hardware.lanes: got {lanes} for sums of functions, expected 1 or 0, which look up "
+            "one function after the other"
+        )
+    return graph_of(integers, lean)

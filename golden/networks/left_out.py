@@ -14,7 +14,6 @@ from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.engine import WHOLE_ACC_WIDTH, Engine
 from golden.networks.hybrid import Hybrid
-from golden.networks.lanes import Lanes
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.several import Several
@@ -105,27 +104,17 @@ def _(network: Engine) -> list[str]:
         texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
     texts += of_useless_nodes(network)
     if graph.useless_terms:
-        texts.append(f"{graph.useless_terms} steps of weight 0")
+        texts.append(f"{graph.useless_terms} products of weight 0")
+    if network.asked > network.lanes:
+        texts.append(f"{network.asked - network.lanes} lanes that no layer has a node for")
     words = len(joined(graph.functions, program.segment_width).slopes) - len(program.slopes)
-    if words:
+    if network.serial and words:
         named = "tanh" if graph.functions == (TANH,) else "the tables"
         texts.append(f"{words} words of {named} that no hidden sum reaches, and their comparison")
     bits = WHOLE_ACC_WIDTH - network.acc_width
     if bits > 0:
-        texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
-    return texts
-
-
-@left_out.register
-def _(network: Lanes) -> list[str]:
-    texts = of_useless_nodes(network)
-    if network.graph.useless_terms:
-        texts.append(f"{network.graph.useless_terms} products of weight 0")
-    if network.asked > network.lanes:
-        texts.append(f"{network.asked - network.lanes} lanes that no layer has a node for")
-    bits = WHOLE_ACC_WIDTH - network.acc_width
-    if bits > 0:
-        texts.append(f"{bits} bits of each sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
+        which = "each sum" if network.lanes > 1 else "the sum"
+        texts.append(f"{bits} bits of {which}, which {WHOLE_ACC_WIDTH} would hold for any scene")
     return texts
 
 

@@ -11,9 +11,9 @@ from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.networks.cascade import Cascade
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
-from golden.networks.lanes import Lanes
 from golden.networks.multiple import Multiple
 from golden.networks.parallel import Parallel
+from golden.networks.serial_engine import SerialEngine
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 
@@ -74,8 +74,7 @@ def _(network: AdderGraph) -> Flow:
 
 
 @flow_of.register
-def _(network: Engine) -> Flow:
-    _, select, accumulate = network.steps
+def _(network: SerialEngine) -> Flow:
     return Flow(
         (
             Wire(f"{network.inputs} x", SIGNAL),
@@ -83,26 +82,29 @@ def _(network: Engine) -> Flow:
             Wire("samples, results", WORD),
             network.operand_memory,
             Wire("a word", WORD),
-            select,
+            network.plane_select,
             Wire("an operand", WORD),
-            accumulate,
+            network.serial_accumulate,
             Wire(f"{network.outputs} y", SIGNAL),
         ),
-        watcher=network.frame_guard if network.loaded else network.frame_check,
+        watcher=network.frame_check,
     )
 
 
 @flow_of.register
-def _(network: Lanes) -> Flow:
+def _(network: Engine) -> Flow:
+    memory: list[Step] = []
+    for one in network.lane_memories[:1]:
+        memory = [one, Wire("a coefficient in each lane", WORD)]
+    words = f"a word in each of {network.lanes} lanes" if network.lanes > 1 else "a word"
     return Flow(
         (
             Wire(f"{network.inputs} x", SIGNAL),
             network.rounds[0],
             Wire("samples, results", WORD),
             network.operand_memory,
-            Wire(f"a word in each of {network.lanes} lanes", WORD),
-            network.lane_memories[0],
-            Wire("a coefficient in each lane", WORD),
+            Wire(words, WORD),
+            *memory,
             network.accumulators[0],
             Wire(f"{network.outputs} y", SIGNAL),
         ),

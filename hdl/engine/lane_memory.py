@@ -36,20 +36,25 @@ def lane_memory(
                 memory[write_addr].next = data
 
         kept = keep
+
+        @always(clk.posedge)
+        def read():
+            if not write:
+                coeff.next = memory[address]
+
     else:
         memory = Constants(spec.contents, WIDTH, spec.meanings)
         kept = ()
 
-    @always(clk.posedge)
-    def read():
-        coeff.next = memory[address]
+        @always(clk.posedge)
+        def read():
+            coeff.next = memory[address]
 
     if not spec.table:
         return kept, read, connect(place, address)
 
-    sign, low, bits = HIDDEN.width - 1, spec.segment_width, spec.segment_bits
-    # One bit says whether the word is a slope, and those above the segment's are 0.
-    looks, part, segment = flag(), unsigned(sign - low), unsigned(sign - low)
+    # One bit says whether the word is a slope, and those above the row's are 0.
+    looks, row = flag(), unsigned(spec.row_width)
     looked, placed = unsigned(spec.half_width), unsigned(spec.half_width)
 
     @always_comb
@@ -57,51 +62,8 @@ def lane_memory(
         looks.next = kind == 1 or kind == 2
 
     @always_comb
-    def cut():
-        part.next = word[sign:low]
-
-    @always_comb
-    def complement():
-        if word[sign]:
-            segment.next = ~part
-        else:
-            segment.next = part
-
-    named = ()
-    if spec.blocks > 1:
-        chosen, upper = flag(), spec.block_width + 1
-
-        # The number of a block that has another one behind it is even.
-        @always_comb
-        def pick():
-            chosen.next = place[1] or (place[0] and word[sign])
-
-        named = pick
-        if upper > 2:
-
-            @always_comb
-            def find():
-                looked.next = concat(kind[1], place[upper:2], chosen, segment[bits:])
-
-        else:
-
-            @always_comb
-            def find():
-                looked.next = concat(kind[1], chosen, segment[bits:])
-
-    elif bits:
-
-        @always_comb
-        def find():
-            looked.next = concat(kind[1], segment[bits:])
-
-    else:
-
-        @always_comb
-        def find():
-            looked.next = kind[1]
-
-        word.read, cut, complement = True, (), ()  # MyHDL refuses a port that nothing reads.
+    def find():
+        looked.next = concat(kind[1], row)
 
     @always_comb
     def widen():
@@ -114,4 +76,74 @@ def lane_memory(
         else:
             address.next = concat(True, placed)
 
-    return kept, read, look, cut, complement, named, find, widen, choose
+    return (
+        kept,
+        read,
+        look,
+        find,
+        widen,
+        choose,
+        row_of(word, place, row, low=spec.segment_width, bits=spec.segment_bits),
+    )
+
+
+@block
+def row_of(word, place, row, *, low: int, bits: int):
+    """The row of the table with the segment in which a hidden sum lies.
+
+    word, signed 18 bits: The sum.
+    place: Names a block of the table, which is the number above that of the segment, if ``row`` has
+        more than ``bits`` bits.
+    low: Bits of a sum within a segment.
+    """
+    sign, blocks = HIDDEN.width - 1, len(row) - bits
+    part, segment = unsigned(sign - low), unsigned(sign - low)
+
+    @always_comb
+    def cut():
+        part.next = word[sign:low]
+
+    @always_comb
+    def complement():
+        if word[sign]:
+            segment.next = ~part
+        else:
+            segment.next = part
+
+    if not blocks:
+
+        @always_comb
+        def find():
+            row.next = segment[bits:]
+
+        return cut, complement, find
+
+    if not bits:
+
+        @always_comb
+        def rest():
+            row.next = 0
+
+        word.read = True  # MyHDL refuses a port that nothing reads.
+        return rest
+
+    chosen, upper = flag(), blocks + 1
+
+    # The number of a block that has another one behind it is even.
+    @always_comb
+    def pick():
+        chosen.next = place[1] or (place[0] and word[sign])
+
+    if upper > 2:
+
+        @always_comb
+        def find():
+            row.next = concat(place[upper:2], chosen, segment[bits:])
+
+    else:
+
+        @always_comb
+        def find():
+            row.next = concat(chosen, segment[bits:])
+
+    return cut, complement, pick, find

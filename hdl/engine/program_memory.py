@@ -1,4 +1,4 @@
-"""program_memory: holds the words of program and table, and steps through the program."""
+"""program_memory: holds the words of a program, and steps through it."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 
@@ -10,29 +10,15 @@ from hdl.common.signals import flag, unsigned
 
 
 @block
-def program_memory(
-    clk,
-    rst,
-    *,
-    start,
-    run,
-    finish,
-    segment=None,
-    look_up=None,
-    word,
-    table_word=None,
-    spec: ProgramMemory,
-):
-    """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
+def program_memory(clk, rst, *, start, run, finish, word, spec: ProgramMemory):
+    """Words of 36 bits, of which a counter reads one in each clock.
 
-    The table stands before the program, so its address needs no addition. One memory with two read
-    ports: a block RAM of 512 words. Reset puts the counter to the program's first word.
+    Reset puts the counter to the first word.
     """
     begin = spec.begin
     memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
     counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
-    stands, look_up_late = flag(), flag()
-    fetched, found, found_late = (unsigned(WORD_WIDTH) for _ in range(3))
+    stands, fetched = flag(), unsigned(WORD_WIDTH)
 
     @always_comb
     def decide():
@@ -49,43 +35,6 @@ def program_memory(
     def fetch():
         fetched.next = memory[counter]
 
-    if not spec.table and spec.registers:
+    if spec.registers:
         return decide, step, fetch, delay(clk, None, fetched, word, clocks=1)
-
-    if not spec.table:
-        return decide, step, fetch, connect(fetched, word)
-
-    if not spec.registers:
-
-        @always(clk.posedge)
-        def read_table():
-            if look_up:
-                table_word.next = memory[segment]
-            else:
-                table_word.next = 0
-
-        return decide, step, fetch, read_table, connect(fetched, word)
-
-    # A block RAM is faster where its word goes straight into a register, and is cleared only behind
-    # that.
-    @always(clk.posedge)
-    def read_table():
-        found.next = memory[segment]
-
-    @always(clk.posedge)
-    def clear():
-        if look_up_late:
-            table_word.next = found_late
-        else:
-            table_word.next = 0
-
-    return (
-        decide,
-        step,
-        fetch,
-        read_table,
-        clear,
-        delay(clk, None, fetched, word, clocks=1),
-        delay(clk, None, found, found_late, clocks=1),
-        delay(clk, None, look_up, look_up_late, clocks=2),
-    )
+    return decide, step, fetch, connect(fetched, word)

@@ -3,15 +3,13 @@
 from myhdl import Signal, always_comb, block, concat, modbv
 
 from golden.engine.formats import WIDTH
-from golden.engine.lane_image import LaneSizes
+from golden.engine.image import Sizes
 from golden.engine.program import WORD_WIDTH
 from hdl.common.signals import flag, unsigned
 
 
 @block
-def lane_image(
-    *, write, write_addr, word, row, put, lane_put, lane_addr, lane_word, sizes: LaneSizes
-):
+def lane_image(*, write, write_addr, word, row, put, lane_put, lane_addr, lane_word, sizes: Sizes):
     """A word of an image is written to the program, to all lanes or to two of them.
 
     write, write_addr, word, bool, unsigned, unsigned 36 bits: A word of the image, as the loader

@@ -3,7 +3,7 @@
 from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
 from golden.engine.operand_memory import WORD
-from golden.networks.lanes import Lanes
+from golden.networks.engine import Engine
 from golden.numbers.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.signals import Stream, fixed, flag, unsigned
@@ -29,7 +29,7 @@ def lane_loop(
     write_addr,
     source_addr,
     frame_error,
-    design: Lanes,
+    design: Engine,
 ):
     """Keeps the samples of frames, and begins each frame with the next loop of the program.
 
@@ -243,7 +243,7 @@ def samples(
     sums,
     sample,
     frame_error,
-    design: Lanes,
+    design: Engine,
 ):
     """Accepts frames, keeps two of them, and gives the samples of the one that begins in turn.
 

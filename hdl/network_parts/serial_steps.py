@@ -13,7 +13,7 @@ from golden.engine.serial_program import (
     OF_OUTPUT,
     RELU_BEFORE,
 )
-from golden.networks.engine import Engine
+from golden.networks.serial_engine import SerialEngine
 from hdl.common.delay import delay
 from hdl.common.signals import flag, unsigned
 from hdl.engine.plane_select import plane_select
@@ -37,7 +37,7 @@ def serial_steps(
     acc,
     relu=None,
     base=None,
-    design: Engine,
+    design: SerialEngine,
 ):
     """Reads the program once for each bit plane of the operands, and adds up the coefficients.
 

@@ -1,65 +1,89 @@
-"""Engine: one multiplier, or none, and a program that computes a whole scene."""
+"""Engine: multipliers side by side, and a program that computes a whole scene."""
 
 from myhdl import always, always_comb, always_seq, block
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH
+from golden.engine.lane_groups import partners
 from golden.engine.operand_memory import WORD
-from golden.engine.program import (
-    END,
-    FIRST,
-    FIRST_OF_OUTPUT,
-    KIND,
-    OUTPUT,
-    RELU,
-    SOURCE,
-    STORE,
-    TAKE_INTERCEPT,
-    WORD_WIDTH,
-)
+from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
+from golden.numbers.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.signals import Stream, fixed, flag, signed, unsigned
+from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
 from hdl.engine.image_loader import image_loader
-from hdl.engine.multiply_accumulate import multiply_accumulate
+from hdl.engine.lane_accumulate import lane_accumulate
+from hdl.engine.lane_memory import lane_memory
+from hdl.engine.lane_round import lane_round
 from hdl.engine.operand_memory import operand_memory
-from hdl.engine.operand_select import operand_select
 from hdl.engine.program_memory import program_memory
 from hdl.engine.program_ram import program_ram
-from hdl.engine.round_saturate import round_saturate
-from hdl.engine.table_address import table_address
-from hdl.network_parts.serial_steps import serial_steps
+from hdl.network_parts.lane_alone import lane_alone
+from hdl.network_parts.lane_image import lane_image
+from hdl.network_parts.lane_loop import lane_loop
 
 
 @block
 def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=None, spec: Engine):
-    """A frame of sensor samples in, a frame of outputs out, on one multiplier or on none.
+    """A frame of sensor samples in, a frame of outputs out, on one multiplier or several.
 
-    With a multiplier the fields of a step stand in several words of the program, each where the
-    clock of its use finds it; docs/instruction-set.md shows which. Clocks from the last sample to
-    the outputs: ``spec.clocks_text``. Reset clears all flags and counters, and a loaded image.
+    The fields of a step stand in several words of the program, each where the clock of its use
+    finds it; docs/instruction-set.md shows which. Clocks from the last sample to the outputs:
+    ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.
     """
-    table = spec.table_address
-    word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
-    start, run, finish, write, look_up = (flag() for _ in range(5))
-    write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
-    data, read, operand = (fixed(WORD) for _ in range(3))
-    segment = unsigned(table.addr_width)
-    weight, kind = unsigned(WIDTH), unsigned(KIND[1])
-    take_intercept, first, first_of_output, store, leaves, ends = (flag() for _ in range(6))
-    acc = signed(spec.acc_width)
-    if spec.loaded:
-        halt, busy, put = flag(), flag(), flag()
-        put_addr, put_word = unsigned(spec.image_loader.program_addr_width), unsigned(WORD_WIDTH)
-        before_last = unsigned(spec.addr_width)
-    source_low, kind_low = SOURCE[0], KIND[0]
-    source_top, kind_top = source_low + spec.addr_width, sum(KIND)
-    take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
-    store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
+    count = spec.lanes
+    memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
+    place_width = spec.program.field("place")[1] if spec.alone else memories[0].place_width
+    word = unsigned(WIDTH if spec.alone else WORD_WIDTH)
+    start, run, finish, write = (flag() for _ in range(4))
+    fields = spec.program.field
+    write_addr, source = unsigned(spec.addr_width), unsigned(spec.source_width)
+    kind, opens = unsigned(2), unsigned(2)
+    place = unsigned(place_width) if place_width else None
+    store, leaves, ends, together, own = (flag() for _ in range(5))
+    # What the other lanes store with the first one, if there are others.
+    next_word, next_low = fixed(WORD), flag()
+    next_cut = flag() if rounds[0].cut else None
+    next_even = flag() if rounds[0].even else None
     relu = flag() if spec.rectifies else None
-    base = unsigned(table.base_width) if spec.names_blocks else None
-    weight_late = unsigned(WIDTH) if spec.names_blocks and not spec.serial else None
+    read, data = (Words(count, lambda: fixed(WORD)) for _ in range(2))
+    coeff = Words(count, lambda: unsigned(WIDTH))
+    # What is multiplied: with registers behind the memories, it is a clock later than what is read.
+    factor, times, sort, late = read, coeff, kind, ()
+    if spec.program.pipeline.memory_registers:
+        factor, times = (
+            Words(count, make) for make in (lambda: fixed(WORD), lambda: unsigned(WIDTH))
+        )
+        sort = unsigned(2)
+        late = (
+            delay(clk, None, kind, sort, clocks=1),
+            [delay(clk, None, read[j], factor[j], clocks=1) for j in range(count)],
+            [delay(clk, None, coeff[j], times[j], clocks=1) for j in range(count)],
+        )
+    acc = Words(count, lambda: signed(spec.acc_width))
+    high, low = (Words(count, flag) for _ in range(2))
+    first_data = data[0]
+    # What an image writes into the memory of each lane, if one is loaded.
+    lane_put, lane_word, lane_addr = (None,) * count, (None,) * count, None
+    if spec.loaded:
+        sizes, loader = spec.loaded.sizes, spec.image_loader
+        halt, busy, put, put_program = (flag() for _ in range(4))
+        put_addr, put_word = unsigned(loader.program_addr_width), unsigned(WORD_WIDTH)
+        before_last, row = unsigned(spec.addr_width), unsigned(sizes.program_addr_width)
+        lane_put, lane_addr = Words(count, flag), unsigned(memories[0].addr_width)
+        lane_word = Words(count, lambda: unsigned(WIDTH))
+    source_low, kind_low, opens_low = fields("source")[0], fields("kind")[0], fields("opens")[0]
+    source_top, kind_top, opens_top = source_low + spec.source_width, kind_low + 2, opens_low + 2
+    store_bit, together_bit, output_bit, end_bit, relu_bit = (
+        fields(name)[0] for name in ("store", "together", "output", "end", "relu")
+    )
+    assert not fields("place")[0], "a place begins at the lowest bit"
+    # In a loop there are frames for which a word does nothing, and samples come from a memory.
+    shows, sums, source_addr, sample = run, run, source, in_.data
+    if spec.loops:
+        shows, sums, source_addr = flag(), flag(), unsigned(spec.addr_width)
+        sample = fixed(SIGNAL)
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -68,11 +92,52 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
 
     @always_comb
     def show():
-        out.data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        out.data.next = first_data[WIDTH:OUTPUT_SHIFT].signed()
         out.last.next = finish
 
+    @always_comb
+    def split():
+        source.next = word[source_top:source_low]
+        kind.next = word[kind_top:kind_low]
+        opens.next = word[opens_top:opens_low]
+
+    places = field(word, place, low=0) if place_width else ()
+
+    # These registers stand between a block RAM and counters. Words that were on their way when a
+    # reset or the last output stopped the program do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = run and word[store_bit]
+        leaves.next = shows and word[output_bit]
+        ends.next = shows and word[end_bit]
+
+    # Only looked at with a result that is stored.
+    if count > 1:
+
+        @always(clk.posedge)
+        def follow():
+            together.next = word[together_bit]
+
+        @always_comb
+        def belong():
+            own.next = sums and not together
+
+        shared = follow, belong
+    else:
+        shared = ()
+
+    if spec.rectifies:
+
+        @always(clk.posedge)
+        def rectify():
+            relu.next = word[relu_bit]
+
+        rectified = rectify
+    else:
+        rectified = ()
+
     if spec.loaded:
-        frames = (
+        control = (
             image_loader(
                 clk,
                 rst,
@@ -84,7 +149,18 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
                 word=put_word,
                 before_last=before_last,
                 image_error=image.error,
-                spec=spec.image_loader,
+                spec=loader,
+            ),
+            lane_image(
+                write=put,
+                write_addr=put_addr,
+                word=put_word,
+                row=row,
+                put=put_program,
+                lane_put=lane_put,
+                lane_addr=lane_addr,
+                lane_word=lane_word,
+                sizes=sizes,
             ),
             frame_guard(
                 clk,
@@ -102,177 +178,193 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
                 frame_error=frame_error,
                 spec=spec.frame_guard,
             ),
+            program_ram(
+                clk,
+                rst,
+                start=start,
+                run=run,
+                finish=finish,
+                write=put_program,
+                write_addr=row,
+                data=put_word,
+                word=word,
+                spec=spec.program_ram,
+            ),
         )
-    else:
-        frames = frame_check(
+    elif spec.loops:
+        control = lane_loop(
             clk,
             rst,
             in_,
-            store=store,
-            finish=finish,
-            start=start,
-            run=run,
-            write=write,
-            write_addr=write_addr,
-            frame_error=frame_error,
-            spec=spec.frame_check,
-        )
-
-    common = (
-        leave,
-        show,
-        frames,
-        operand_memory(
-            clk,
-            write=write,
-            write_addr=write_addr,
-            data=data,
-            read_addr=source,
-            word=read,
-            spec=spec.operand_memory,
-        ),
-        table_address(clk, read, segment, base=base, spec=table),
-        round_saturate(clk, run, acc, in_.data, data, relu=relu, spec=spec.round_saturate),
-    )
-    if spec.serial:
-        return common, serial_steps(
-            clk,
-            rst,
-            run=run,
-            finish=finish,
-            segment=segment,
-            read=read,
+            word=word,
             source=source,
             store=store,
-            leaves=leaves,
-            ends=ends,
-            acc=acc,
-            relu=relu,
-            base=base,
+            run=run,
+            shows=shows,
+            sums=sums,
+            sample=sample,
+            write=write,
+            write_addr=write_addr,
+            source_addr=source_addr,
+            frame_error=frame_error,
             design=spec,
         )
-
-    if spec.names_blocks:
-        kept, base_top = unsigned(WIDTH), table.base_width
-
-        # A block is named sooner than a weight is multiplied, so weights are stored with the names.
-        @always_comb
-        def name():
-            base.next = word[base_top:]
-
-        @always(clk.posedge)
-        def withhold():
-            if kind == 1 or kind == 2:
-                kept.next = 0
-            else:
-                kept.next = weight
-
-        clocks = spec.program.pipeline.table
-        blocks = name, withhold, delay(clk, None, kept, weight_late, clocks=clocks)
     else:
-        blocks = ()
-
-    if spec.rectifies:
-        intercept, relu_bit = flag(), RELU[0]
-
-        @always_comb
-        def split():
-            weight.next = word[WIDTH:]
-            source.next = word[source_top:source_low]
-            kind.next = word[kind_top:kind_low]
-            first.next = word[first_bit]
-            first_of_output.next = word[first_of_output_bit]
-
-        # A bit of the word is that of ReLU; the kind comes with the operand, which is earlier.
-        @always_comb
-        def recognise():
-            intercept.next = kind == 1
-
-        # Only looked at with a result that is stored.
-        @always(clk.posedge)
-        def rectify():
-            relu.next = word[relu_bit]
-
-        late = spec.program.pipeline.weight - spec.program.pipeline.operand
-        split_all = (
-            split,
-            recognise,
-            rectify,
-            delay(clk, None, intercept, take_intercept, clocks=late),
-        )
-    else:
-
-        @always_comb
-        def split():
-            weight.next = word[WIDTH:]
-            source.next = word[source_top:source_low]
-            kind.next = word[kind_top:kind_low]
-            take_intercept.next = word[take_bit]
-            first.next = word[first_bit]
-            first_of_output.next = word[first_of_output_bit]
-
-        split_all = split
-
-    # This is as late as the segment is.
-    @always(clk.posedge)
-    def ask():
-        look_up.next = kind == 1 or kind == 2
-
-    # These registers stand between a block RAM and counters. Words that were on their way when a
-    # reset or the last output stopped the program do nothing.
-    @always_seq(clk.posedge, reset=rst)
-    def mark():
-        store.next = run and word[store_bit]
-        leaves.next = run and word[output_bit]
-        ends.next = run and word[end_bit]
-
-    if spec.loaded:
-        program = program_ram(
-            clk,
-            rst,
-            start=start,
-            run=run,
-            finish=finish,
-            segment=segment,
-            look_up=look_up,
-            write=put,
-            write_addr=put_addr,
-            data=put_word,
-            word=word,
-            table_word=table_word,
-            spec=spec.program_ram,
-        )
-    else:
-        program = program_memory(
-            clk,
-            rst,
-            start=start,
-            run=run,
-            finish=finish,
-            segment=segment,
-            look_up=look_up,
-            word=word,
-            table_word=table_word,
-            spec=spec.program_memory,
+        if spec.alone:
+            steps = lane_alone(
+                clk,
+                rst,
+                start=start,
+                run=run,
+                finish=finish,
+                word=word,
+                place=place,
+                kind=kind,
+                read=read[0],
+                coeff=coeff[0],
+                design=spec,
+            )
+        else:
+            steps = program_memory(
+                clk, rst, start=start, run=run, finish=finish, word=word, spec=spec.program_memory
+            )
+        control = (
+            steps,
+            frame_check(
+                clk,
+                rst,
+                in_,
+                store=store,
+                finish=finish,
+                start=start,
+                run=run,
+                write=write,
+                write_addr=write_addr,
+                frame_error=frame_error,
+                spec=spec.frame_check,
+            ),
         )
 
     return (
-        common,
-        split_all,
-        blocks,
-        ask,
+        leave,
+        show,
+        split,
+        places,
         mark,
-        program,
-        operand_select(clk, read, kind, operand, spec=spec.operand_select),
-        multiply_accumulate(
+        shared,
+        rectified,
+        late,
+        control,
+        [
+            operand_memory(
+                clk,
+                write=write,
+                write_addr=write_addr,
+                data=data[j],
+                read_addr=source_addr,
+                word=read[j],
+                spec=spec.operand_memory,
+            )
+            for j in range(count)
+        ],
+        [
+            lane_memory(
+                clk,
+                place=place,
+                coeff=coeff[j],
+                word=read[j] if spec.looks_up else None,
+                kind=kind if spec.looks_up else None,
+                write=lane_put[j],
+                write_addr=lane_addr,
+                data=lane_word[j],
+                spec=memories[j],
+            )
+            for j in range(len(memories))
+        ],
+        [
+            accumulate(
+                clk,
+                word,
+                acc,
+                j,
+                low_bit=fields("gather")[0],
+                design=accumulators[j],
+                read=factor[j],
+                kind=sort,
+                coeff=times[j],
+                opens=opens,
+                high=high[j],
+                low=low[j],
+            )
+            for j in range(count)
+        ],
+        lane_round(
             clk,
-            operand=operand,
-            weight=weight if weight_late is None else weight_late,
-            take_intercept=take_intercept,
-            table_word=table_word,
-            first=first,
-            first_of_output=first_of_output,
-            acc=acc,
-            spec=spec.multiply_accumulate,
+            own=sums,
+            acc=acc[0],
+            high=high[0],
+            low=low[0],
+            relu=relu,
+            sample=sample,
+            word=data[0],
+            next_word=next_word,
+            next_low=next_low,
+            next_cut=next_cut,
+            next_even=next_even,
+            spec=rounds[0],
         ),
+        [
+            lane_round(
+                clk,
+                own=own,
+                acc=acc[j],
+                high=high[j],
+                low=low[j],
+                relu=relu,
+                other=next_word,
+                other_low=next_low,
+                other_cut=next_cut,
+                other_even=next_even,
+                word=data[j],
+                spec=rounds[j],
+            )
+            for j in range(1, count)
+        ],
     )
+
+
+@block
+def accumulate(clk, word, acc, lane, *, read, kind, coeff, opens, high, low, low_bit, design):
+    """The sum of a lane, with the sums of the lanes that it adds."""
+    added = partners(lane, len(acc))
+    joined: dict[str, object] = {}
+    fetched = ()
+    if added:
+        gather = unsigned(len(added))
+        others = (acc[other] for other in added.values())
+        joined = {"gather": gather, "other": Words(len(added), lambda: next(others))}
+        fetched = field(word, gather, low=low_bit + min(added))
+    return fetched, lane_accumulate(
+        clk,
+        word=read,
+        kind=kind,
+        coeff=coeff,
+        opens=opens,
+        acc=acc[lane],
+        high=high,
+        low=low,
+        spec=design,
+        **joined,
+    )
+
+
+@block
+def field(word, bits, *, low: int):
+    """``bits`` are those of ``word`` from ``low`` on."""
+    top = low + len(bits)
+
+    @always_comb
+    def cut():
+        bits.next = word[top:low]
+
+    return cut

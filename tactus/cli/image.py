@@ -18,8 +18,9 @@ def main() -> None:
     write_image(image, scene.name, folder)
     sizes, data = image.sizes, image.to_bytes()
     print(
-        f"wrote {folder}, {len(image.words)} of {sizes.words} {sizes.kind}, "
-        f"{image.program.addresses} of {sizes.operand_words} operand words, {len(data)} bytes, "
+        f"wrote {folder}, {len(image.words)} of {sizes.words} words of tables, weights and "
+        f"program, {image.program.addresses} of {sizes.operand_words} operand words, "
+        f"{len(data)} bytes, "
         f"check {data[-2:].hex()}"
     )
 

@@ -7,10 +7,10 @@ import sys
 
 from golden.common.block import walk
 from golden.engine.lane_listing import lane_listing
-from golden.engine.lane_program import LaneProgram
 from golden.engine.listing import listing
 from golden.engine.loop_listing import loop_listing
 from golden.engine.loop_program import LoopProgram
+from golden.engine.serial_program import SerialProgram
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
@@ -46,10 +46,10 @@ def main() -> None:
     stop_if_dry_run(f"print the program of {engine.entity}")
     if isinstance(engine.program, LoopProgram):
         lines = loop_listing(engine.graph, engine.program)
-    elif isinstance(engine.program, LaneProgram):
-        lines = lane_listing(engine.graph, engine.program)
-    else:
+    elif isinstance(engine.program, SerialProgram):
         lines = listing(engine.graph, engine.program)
+    else:
+        lines = lane_listing(engine.graph, engine.program)
     print("\n".join(lines))
 
 

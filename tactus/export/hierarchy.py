@@ -241,13 +241,15 @@ def _name_members(instance: _Block, name: str, value: object) -> None:
 
 def _meanings(instance: _Block) -> dict[str, tuple[str, ...]]:
     """What the words of tables stand for, by the label of the reading process or by the memory."""
-    found: dict[str, tuple[str, ...]] = {
-        name: tuple(value.meanings)
-        for name, value in instance.symdict.items()
-        if isinstance(value, Constants)
-    }
+    found: dict[str, tuple[str, ...]] = {}
+    # MyHDL calls a table by its name in the outermost block that has it.
+    named: set[int] = set()
 
     def visit(parent: _Block, prefix: str) -> None:
+        for name, value in parent.symdict.items():
+            if isinstance(value, Constants) and id(value) not in named:
+                named.add(id(value))
+                found[f"{prefix}{name}"] = tuple(value.meanings)
         for sub in parent.subs:
             if isinstance(sub, _Block) and "spec" not in sub.kwargs:
                 if "meanings" in sub.kwargs:

@@ -145,7 +145,7 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "The most clocks from one frame to the next. In `engine` frames [overlap]"
-            "(blocks/lanes.md#frames-that-overlap) if they must and it has lanes. Any other "
+            "(blocks/engine.md#frames-that-overlap) if they must and it has lanes. Any other "
             "design that takes more is refused, and `auto` chooses another one.",
             "no limit",
         ),
@@ -183,9 +183,9 @@ HARDWARE = KeyTable(
         "program_words": Key(
             Whole(absent=True),
             0,
-            "Only with `reload`. The number of words of the program memory, a power of two. With "
-            "several lanes each half of a lane's memory has as many: 8192 at most, and no fewer "
-            "than the tables take, which for tanh are 512.",
+            "Only with `reload`. The number of words of the program memory, a power of two. Each "
+            "half of a lane's memory has as many: 8192 at most, and no fewer than the tables take, "
+            "which for tanh are 512.",
             "512",
         ),
         "operand_words": Key(
@@ -198,9 +198,9 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "Only with `reload`. The number of blocks for [tables of functions]"
-            "(networks.md#functions-of-your-own) in the program memory, or in that of each of "
-            "several lanes. With any blocks, each image brings the functions of its own network, "
-            "as many as the blocks hold; without them there is the table of tanh alone.",
+            "(networks.md#functions-of-your-own) in the memory of each lane. "
+            "With any blocks, each image brings the functions of its own network, as many as the "
+            "blocks hold; without them there is the table of tanh alone.",
             "what the scene's own functions take",
         ),
         "adders_per_clock": Key(

@@ -198,11 +198,9 @@ class Refused:
 
 
 def kind_of(design: str, options: Mapping[str, object]) -> str:
-    """A design, how many multipliers an engine has, and whether adders have three operands."""
-    if design == "engine" and not options.get("lanes", 1):
-        return "engine serial"
-    if design == "engine" and (options.get("lanes", 1) != 1 or options.get("interval")):
-        return "lanes"
+    """A design, and whether it is an engine without a multiplier, or adds three operands."""
+    if options.get("lanes") == 0:
+        return f"{design} serial"
     return f"{design} ternary" if options.get("adder_operands") == 3 else design
 
 

@@ -67,13 +67,16 @@ def _weights(block: Any, *_: int) -> int:
     return max(1, (1 << int(block.addr_width)) // HALF_WORDS)
 
 
+def _alone(block: Any, *_: int) -> int:
+    return max(1, (2 << block.program.row_bits) // HALF_WORDS) if block.alone else 0
+
+
 _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
     "grad_eqn": lambda _: 1,
     "gradient_parallel": _not_counted,
     "input_node": lambda _: 1,
     "lane_accumulate": lambda _: 1,
     "lut": lambda _: 1,
-    "multiply_accumulate": lambda _: 1,
     "neuron": _neuron,
     "output_integral": _output_integral,
     "pade": _not_counted,
@@ -83,6 +86,7 @@ _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
 _MEMORIES: dict[str, Callable[..., int]] = {
     "bipartite": lambda block, *_: 2 * (block.memory == "block_ram"),
     "bipartite_pair": lambda block, *_: 2 * (block.activation.memory == "block_ram"),
+    "engine": _alone,
     "lane_memory": _weights,
     "operand_memory": lambda block, _words, _each, logic: int(block.addr_width > logic),
     "precise": lambda block, *_: int(block.coefficients == "block_ram"),

@@ -25,7 +25,7 @@ NARROW_WORDS = 2048
 LOGIC_ADDR_WIDTH = 6
 # The cells of these blocks are measured flattened. Entity by entity, Yosys packs the choice of the
 # sum that a lane adds into wide multiplexers, and takes up to twice the LUTs.
-IN_ONE_PIECE = ("lanes",)
+IN_ONE_PIECE = ("engine",)
 # Blocks that differ only in how many nodes they serve have their costs together.
 ALIKE = {"bipartite_pair": "bipartite"}
 # A matrix that adds words up, without a product, has costs of its own: an adder that is not
@@ -68,7 +68,7 @@ def features_of(block: Block) -> Features:
 
 def in_logic(program: ProgramMemory) -> bool:
     """Whether a program is so short, and without a table, that its memory is made of LUTs."""
-    return not program.table and program.addr_width <= LOGIC_ADDR_WIDTH
+    return program.addr_width <= LOGIC_ADDR_WIDTH
 
 
 def columns(words: Iterable[int], width: int, addr_width: int) -> int:
@@ -220,7 +220,7 @@ def _input_controller(block: Any) -> Features:
 
 def _lanes(block: Any) -> Features:
     program, lanes, looked_up = block.program_memory, block.lanes, block.lanes * block.looks_up
-    words = len(program.words) * in_logic(program)
+    words = len(program.words) * (not block.alone and in_logic(program))
     # What chooses between the sums of other lanes.
     choices = sum(max(0, one.partners - 1) for one in block.accumulators)
     # A loop costs LUTs only where lanes have tables.
@@ -253,7 +253,7 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "cascade": lambda block: _both(1, len(block.networks)),
     "comparator_bank": lambda block: _both(1, len(block.thresholds)),
     "constant_matrix": _constant_matrix,
-    "engine": lambda block: _both(1, block.serial, block.rectifies, block.program.names_blocks),
+    "engine": _lanes,
     "frame_check": lambda block: _both(1, block.pipeline.memory_registers, block.addr_width),
     "g_memory": lambda block: _both(1, len(block.words)),
     "grad_eqn": _one,
@@ -263,13 +263,10 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "input_controller": _input_controller,
     "input_integral": _input_integral,
     "input_node": _input_node,
-    "lanes": _lanes,
     "lut": _one,
     "multiple": lambda block: _both(1, len(block.networks)),
-    "multiply_accumulate": lambda block: _both(1, block.acc_width),
     "neuron": _neuron,
     "operand_memory": lambda block: _both(1, block.registers),
-    "operand_select": lambda block: _both(1, block.registers),
     "output_collector": lambda block: _both(1, block.outputs),
     "output_controller": lambda block: _both(1, block.outputs > 1),
     "output_integral": _output_integral,
@@ -281,6 +278,7 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "replay_memory": lambda block: _both(1, block.addr_width),
     "round_saturate": lambda block: _both(1, block.rectifies, block.cut),
     "serial_accumulate": lambda block: _both(1, block.acc_width),
+    "serial_engine": lambda block: _both(1, block.rectifies, block.program.names_blocks),
     "sign_retriever": _one,
     "stream_multiplexer": _one,
     "table_address": lambda block: _both(1, block.beyond, block.addr_width),

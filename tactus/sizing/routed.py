@@ -78,7 +78,7 @@ def placed() -> tuple[Placed, ...]:
 
 def path_of(design: str, options: Mapping[str, object]) -> int:
     """What the longest path of a design depends on: adders in series, or registers at memories."""
-    if design.startswith(("engine", "lanes")):
+    if design.startswith("engine"):
         return int(options.get("pipeline") == "deep")
     count = options.get("adders_per_clock")
     return count if design in GRAPHS and isinstance(count, int) else 0

@@ -151,7 +151,10 @@ def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = ""
 def own_cells(found: dict[str, dict[str, int]], block: Block, cell: str) -> int:
     """How many cells of a kind an entity has without its parts, or as a whole in one piece."""
     if block.block in IN_ONE_PIECE:
-        return found[flat_name(block.entity)][cell]
+        whole = flat_name(block.entity)
+        if whole not in found:
+            raise InputError(f"{block.entity}: got no synthesis in one piece, as inside of others")
+        return found[whole][cell]
     return found[block.entity][cell] - sum(found[part.entity][cell] for part in block.parts())
 
 

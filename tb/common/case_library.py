@@ -348,9 +348,8 @@ SMALL_TABLES = replace(
     spread=1.0,
 )
 # Several functions in one memory. The first case has sums that leave the tables, and tanh among
-# them; the second has registers behind the memories, one function, and few segments; the third has
-# no multiplier, and functions for single nodes; the fourth is recorded; into the last an image is
-# loaded.
+# them; the second has registers behind the memories, one function, and few segments; the third is
+# short; into the last an image is loaded.
 TABLES = {
     "tables-engine": replace(
         ENGINE,
@@ -365,14 +364,6 @@ TABLES = {
         functions=(BELL,),
         hardware='pipeline = "deep"',
         spread=0.5,
-    ),
-    "tables-serial": replace(
-        ENGINE,
-        shapes=[(2, 3, 1)],
-        activations=("table:bell,soft,bell",),
-        functions=(SOFT, BELL),
-        hardware="lanes = 0",
-        spread=1.0,
     ),
     # A short program, and each weight is one step of it.
     "small-tables-engine": SMALL_TABLES,
@@ -398,7 +389,7 @@ LEARNED = {
 }
 # Several hidden layers, each with an activation of its own. The first case has ReLU and tanh in one
 # network; the second has registers behind the memories, and sums that leave the word; the third has
-# no multiplier; the fourth has a range from the data, which other frames leave.
+# a range from the data, which other frames leave.
 LAYERED = {
     "layers-engine": replace(
         ENGINE,
@@ -412,12 +403,6 @@ LAYERED = {
         activations=("relu", "hard_tanh"),
         hardware='pipeline = "deep"',
         spread=2.0,
-    ),
-    "layers-serial": replace(
-        ENGINE,
-        shapes=[(2, 3, 4, 1)],
-        activations=("leaky_relu", "tanh"),
-        hardware="lanes = 0",
     ),
     "ranged-engine": replace(
         ENGINE, shapes=[(12, 3, 3, 2)], activations=("leaky_relu", "relu"), seed=0, spread=1.5
@@ -490,15 +475,15 @@ RELOADED_LANES = {
         "program_words = 256",
     ),
 }
-# For a block inside an engine: the sums reach every segment of the table, or few of a finer one, or
-# there are registers behind the memories.
-ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
 SERIAL = "lanes = 0\n"
+# The same without a multiplier, and one function that needs two blocks of few segments.
 SERIAL_ENGINES = {
-    name.replace("engine", "serial"): replace(case, hardware=f"{case.hardware}\n{SERIAL}")
-    for name, case in ENGINES.items()
-    if "pipeline" not in case.hardware
-}
+    name.replace("engine", "serial"): replace(
+        case, hardware=case.hardware.replace('pipeline = "deep"', "") + f"\n{SERIAL}"
+    )
+    for name, case in (ENGINES | LAYERED | TABLES).items()
+    if name.endswith("engine") and not name.startswith("deep")
+} | {"bell-serial": replace(LANES["bell-lanes"], hardware=SERIAL)}
 # For a block inside an engine without a multiplier.
 SERIAL_PARTS = {"rails-serial": SERIAL_ENGINES["rails-serial"]}
 
@@ -631,7 +616,7 @@ UART_INSTRUMENTS = {
     "past-uart": replace(
         UART,
         shapes=[(4, 3, 4)],
-        design="engine",
+        design="lanes",
         hardware="clock_mhz = 4.0\nlanes = 2",
         window=Window(((0, 1), (0, 2))),
         spread=4.0,

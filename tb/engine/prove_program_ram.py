@@ -6,9 +6,6 @@ large a memory.
 
 from tb.engine.prove_program_memory import counted
 
-# It has no table.
-ALSO = ("rails-lanes-reload",)
-
 
 def properties(twin):
     return [counted(twin, 1 << twin.addr_width)]

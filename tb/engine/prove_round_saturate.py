@@ -5,7 +5,7 @@ from golden.engine.operand_memory import WORD
 from tb.common.properties import Property
 
 # With ReLU, and of quantised networks.
-ALSO = ("layers-engine", "exact-engine", "floor-engine")
+ALSO = ("layers-serial", "exact-serial", "floor-serial")
 
 
 def properties(twin):

@@ -3,7 +3,7 @@
 from tb.common.properties import Property
 
 # With several blocks of the table; the second case has two, of few segments.
-ALSO = ("tables-engine", "deep-tables-engine")
+ALSO = ("tables-serial", "bell-serial")
 
 
 def properties(twin):

@@ -83,5 +83,6 @@ async def coefficients(dut):
     else:
         expected = twin.process(*seen)
     got = recording.unsigned("coeff", rows[before:] + bench.latency)
-    bench.compare("coeff", got, expected, place=seen[0][before:])
+    known = expected >= 0
+    bench.compare("coeff", got[known], expected[known], place=seen[0][before:][known])
     bench.finish(at_least=len(twin.weights))

@@ -15,9 +15,9 @@ import numpy as np
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import ENGINES
+from tb.common.case_library import LESSONS
 
-CASES = {name: ENGINES[name] for name in ("rails-engine", "huge-engine")}
+CASES = LESSONS
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
 PRODUCTS = 8000

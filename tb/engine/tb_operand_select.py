@@ -14,12 +14,10 @@ import numpy as np
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import ENGINE_PARTS
+from tb.common.case_library import LESSONS
 from tb.common.stimulus import all_codes
 
-CASES = ENGINE_PARTS
-# It has registers behind the choice.
-ALSO = ("deep-engine",)
+CASES = LESSONS
 
 
 @cocotb.test()

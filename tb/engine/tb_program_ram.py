@@ -1,13 +1,11 @@
 """program_ram against its twin.
 
-Sweeps: every word of the memory, which is written and then read by the counter; the address of
-every segment that the port can carry, where there is a table.
+Sweeps: every word of the memory, which is written and then read by the counter.
 Drives: random words into every address in random order, and the counter once around the memory;
 then runs of random length with ``finish`` and writes at random clocks; then resets, between which
-the words around the first word of the program are written and read most often. The port of the
-table carries a random segment in every clock, and a word is requested in two of three clocks.
-Checks: both words bit for bit and their clocks, also in clocks of writes, unless a reset comes
-while they are on their way.
+the words around the first word of the program are written and read most often.
+Checks: the word bit for bit and its clock, also in clocks of writes, unless a reset comes while it
+is on its way.
 Does not prove: what is read from a word that has not been written since the last reset; it is
 undefined.
 """
@@ -25,8 +23,6 @@ CASES = RELOADED | RELOADED_LANES
 
 # With resets, so many words on either side of the first word of the program are used.
 NEAR = 16
-# What asks for a word of the table.
-LOOKS = ("segment", "look_up")
 
 
 async def check(bench, run, finish, write, resets):
@@ -37,43 +33,30 @@ async def check(bench, run, finish, write, resets):
     before = np.zeros(words, dtype=np.int64)
     write_addr = rng.integers(0, words, length)
     write_addr[:words] = rng.permutation(words)
-    segment = rng.integers(0, 1 << twin.segment_addr_width, length)
     if resets:
-        write_addr[words:] = twin.begin + rng.integers(-NEAR, NEAR, len(run))
-        write_addr[words:] %= words
-        segment[words:] = twin.begin - rng.integers(1, NEAR + 1, len(run))
+        write_addr[words:] = rng.integers(-NEAR, NEAR, len(run)) % words
     drive = {
         "start": np.concatenate([before, rng.random(len(run)) < 1 / 10]),
         "run": np.concatenate([before, run]),
         "finish": np.concatenate([before, finish]),
-        "segment": segment,
-        "look_up": rng.random(length) < 2 / 3,
         "write": np.concatenate([1 - before, write]),
         "write_addr": write_addr,
         "data": rng.integers(0, 1 << WORD_WIDTH, length),
     }
     if resets:
         drive["rst"] = np.concatenate([before, random_resets(rng, len(run), every=100)])
-    latencies = {"word": twin.latency, "table_word": twin.look_up_latency}
-    unused = {} if twin.segment_addr_width else {name: drive.pop(name) for name in LOOKS}
-    recording = await bench.play(drive, list(latencies)[: 1 if unused else 2])
+    recording = await bench.play(drive, ["word"])
 
     # The counter is at its first word from the last clock of the initial reset on.
-    rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
-    names = ("start", "run", "finish", *LOOKS, "write", "write_addr", "data", "rst")
-    # Without a table nothing is looked up, and the twin finds zeros.
-    read = [
-        np.zeros_like(rows) if name in unused else recording.unsigned(name, rows) for name in names
-    ]
-    flags = dict(zip(names, read, strict=True))
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    names = ("start", "run", "finish", "write", "write_addr", "data", "rst")
+    flags = {name: recording.unsigned(name, rows) for name in names}
     bench.visit("counter", twin.counter(*(flags[n] for n in ("start", "run", "finish", "rst"))))
-    for (name, clocks), expected in zip(latencies.items(), twin.process(*read), strict=True):
-        if name == "table_word" and unused:
-            continue
-        # A word is not valid if a reset comes while it is on its way.
-        known = (expected >= 0) & recording.undisturbed(rows, rows + clocks - 1)
-        got = recording.unsigned(name, rows[known] + clocks)
-        bench.compare(name, got, expected[known], clock=rows[known])
+    expected = twin.process(*flags.values())
+    # A word is not valid if a reset comes while it is on its way.
+    known = (expected >= 0) & recording.undisturbed(rows, rows + bench.latency - 1)
+    got = recording.unsigned("word", rows[known] + bench.latency)
+    bench.compare("word", got, expected[known], clock=rows[known])
 
 
 def random_writes(rng, length, every):
@@ -88,18 +71,18 @@ async def whole_memory(dut):
     length = words + 10
     quiet = np.zeros(length, dtype=np.int64)
     await check(bench, np.ones(length, dtype=np.int64), quiet, quiet, resets=False)
-    bench.finish(at_least=2 * length if bench.twin.segment_addr_width else words)
+    bench.finish(at_least=words)
 
 
 @cocotb.test()
 async def runs_and_writes(dut):
     bench = Bench(dut)
     await check(bench, *random_writes(bench.rng, 3000, every=10), resets=False)
-    bench.finish(at_least=5000 if bench.twin.segment_addr_width else 2500)
+    bench.finish(at_least=2500)
 
 
 @cocotb.test()
 async def resets(dut):
     bench = Bench(dut)
     await check(bench, *random_writes(bench.rng, 9000, every=2), resets=True)
-    bench.finish(at_least=5000 if bench.twin.segment_addr_width else 2500)
+    bench.finish(at_least=2500)

@@ -14,14 +14,13 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import ENGINES, LAYERED
+from tb.common.case_library import SERIAL_ENGINES
 from tb.common.stimulus import sums_to_round
 
-WITH_RELU = ("layers-engine", "exact-engine", "floor-engine")
-CASES = {"rails-engine": ENGINES["rails-engine"]} | {name: LAYERED[name] for name in WITH_RELU}
 # The hardware of these cases has ReLU. The last two also drop bits: one rounds halves to even, and
 # the other rounds down.
-ALSO = WITH_RELU
+ALSO = ("layers-serial", "exact-serial", "floor-serial")
+CASES = {name: SERIAL_ENGINES[name] for name in ("rails-serial", *ALSO)}
 
 
 @cocotb.test()

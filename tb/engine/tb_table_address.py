@@ -13,12 +13,11 @@ import numpy as np
 
 from golden.engine.formats import HIDDEN
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.case_library import ENGINES, TABLES
+from tb.common.case_library import SERIAL_ENGINES
 
-CASES = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
-CASES |= {name: TABLES[name] for name in ("tables-engine", "deep-tables-engine")}
-# Their addresses have the number of a block, of several bits or of one.
-ALSO = ("tables-engine", "deep-tables-engine")
+# The addresses of the last two have the number of a block, of several bits or of one.
+ALSO = ("tables-serial", "bell-serial")
+CASES = {name: SERIAL_ENGINES[name] for name in ("rails-serial", "fine-serial", *ALSO)}
 
 
 @cocotb.test()

@@ -6,23 +6,29 @@ the same for every frame.
 
 from dataclasses import dataclass
 
-from golden.engine.fields import get
-from golden.engine.formats import SAMPLE_SHIFT
-from golden.engine.graph import Kind
-from golden.engine.replay import CLEAR, ONE_PLANE
-from golden.engine.serial_program import BEFORE, LEAVES, NOTHING
-from golden.engine.serial_program import ENDS as ENDS_FRAME
-from golden.engine.tanh_table import ENDS
 from tb.common.properties import Property
 from tb.common.watch import busy_of, frames_computed, table
 
-# These have built-in programs: one layer of tanh, and several layers with ReLU. That of the first
-# case is loaded.
-ALSO = ("rails-engine", "steep-engine")
+# The first case has a layer of tanh on one lane. Then come several layers with ReLU; tanh on three
+# lanes, and ReLU on eight without a table; frames that overlap; and programs that are loaded, into
+# one lane and into several.
+ALSO = (
+    *("steep-engine", "rails-lanes", "relu-lanes", "rails-loop"),
+    *("rails-reload", "rails-lanes-reload"),
+)
+# What a reset clears of the model.
+CLEARED = (
+    *("samples", "pause", "at", "skipping", "told", "loops", "asked", "began", "began_before"),
+    *("due", "closes"),
+)
 
 
 def properties(twin):
-    return loaded(twin) if twin.loaded else built_in(twin)
+    if twin.loops:
+        return [outputs_of_a_loop(twin)]
+    if twin.loaded:
+        return [*loaded(twin), placed(twin)]
+    return built_in(twin, stepped(twin))
 
 
 def loaded(twin):
@@ -51,14 +57,13 @@ def loaded(twin):
     ]
 
 
-def built_in(twin, place="place"):
+def built_in(twin, steps, place="samples"):
     """The properties of an engine with a known program, of which every clock is known too.
 
-    ``place`` is a name that the hardware does not have.
+    ``steps`` says how the program is read, and ``place`` is a name that the hardware does not have.
     """
     program, inputs = twin.program, twin.inputs
     begins = program.pipeline.run
-    steps = replayed_steps(twin) if twin.serial else stepped(twin)
     stores = [program.clock(n) for n in program.store_steps]
     # For each clock after the last sample: the operands that the memory holds by then.
     written = [
@@ -168,8 +173,10 @@ class Steps:
 def stepped(twin):
     """The words are read one after the other."""
     program, late = twin.program, twin.program.pipeline.memory_registers
-    at, memory = program.pipeline, "u_program_memory_0"
-    begin, words = twin.program_memory.begin, len(program.words)
+    at, begin, words = program.pipeline, program.begin * twin.alone, len(program.words)
+    # A single lane has a memory of its own kind, in which every other word is one of the program.
+    here, place = ("lane_alone0_", 2) if twin.alone else ("u_program_memory_0.", 1)
+    own = "lane_alone0_" * twin.alone
     # A word that is not the first one of the program.
     elsewhere = 0 if begin else words - 1
 
@@ -180,19 +187,19 @@ def stepped(twin):
     watch = f"""
         reg [15:0] read_from, fetched_from;
         always @(posedge clk) begin
-            read_from <= {memory}.counter;
-            fetched_from <= {"read_from" if late else f"{memory}.counter"};
+            read_from <= {here}counter;
+            fetched_from <= {"read_from" if late else f"{here}counter"};
         end
     """
     helps = [
-        f"{memory}.counter == {behind(at.run - 1)}",
+        f"{here}counter == {behind(at.run - 1)}",
         f"since < {at.run} || fetched_from == {behind(at.begin)}",
-        f"since < {at.run} || word == {memory}.memory[fetched_from]",
+        f"since < {at.run} || word == {here}memory[{place} * fetched_from]",
     ]
     if late:
         helps += [
             f"since == 0 || read_from == {behind(at.run)}",
-            f"since == 0 || {memory}.fetched == {memory}.memory[read_from]",
+            f"since == 0 || {here}fetched == {here}memory[{place} * read_from]",
         ]
     return Steps(
         f"While a frame is computed, each step comes from one of the {words} words "
@@ -201,75 +208,129 @@ def stepped(twin):
         watch,
         tuple(helps),
         f"since < {at.begin} || since >= {at.begin + program.length}",
-        ((rf"(if \(stands\) begin\s+counter <=) {begin}", rf"\1 {elsewhere}"),),
+        ((rf"(if \({own}stands\) begin\s+{own}counter <=) {begin}", rf"\1 {elsewhere}"),),
     )
 
 
-def replayed_steps(twin):
-    """The words are read pass by pass, and each pass of a plane knows its clocks."""
-    program, memory = twin.program, twin.replay_memory
-    begin, words, busy = memory.begin, len(program.words), twin.busy
-    # Addresses are counted modulo the words of the memory.
-    width = memory.addr_width
-    one, span = f"{width}'d1", 1 << width
-    # In the first clock nothing is computed yet.
-    nothing = [0] * (busy + 1)
-    places, planes, _ = memory.places([0] + [1] * busy, nothing, nothing)
-    steps = program.instructions
-    starts = [n for n, step in enumerate(steps) if step.first] + [words - 1]
-    # For each word: the first word of its neuron, and of the next one.
-    own = [begin + max(start for start in starts if start <= n) for n in range(words)]
-    other = [(begin + min([s for s in starts if s > n] or [words])) % span for n in range(words)]
-    told = {
-        clock: get(memory.contents[place], BEFORE)
-        for clock, (place, plane) in enumerate(zip(places, planes, strict=True))
-        if clock and plane == CLEAR and get(memory.contents[place], BEFORE) != NOTHING
-    }
-    here, unit = "u_replay_memory_0", "serial_steps0"
+def outputs_of_a_loop(twin):
+    """Which outputs leave when, for frames that overlap."""
+    program, inputs, busy = twin.program, twin.inputs, twin.busy
+    length, stages, loop = program.loop.length, program.stages, program.loop
+    late = program.pipeline.memory_registers
+    times = [loop.ends[n] + program.pipeline.mark for n in loop.leaving]
+    marked = [f"(live[{time // length}] && fetched == {time % length})" for time in times]
     watch = f"""
-        reg [{width - 1}:0] fetched_from;
-        always @(posedge clk) fetched_from <= {here}.address;
-        wire [15:0] word_of_program = fetched_from - {begin};
-        wire [{width - 1}:0] own = own_start(word_of_program), other = next_start(word_of_program);
-        wire [4:0] number = plane_at(since);
-        wire [1:0] kind = {unit}_kind;
-        function [1:0] told_at(input [15:0] n);
-            case (n)
-                {" ".join(f"{clock}: told_at = {value};" for clock, value in told.items())}
-                default: told_at = {NOTHING};
-            endcase
-        endfunction
+        reg [15:0] samples = 0, pause = 0, at = 0, earlier = 0, fetched = 0;
+        reg skipping = 0, told = 0, loops = 0, asked = 0;
+        reg [{stages - 1}:0] began = 0, began_before = 0;
+        reg [1:0] due = 0, closes = 0;
+        wire taken = in_valid && pause == 0 && !skipping;
+        wire is_good = taken && samples == {inputs - 1} && in_last;
+        wire is_wrong = in_valid && !skipping
+            && (pause != 0 || in_last != (samples == {inputs - 1}));
+        wire over = loops && at == 0;
+        wire turning = over || (is_good && !loops);
+        wire another = is_good || asked || began[{stages - 2}:0] != 0;
+        wire [{stages - 1}:0] live = {"began_before" if late else "began"};
+        always @(posedge clk) begin
+            if (taken) samples <= is_good || is_wrong ? 0 : samples + 1;
+            if (in_valid) skipping <= !in_last && (skipping || is_wrong);
+            pause <= is_good ? {busy} : pause == 0 ? 0 : pause - 1;
+            told <= is_wrong;
+            loops <= over ? another : loops || is_good;
+            at <= turning ? (!over || another) : loops && at != {length - 1} ? at + 1 : 0;
+            asked <= !turning && (asked || is_good);
+            if (turning) began <= {{began[{stages - 2}:0], is_good || asked}};
+            began_before <= began;
+            due <= {{due[0], {" || ".join(marked)}}};
+            closes <= {{closes[0], {marked[-1]}}};
+            if (rst) begin
+                {" ".join(f"{name} <= 0;" for name in CLEARED)}
+            end
+        end
+        // The word that is there was read from this place of the memory.
+        always @(posedge clk) begin
+            earlier <= u_program_memory_0.counter;
+            fetched <= {"earlier" if late else "u_program_memory_0.counter"};
+        end
     """
-    watch += table("place_at", places, width) + table("plane_at", planes, 5)
-    watch += table("own_start", own, width) + table("next_start", other, width)
-    return Steps(
-        f"While a frame is computed, each step comes from one of the {words} words of the "
-        "program, in the order of the passes. After the last word there is no step.",
-        begin,
-        watch,
-        (
-            "since == 0 || fetched_from == place_at(since)",
-            f"since == 0 || {unit}_word == {here}.memory[fetched_from]",
-            f"since == 0 || {here}.counter == fetched_from + {one}",
-            f"since != 0 || ({here}.place == {1 << CLEAR} && {here}.sort == 3)",
-            f"since != 0 || {here}.base == {begin}",
-            f"{here}.second == {here}.base + {one}",
-            f"since == 0 || {here}.place == 1 << number",
-            f"since == 0 || {here}.sort == (number == {CLEAR} ? 3 : number == {ONE_PLANE} ? 1 "
-            f": number < {SAMPLE_SHIFT} ? 2 : 0)",
-            f"since == 0 || {here}.base == (number == 0 ? other : own)",
-            f"since == 0 || number >= {ONE_PLANE} "
-            f"|| ({here}.following == other && {here}.beside == other + {one})",
-            f"{unit}_waits == (since == 0 ? 0 : told_at(since - 1))",
-            f"{unit}_late == (since < 2 ? 0 : told_at(since - 2))",
-            f"{unit}_later == (since < 3 ? 0 : told_at(since - 3))",
-            f"store == (since > 3 && told_at(since - 4) != {NOTHING})",
-            f"leaves == (since > 3 && told_at(since - 4) >= {LEAVES})",
-            f"ends == (since > 3 && told_at(since - 4) == {ENDS_FRAME})",
+    return Property(
+        name="outputs of frames that overlap",
+        sentence="Each good frame, and nothing else, yields outputs in the clocks "
+        f"{', '.join(map(str, twin.output_clocks))} after the clock in which a loop begins with "
+        "it, the last one with out_last. That is the clock of its last sample where no loop runs, "
+        f"and otherwise the next one that is a multiple of {length} clocks after the loop before. "
+        "frame_error is high for one clock for each wrong frame, which yields no output.",
+        states=(
+            "out_valid == due[1]",
+            "!out_valid || out_last == closes[1]",
+            "frame_error == told",
         ),
-        # An operand counts from the first plane on in which one of its bits can be set.
-        f"(kind == {Kind.WORD} ? number == {CLEAR} || {unit}_weight == 0 "
-        f": kind == {Kind.DISTANCE} ? number >= {max(ENDS)} "
-        f": kind == {Kind.ONE} || number > {ONE_PLANE})",
-        ((r"(if \(stands\) begin\s+base <=) \d+", r"\1 0"),),
+        watch=watch,
+        helps=(
+            "leaves == due[0] && ends == closes[0] && out_last == closes[1]",
+            "lane_loop0_runs == loops && lane_loop0_waits == asked && lane_loop0_frames == began",
+            "lane_loop0_frames_late == live",
+            "u_program_memory_0.counter == at",
+            f"at < {length} && (loops || at == 0)",
+            "lane_loop0_last == (loops && at == 0)",
+            f"lane_loop0_wraps == (loops && at == {length - 1})",
+            "loops || began == 0",
+            "!loops || word == u_program_memory_0.memory[fetched]",
+            f"!loops || at <= {late + 1} || fetched == at - {late + 1}",
+            f"!loops || at != 0 || fetched == {length - 1 - late}",
+            f"!loops || at != {late + 1} || fetched == 0",
+            "lane_loop0_samples0_remaining == pause",
+            "u_frame_check_0.running == (pause != 0) && u_frame_check_0.dropping == skipping",
+            f"pause <= {busy} && samples < {inputs} && (pause == 0 || samples == 0)",
+            f"pause != 0 || u_frame_check_0.addr == (samples == 0 "
+            f"? {(1 << twin.frame_check.addr_width) - 1} : samples - 1)",
+        ),
+        reached=("loops && at == 2",),
+        refuted_by=(
+            (r"out_valid <= leaves", "out_valid <= (leaves || lane_loop0_good)"),
+            (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
+        ),
+        clocks=inputs + 9,
+        induction=3,
+    )
+
+
+def placed(twin):
+    """Where the words of an image go."""
+    sizes, lanes = twin.loaded.sizes, range(twin.lanes)
+    table, columns = sizes.table_words, sizes.columns
+    own = [f"behind && column == {1 + lane // 2}" for lane in lanes]
+    high = [f"put_word[{18 * (lane % 2) + 17}:{18 * (lane % 2)}]" for lane in lanes]
+    return Property(
+        name="words where they belong",
+        sentence=f"The first {table} words of an image are written to the tables of every lane. "
+        f"Behind them are rows of {columns} words: the first is that of the program, and in each "
+        "further one there are the weights of two lanes, at the place of the row.",
+        states=(
+            "put_program == (put && behind && column == 0)",
+            *(f"lane_put_{n} == (put && (!behind || ({own[n]})))" for n in lanes),
+            f"!behind || (row == number && lane_addr == {sizes.program_words} + number)",
+            "behind || lane_addr == put_addr",
+            *(f"lane_word_{n} == {high[n]}" for n in lanes),
+        ),
+        watch=f"""
+            wire [31:0] address = put_addr;
+            wire behind = address >= {table};
+            wire [31:0] number = (address - {table}) / {columns};
+            wire [31:0] column = (address - {table}) % {columns};
+        """,
+        assumes={
+            "No address is beyond those that an image may have, which image_loader proves.": (
+                f"put_addr < {sizes.words}"
+            )
+        },
+        free=("put", "put_addr", "put_word"),
+        reached=("put_program && row == 3", "put && !behind"),
+        refuted_by=(
+            (r"put_addr\[\d+-1:\d+\] - 1\)", "put_addr[10:9])"),
+            (r"lane_put_0 = .*;", "lane_put_0 = put;"),
+            *[(r"lane_word_1 = .*;", "lane_word_1 = put_word[17:0];")] * (twin.lanes > 1),
+        ),
+        clocks=2,
     )

@@ -1,4 +1,4 @@
-"""engine, a whole scene on one multiplier or on none, against its twin.
+"""engine, a whole scene on one multiplier or several, against its twin.
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
 at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
@@ -11,9 +11,10 @@ Drives: frames as close as the design takes them, with random gaps, closer than 
 resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
 If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
 and resets while an image is loaded.
+In a loop frames overlap; with gaps most of them wait for the loop to begin anew.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
-comes in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the loaded
-words. The bench also measures the clocks of a frame.
+comes in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the words of the
+program and of the lanes, or those that are loaded. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
@@ -26,7 +27,16 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import layers_of
 from tb.common.bench import Bench, test_of
-from tb.common.case_library import ENGINES, LAYERED, LEARNED, RELOADED, SERIAL_ENGINES, TABLES
+from tb.common.case_library import (
+    ENGINES,
+    LANES,
+    LAYERED,
+    LEARNED,
+    OVERLAPPED,
+    RELOADED,
+    RELOADED_LANES,
+    TABLES,
+)
 from tb.common.cases import random_mlp
 from tb.common.framing import random_lengths
 from tb.common.images import fitting_checks, images_with_room
@@ -42,13 +52,11 @@ from tb.common.network import (
 )
 from tb.common.stimulus import random_resets, spread
 
-# Without a multiplier the block of the sum is another one. All other blocks are the same.
-SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
-CASES = RELOADED | ENGINES | LAYERED | TABLES | LEARNED | SERIAL
-# Their program is part of the hardware. The first has a layer of ReLU and one of tanh, and steps of
-# the second name the tables of two functions. What quantised networks add is in round_saturate
-# alone, which has records of these.
-ALSO = ("steep-engine", "small-tables-engine")
+CASES = ENGINES | LANES | OVERLAPPED | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
+# The first case and this one have one lane, with one memory for all; here is a layer of ReLU and
+# one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
+# add is in lane_round alone, which has records of these.
+ALSO = ("steep-engine", "rails-lanes", "relu-lanes")
 # How many intervals of frames are left behind the last image at least.
 BEHIND = 20
 # The runner gives these to the bench. They have other arrangements, and another number of samples.

@@ -8,6 +8,7 @@ from golden.activation.rom import Rom
 from golden.common.block import Block, walk
 from golden.engine.program_ram import ProgramRam
 from golden.engine.program_words import ProgramWords
+from golden.networks.engine import Engine
 from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, scene_names
@@ -26,6 +27,8 @@ def words(block: Block) -> int:
 def _words(part: Block) -> int:
     if isinstance(part, ProgramWords):
         return len(part.table) + len(part.words)
+    if isinstance(part, Engine) and part.alone:
+        return part.program.rows + len(part.program.words)
     if isinstance(part, ProgramRam):
         return 1 << part.addr_width
     if isinstance(part, Rom | Lut):

@@ -9,6 +9,7 @@ from functools import cache, partial
 
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
+from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.pipeline import Pipeline
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
@@ -82,9 +83,9 @@ def segments() -> str:
 def pipeline() -> str:
     """Every clock of an engine's pipeline, and what happens in it."""
     lines = ["| name | clocks | with registers | what is there |", "|---|---|---|---|"]
-    forms = [Pipeline(), Pipeline(memory_registers=1)]
-    for name, value in vars(Pipeline).items():
-        if isinstance(value, property):
+    forms = [LanePipeline(), LanePipeline(memory_registers=1)]
+    for name, value in (vars(LanePipeline) | vars(Pipeline) | vars(LanePipeline)).items():
+        if isinstance(value, property) and name != "table":
             clocks = " | ".join(str(getattr(form, name)) for form in forms)
             lines.append(f"| `{name}` | {clocks} | {' '.join((value.__doc__ or '').split())} |")
     return "\n".join(lines)

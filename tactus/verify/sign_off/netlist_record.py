@@ -48,8 +48,8 @@ SCENES = (
 )
 # A regular expression for the tests that are played on a block; on all other blocks, all are.
 PLAYED = {
-    "engine": "(recorded|images_one_after_the_other)",
-    "lanes": "(recorded)",
+    "engine": "(recorded)",
+    "serial_engine": "(recorded)",
     "uart_instrument": "(recorded)",
 }
 Tell = Callable[[Outcome, Callable[[str], None]], None]
