@@ -312,8 +312,9 @@ endmodule
 @pytest.mark.all_only
 @pytest.mark.parametrize(
     ("width", "address", "cell"),
-    [(6, 4, 'MODE("DPRAM")'), (9, 11, "DATA_WIDTH_B(32'd9)"), (18, 10, "DATA_WIDTH_B(32'd18)")],
-    ids=["LUTs", "9", "18"],
+    [(6, 4, 'MODE("DPRAM")')]
+    + [(n, 15 - n.bit_length(), f"DATA_WIDTH_B(32'd{n})") for n in (9, 18, 36)],
+    ids=["LUTs", "9", "18", "36"],
 )
 def test_a_memory_of_an_ecp5_is_written_and_read_as_its_verilog(
     tmp_path: Path, width: int, address: int, cell: str

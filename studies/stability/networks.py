@@ -19,7 +19,6 @@ from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.exact import exact_sum
-from golden.networks.lanes import Lanes
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
@@ -183,7 +182,7 @@ def _designs() -> Iterator[tuple[str, Precision, Callable[[Mlp], Design]]]:
             yield name, precision, partial(_built, design, settings)
             if design is Engine:
                 several = replace(settings, options={"lanes": 4})
-                yield Lanes.block, precision, partial(_built, design, several)
+                yield "lanes", precision, partial(_built, design, several)
 
 
 def _built(design: type[Design], settings: Settings, mlp: Mlp) -> Design:

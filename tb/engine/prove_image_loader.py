@@ -111,9 +111,9 @@ def properties(twin):
             assumes=same,
             reached=("write",),
             refuted_by=(
-                (r"addr <= gathered\[9-1:0\]", "addr <= gathered[10-1:1]"),
+                (rf"addr <= gathered\[{addr}-1:0\]", f"addr <= gathered[{addr + 1}-1:1]"),
                 (r"full && headed && \(!ended\)", "full && (!ended)"),
-                (rf"fits = \(named < {twin.words}\)", "fits = (named[17:10] == 0)"),
+                (rf"named < {twin.words}", f"named[17:{twin.words.bit_length()}] == 0"),
                 (r"load_valid && \(!busy\)", "load_valid"),
                 (r"held <= gathered\[28-1:0\]", "held <= {gathered[27:1], 1'b0}"),
             ),

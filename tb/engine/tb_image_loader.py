@@ -3,8 +3,8 @@
 Sweeps: images of random words: of one word, of a few, and of as many as the memory holds. Some
 images are cut, at each of their last bytes or at random; some have further bytes, one changed bit,
 or are for other hardware. Some are wrong although their check matches: the header names more words
-than the memory has, a word is missing, or there is a word too many. In some the first byte of the
-check is wrong and the last byte fits it.
+than the memory has, with words behind it or none, a word is missing, or there is a word too many.
+In some the first byte of the check is wrong and the last byte fits it.
 Drives: good and wrong images in random order, their bytes with and without gaps, and ``busy`` at
 random clocks, so that a byte stays on the ports until it is taken; then the same with resets at
 random clocks.
@@ -46,8 +46,8 @@ def matching(bench, words):
     # by a power of two. The low bits of the larger counts are those of the words that come.
     found = [naming(sizes, image, count) for count in (most + 1, most + words)]
     found += [naming(sizes, image, words + (1 << bit)) for bit in range(LAST_ADDR[1])]
-    # A good image follows a header that does not fit, so it is in the wrong place.
-    found.append(with_check(sizes, found[0][:WORD_BYTES] + sent))
+    # Behind a header that does not fit comes the check at once, or a good image in the wrong place.
+    found += [with_check(sizes, found[0][:WORD_BYTES] + more) for more in (b"", sent)]
     return found + fitting_checks(sizes, image, words)
 
 

@@ -82,7 +82,10 @@ def _bits(name: str, width: int) -> str:
 
 
 def _ecp5_memory() -> str:
-    """A DP16KD with 1024 words of 18 bits, or with 2048 words of 9, two in the place of one."""
+    """A DP16KD with 1024 words of 18 bits, or with 2048 words of 9, two in the place of one.
+
+    With 512 words of 36 bits it only writes at port A and only reads at port B.
+    """
     heads, body = [], []
     for one, other in ("AB", "BA"):
         heads += [_ports("input", f"DI{one}", 18), _ports("input", f"AD{one}", 14)]
@@ -103,12 +106,13 @@ def _ecp5_memory() -> str:
     else if (WE{other} === 1'b1 && addr{other}[13:4] == addr{one}[13:4]
         && (WIDE || addr{other}[3] == addr{one}[3])) word{one} <= 18'bx;
     else word{one} <= next{one};
-    if (WE{one} && low{one}) memory[addr{one}[13:4]][8:0] <= data{one}[8:0];
-    if (WE{one} && high{one})
+    if (!PAIR && WE{one} && low{one}) memory[addr{one}[13:4]][8:0] <= data{one}[8:0];
+    if (!PAIR && WE{one} && high{one})
       memory[addr{one}[13:4]][17:9] <= WIDE ? data{one}[17:9] : data{one}[8:0];
   end
   always @(posedge CLK{one}) if (OCE{one}) kept{one} <= RST{one} === 1'b1 ? 18'd0 : word{one};
-  assign {_bits(f"DO{one}", 18)} = (REGMODE_{one} == "OUTREG") ? kept{one} : word{one};"""
+  assign {_bits(f"DO{one}", 18)} = PAIR ? pair{one}
+    : (REGMODE_{one} == "OUTREG") ? kept{one} : word{one};"""
         )
     texts = [f'{name}_{side} = ""' for side in "AB" for name in ("CSDECODE", "WRITEMODE", "CLKMUX")]
     texts = [text.replace("CLKMUX_A", "CLKAMUX").replace("CLKMUX_B", "CLKBMUX") for text in texts]
@@ -122,12 +126,26 @@ def _ecp5_memory() -> str:
     return (
         f"module DP16KD({', '.join(heads)});\n"
         + "".join(f"  parameter {text};\n" for text in texts)
-        + "  localparam WIDE = DATA_WIDTH_A == 18;\n"
-        + "  reg [17:0] memory [0:1023];\n  integer i;\n"
+        + "  localparam WIDE = DATA_WIDTH_A == 18, PAIR = DATA_WIDTH_A == 36;\n"
+        + "  reg [17:0] memory [0:1023], pairA, pairB;\n  integer i;\n"
         + f"  initial begin\n{fill}\n"
-        + "    if (DATA_WIDTH_A != DATA_WIDTH_B || DATA_WIDTH_A != 9 && DATA_WIDTH_A != 18)\n"
+        + "    if (DATA_WIDTH_A != DATA_WIDTH_B || DATA_WIDTH_A != 9 && !WIDE && !PAIR\n"
+        + '        || PAIR && (REGMODE_A == "OUTREG" || REGMODE_B == "OUTREG"))\n'
         + f"      {REFUSE};\n  end"
         + "".join(body)
+        + f"""
+  always @(posedge CLKA) if (PAIR && CEA && WEA) begin
+    if (addrA[3:0] == 4'd15) begin
+      memory[{{addrA[13:5], 1'b0}}] <= dataA;
+      memory[{{addrA[13:5], 1'b1}}] <= dataB;
+    end else if (addrA[3:0] != 4'd0) {REFUSE};
+  end
+  always @(posedge CLKB) if (PAIR && CEB) begin
+    pairA <= memory[{{addrB[13:5], 1'b0}}];
+    pairB <= memory[{{addrB[13:5], 1'b1}}];
+    if (RSTB !== 1'b0 || WEB !== 1'b0) {REFUSE};
+    if (CEA && WEA && addrA[3:0] != 4'd0 && addrA[13:5] == addrB[13:5]) {{pairB, pairA}} <= 36'bx;
+  end"""
         + "\nendmodule\n"
     )
 
@@ -249,7 +267,10 @@ def _virtex(width: int, sides: str) -> str:
 
 
 def _series_7_memories() -> str:
-    """The block RAMs of Series 7, which have 18 or 36 Kbit; their ports have the same width."""
+    """The block RAMs of Series 7, which have 18 or 36 Kbit.
+
+    Their ports have the same width, or one reads and the other writes words of twice that width.
+    """
     return _series_7("RAMB18E1", 64, 14, 2, 4) + _series_7("RAMB36E1", 128, 16, 4, 8)
 
 
@@ -271,15 +292,17 @@ def _series_7(name: str, rows: int, address: int, lanes: int, write_lanes: int) 
   localparam A = READ_WIDTH_A > WRITE_WIDTH_A ? READ_WIDTH_A : WRITE_WIDTH_A;
   localparam B = READ_WIDTH_B > WRITE_WIDTH_B ? READ_WIDTH_B : WRITE_WIDTH_B;
   localparam W = A > B ? A : B, D = W / 9 * 8, P = W / 9;
-  localparam MODE_A = WRITE_MODE_A, MODE_B = WRITE_MODE_B;
+  localparam MODE_A = WRITE_MODE_A, MODE_B = WRITE_MODE_B, SDP = RAM_MODE == "SDP";
 """
     text += f"""  localparam WORDS = {rows * 256} / D, LOW = $clog2(D);
   reg [W-1:0] memory [0:WORDS-1];
   integer i;
   initial begin
     for (i = 0; i < WORDS; i = i + 1) memory[i] = {{PARITY[P * i +: P], DATA[D * i +: D]}};
-    if (RAM_MODE != "TDP" || DOA_REG || DOB_REG || IS_CLKARDCLK_INVERTED || IS_CLKBWRCLK_INVERTED
-        || W % 9 || W > {most} || (A && A != W) || (B && B != W)
+    if (RAM_MODE != "TDP" && !SDP || DOA_REG || DOB_REG
+        || IS_CLKARDCLK_INVERTED || IS_CLKBWRCLK_INVERTED
+        || (SDP ? READ_WIDTH_A != {2 * most} || READ_WIDTH_B || WRITE_WIDTH_A : W > {most})
+        || W % 9 || (A && A != W) || (B && B != W)
         || (WRITE_WIDTH_A && WRITE_WIDTH_A != W) || (WRITE_WIDTH_B && WRITE_WIDTH_B != W)
         || (READ_WIDTH_A && READ_WIDTH_A != W) || (READ_WIDTH_B && READ_WIDTH_B != W))
       {REFUSE};
@@ -288,9 +311,12 @@ def _series_7(name: str, rows: int, address: int, lanes: int, write_lanes: int) 
   wire writeA = ENARDEN & WEA[0], writeB = ENBWREN & WEBWE[0];
   wire [{address - 1}:0] addrA = ADDRARDADDR[{14 if lanes == 2 else 15}-1:0] >> LOW;
   wire [{address - 1}:0] addrB = ADDRBWRADDR[{14 if lanes == 2 else 15}-1:0] >> LOW;
-  wire [W-1:0] inA = {{DIPADIP[P-1:0], DIADI[D-1:0]}}, inB = {{DIPBDIP[P-1:0], DIBDI[D-1:0]}};
+  wire [{16 * lanes - 1}:0] bitsA = DIADI, bitsB = SDP ? {{DIBDI, DIADI}} : DIBDI;
+  wire [{2 * lanes - 1}:0] moreA = DIPADIP, moreB = SDP ? {{DIPBDIP, DIPADIP}} : DIPBDIP;
+  wire [W-1:0] inA = {{moreA[P-1:0], bitsA[D-1:0]}}, inB = {{moreB[P-1:0], bitsB[D-1:0]}};
   reg [W-1:0] outA = INIT_A, outB = INIT_B;
-  assign DOADO = outA[D-1:0], DOPADOP = outA[W-1:D], DOBDO = outB[D-1:0], DOPBDOP = outB[W-1:D];
+  assign DOADO = outA[D-1:0], DOBDO = SDP ? outA[D-1:0] >> {8 * lanes} : outB[D-1:0];
+  assign DOPADOP = outA[W-1:D], DOPBDOP = SDP ? outA[W-1:D] >> {lanes} : outB[W-1:D];
   always @(posedge clkA) if (writeA && WEA !== {{{lanes}{{1'b1}}}}) {REFUSE};
 """
     text += _port("A", "B", "ENARDEN", "RSTRAMARSTRAM") + _port("B", "A", "ENBWREN", "RSTRAMB")
