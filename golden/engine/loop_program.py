@@ -10,7 +10,7 @@ from golden.engine.fields import get, put
 from golden.engine.finish import word_of
 from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.function_table import codes_of
-from golden.engine.graph import Graph, Kind, Term
+from golden.engine.graph import LOOKED_UP, Graph, Kind, Term
 from golden.engine.lane_groups import reduction_steps
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import (
@@ -202,7 +202,8 @@ class LoopProgram(LaneProgram):
                 pairs = dict(reduction_steps(self.lanes)[step.gather.bit_length() - 1])
                 added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
             else:
-                weights = self.weights[step.place]
+                looks = step.kind in LOOKED_UP
+                weights = (0,) * self.lanes if looks else self.weights[step.place]
                 there = step.source, t // length - self._at(t, "turn")
                 reads = step.kind != Kind.ONE and (step.kind != Kind.WORD or any(weights))
                 read = [[memory[there]] if reads else [zero] for memory in memories]

@@ -57,7 +57,7 @@ def no_half_image(twin, engine):
 
 def room(twin, engine):
     depth, apart = twin.image_receiver.depth, twin.uart_receiver.interval
-    longest = 1 << twin.core.image_loader.program_addr_width
+    longest = 1 << twin.core.loaded.sizes.program_addr_width
     # With registers behind the memories the program starts one clock after its frame is taken.
     begins = "start" if twin.core.frame_guard.pipeline.run == 1 else "u_frame_guard_0.good"
     return Property(
