@@ -28,7 +28,7 @@ NETWORKS = tiered(["digit"], ["thesis", "digit-fast", "digit-board"])
 # Other tests need these cases, which drive the same as others in other sizes. No bench runs them.
 LEFT = (
     *("slow-axis-cascade", "axis-multiple", "axis-engine", "few-past", "drawn-past"),
-    *("winner-past", "winner-loop", "wide-uart", "winner-converter"),
+    *("winner-past", "wide-uart", "winner-converter"),
     *("least-graph", "layers-reload", "exact-reload"),
 )
 

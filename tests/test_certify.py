@@ -368,9 +368,9 @@ ONE = "least-lanes"
 NAMES = (
     # Engines: with a program of their own, or one that is loaded.
     *("least-engine", "exact-engine", "tables-engine", "learned-chain", "winner-past"),
-    *("layers-serial", "tables-serial", "deep-reload", "lesson"),
+    *("deep-reload", "lesson"),
     # Engines of several multipliers.
-    *("deep-loop", "chain-lanes", "three-lanes", "layers-lanes", "tables-lanes", "winner-loop"),
+    *("deep-lanes", "chain-lanes", "three-lanes", "layers-lanes", "tables-lanes"),
     # As the reference folds networks, and everything at once.
     *("wide-thesis", "gradient_parallel-thesis", "lut-thesis", "pade-thesis", "polynomial-exact"),
     *("block-ram", "three", "slow-cascade", "few-past"),
@@ -393,8 +393,7 @@ ROWS = {name: CASES[name] for name in NAMES} | {
         hardware="lanes = 2\nreload = true\noperand_words = 256\nsegment_width = 12"
         '\npipeline = "deep"\ntable_blocks = 4\nprogram_words = 4096',
     ),
-    "serial-axis": replace(CASES["axis-past"], hardware="lanes = 0"),
-    "loop-axis": replace(CASES["axis-past"], hardware="lanes = 2\ninterval = 30"),
+    "lanes-axis": replace(CASES["axis-past"], hardware="lanes = 2"),
     "lanes-drawn": replace(
         CASES["drawn-past"],
         hardware="lanes = 2",

@@ -12,7 +12,6 @@ import pytest
 
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import record_path
-from tactus.boards.variants import variants_path
 from tactus.cli.commands import WIDTH
 from tactus.core.commands import CLOSING, COMMANDS
 from tactus.core.table import read_texts
@@ -181,8 +180,7 @@ def test_no_stray_files_beside_the_scenes() -> None:
         expected.add(FOLDER / f"{kind}.csv")
         assert set(read_texts(FOLDER / f"{kind}.csv", "scene")) == named
     for scene, name in product(scenes(), board_names()):
-        board = load_board(name)
-        found = (record_path(scene, board), variants_path(scene, board))
-        expected |= {path for path in found if path.exists()}
+        path = record_path(scene, load_board(name))
+        expected |= {path} if path.exists() else set()
     expected |= set((FOLDER / "data").iterdir())
     assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected

@@ -209,9 +209,7 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_formats(network: Traine
             reject()
         found[lean] = engine.process(codes)
         assert np.array_equal(found[lean], exact(engine, codes))
-    serial = Engine.of([network], Settings(options={"lanes": 0}))
     assert np.array_equal(found[True], found[False])
-    assert np.array_equal(found[True], serial.process(codes))
     off = np.abs(SIGNAL.to_real(found[True]) - wanted)
     assert (off <= error_bounds(network, 9, network.shape[0])).all()
 

@@ -37,7 +37,7 @@ from tb.common.cases import Case
 # A design of each kind; ALL=1 adds other shipped scenes, and the cases that no bench runs.
 QUICK = [
     *("digit verilog", "digit-single-thesis verilog", "comparison/wine-tables vhdl"),
-    *("least-serial verilog", "lesson vhdl"),
+    "lesson vhdl",
 ]
 SLOW = [
     *("digit vhdl", "digit-hybrid verilog", "digit-thesis verilog", "digit-parallel vhdl"),
@@ -50,11 +50,10 @@ SLOW = [
 
 # Benches of whole networks. Their cases are proved, and test_benches.py simulates few of them.
 NETWORKS = ("adder_graph", "cascade", "engine", "hybrid", "multiple", "parallel")
-NETWORKS += ("serial_engine", "table_graph")
+NETWORKS += ("table_graph",)
 CASES_PROVED = [
     f"{case} verilog"
     for case in dict.fromkeys(case for block in NETWORKS for case in CASES_OF[block])
-    if case != "least-serial"
 ]
 
 
@@ -172,16 +171,6 @@ def test_faults_of_what_is_loaded_are_never_proved(tmp_path: Path) -> None:
         broken = Path(shutil.copytree(folder, tmp_path / "broken", dirs_exist_ok=True))
         fault(broken)
         assert outcome(given, broken) in ("RefusedError", "WrongError")
-
-
-def test_every_second_frame_in_a_loop_is_looked_at(tmp_path: Path) -> None:
-    scene = scene_of(replace(CASES["least-loop"], spread=0.05), tmp_path, "one-segment")
-    export(scene, "verilog", tmp_path)
-    folder = tmp_path / scene.name / "verilog"
-    assert outcome(description(scene), folder) == "proved"
-    second = r"\1 ^ lane_loop0_samples0_half_out;"
-    replaced("engine.v", r"(assign out_data = [^;]*);", second)(folder)
-    assert outcome(description(scene), folder) == "DiffersError"
 
 
 def test_frames_at_every_distance_are_looked_at(tmp_path: Path) -> None:

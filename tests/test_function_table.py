@@ -12,8 +12,8 @@ from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
 from golden.engine.image import Image, Sizes
+from golden.engine.lane_memory import block_of
 from golden.engine.operand_select import OperandSelect
-from golden.engine.table_address import TableAddress
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
@@ -53,11 +53,11 @@ def samples(inputs: int, frames: int = 50) -> Codes:
 
 @pytest.mark.parametrize("function", EVERY, ids=lambda f: f.name)
 def test_the_blocks_compute_the_function_with_the_published_error(function: Function) -> None:
-    """Through the twins of the blocks, behind another function, over every code of q."""
+    """Behind another function, over every code of q."""
     lines = joined((WAVE, function) if function != WAVE else (BELL, WAVE), 9)
     code = codes_of((WAVE, function) if function != WAVE else (BELL, WAVE))[function]
-    address = TableAddress(9, lines.segments, False, lines.blocks)
-    places = address.process(CODES, np.full(len(CODES), code))
+    segments = (np.where(CODES < 0, ~CODES, CODES) >> 9) & (lines.segments - 1)
+    places = segments + block_of(code, CODES < 0) * lines.segments
     select = OperandSelect(9)
     one, distance = (
         select.process(CODES, np.full(len(CODES), kind)) for kind in (Kind.INTERCEPT, Kind.DISTANCE)
@@ -128,10 +128,9 @@ def test_tables_that_take_too_much_memory_are_refused() -> None:
     functions = tuple(Function(f"f{n}", f"exp(-x * x) * 0.{n}") for n in range(1, 10))
     first = Dense(np.full((9, 1), 20.0), np.zeros(9), "table:f1 to f9", functions=functions)
     dense = network_of([first, Dense(np.ones((1, 9)), np.zeros(1))])
-    for options in ({}, {"lanes": 0}):
-        with pytest.raises(InputError, match="functions: got 18432 words, 1024 for each of 18 bl"):
-            Engine.of([dense], Settings(options={"segment_width": 7, **options}))
-        Engine.of([dense], Settings(options={"segment_width": 8, **options}))
+    with pytest.raises(InputError, match="functions: got 18432 words, 1024 for each of 18 bl"):
+        Engine.of([dense], Settings(options={"segment_width": 7}))
+    Engine.of([dense], Settings(options={"segment_width": 8}))
 
 
 # In images.

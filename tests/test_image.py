@@ -26,9 +26,9 @@ from tactus.scene import Scene, load_scene, scene_path
 from tactus.scene.image import scene_image
 from tactus.verify.benches.runner import bench_input, plan, run_jobs
 from tactus.verify.benches.tools import SIMULATORS
-from tactus.verify.benches.written import scene_of
+from tactus.verify.benches.written import scene_of, write_scene
 from tb.common.case_library import LAYERED, RELOADED, RELOADED_LANES
-from tb.common.cases import Case, random_mlp, random_network, write_scene
+from tb.common.cases import Case, random_mlp, random_network
 from tb.common.images import networks_of_other_depth
 from tb.networks.tb_engine import SCENES, shipped_with_room
 

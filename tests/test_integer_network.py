@@ -1,7 +1,6 @@
 """The network in whole numbers, which judges every engine, and the bounds of its error."""
 
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +22,11 @@ from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_
 from golden.trained.function import Function
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
-from tb.common.case_library import ENGINES
 from tb.common.cases import random_mlp, random_network
 
 TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))
 KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
-OPTIONS: list[dict[str, object]] = [{}, {"pipeline": "deep"}, {"lanes": 0}]
+OPTIONS: list[dict[str, object]] = [{}, {"pipeline": "deep"}]
 
 
 def frames_of(inputs: int) -> Codes:
@@ -214,27 +212,6 @@ def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
     assert (bounds >= weights * quantiser.scale).all()
 
 
-@cache
-def engine(name: str, lanes: int, lean: bool = True) -> Engine:
-    settings = Settings(options={"lanes": lanes}, lean=lean)
-    if name in ENGINES:
-        case = ENGINES[name]
-        return Engine.of(case.networks(), settings, case.arrangement)
-    scene = load_scene(name)
-    return Engine.of(scene.mlps(), settings, scene.arrangement)
-
-
-@pytest.mark.parametrize("name", ["digit-single", "digit"])
-def test_a_frame_is_computed_within_a_scan(name: str) -> None:
-    assert engine(name, 0).output_clocks[-1] <= 4096
-
-
-def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
-    hardware = {"lanes": 0, "pipeline": "deep"}
-    with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep' with lanes 0"):
-        Engine.of(ENGINES["least-engine"].networks(), Settings(options=hardware))
-
-
 def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:
     path = write_scene(
         tmp_path,
@@ -251,24 +228,17 @@ def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:
     return found
 
 
-def test_a_budget_takes_the_smallest_that_keeps_to_it(tmp_path) -> None:
-    slow, fast = (budgeted(tmp_path, f"lanes = {lanes}").output_clocks[-1] for lanes in (0, 1))
-    assert slow > fast
-    for clocks, serial in ((slow, True), (slow - 1, False), (fast, False)):
-        assert budgeted(tmp_path, f"clocks = {clocks}").serial is serial
-    with pytest.raises(InputError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
-        budgeted(tmp_path, f"clocks = {fast - 1}")
-    with pytest.raises(InputError, match=rf"expected {slow} or more, which .* lanes = 0"):
-        budgeted(tmp_path, f"lanes = 0\nclocks = {slow - 1}")
+def test_a_budget_that_is_too_small_is_refused(tmp_path) -> None:
+    clocks = budgeted(tmp_path, "").output_clocks[-1]
+    assert budgeted(tmp_path, f"clocks = {clocks}").budget == clocks
+    with pytest.raises(InputError, match=rf"clocks: got {clocks - 1}, expected {clocks} or more"):
+        budgeted(tmp_path, f"clocks = {clocks - 1}")
 
 
 def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:
-    for width, serial in ((11, True), (8, False)):
-        section = f"\n[front_end]\ncounter_width = {width}\n"
-        found = budgeted(tmp_path, "", section)
-        # There are two slots, and in each the sample is taken at the same place.
-        assert found.budget == (1 << width) // 2 - 1
-        assert found.serial is serial
-        assert found.output_clocks[-1] <= found.budget
+    found = budgeted(tmp_path, "", "\n[front_end]\ncounter_width = 8\n")
+    # There are two slots, and in each the sample is taken at the same place.
+    assert found.budget == (1 << 8) // 2 - 1
+    assert found.output_clocks[-1] <= found.budget
     with pytest.raises(InputError, match="front_end: instrument: got counter_width=4, a scan"):
         budgeted(tmp_path, "", "\n[front_end]\ncounter_width = 4\n")

@@ -10,13 +10,7 @@ from golden.activation.bipartite_table import FORMATS
 from golden.activation.bipartite_table import RESULT as HALF_CODES
 from golden.activation.precise import Precise
 from golden.activation.schemes import SCHEMES, forms
-from golden.engine.formats import DROPPED, HIDDEN, PRODUCT_WIDTH, RESULT
-from golden.engine.graph import Kind
-from golden.engine.multiply_accumulate import MultiplyAccumulate
-from golden.engine.operand_select import OperandSelect
-from golden.engine.program import table_words
-from golden.engine.round_saturate import RoundSaturate
-from golden.engine.table_address import TableAddress
+from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.tanh_table import ENDS, tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
@@ -185,25 +179,6 @@ def test_a_table_is_monotone(width: int) -> None:
 def test_a_table_is_odd(width: int) -> None:
     found = table_results(width)[1:]
     assert np.array_equal(found, -found[::-1])
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_the_blocks_compute_it(width: int) -> None:
-    """Uses the blocks for address, operand, sum and rounding, on every ninth code."""
-    table = tanh_table(width)
-    q = HIDDEN_CODES[::9]
-    address = TableAddress(width, len(table.slopes))
-    found = np.array(table_words(table))[address.process(q)]
-    kinds = np.tile([Kind.INTERCEPT, Kind.DISTANCE], len(q))
-    operand = OperandSelect(width).process(np.repeat(q, 2), kinds)
-    first = kinds == Kind.INTERCEPT
-    nothing = np.zeros(len(kinds), dtype=np.int64)
-    sums = MultiplyAccumulate(PRODUCT_WIDTH).process(
-        operand, nothing, first, np.repeat(found, 2), first, nothing
-    )[1::2]
-    zero = np.zeros(len(q), dtype=np.int64)
-    word = RoundSaturate(PRODUCT_WIDTH).process(np.ones(len(q)), sums, zero)
-    assert np.array_equal(word, table_results(width)[::9])
 
 
 def test_the_figures_of_every_table_are_those_of_its_integers(floors: Codes) -> None:

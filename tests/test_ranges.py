@@ -98,10 +98,9 @@ def test_the_data_give_bits_where_bounds_waste_them(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("lanes", [1, 0])
-def test_saturations_are_counted_and_part_of_the_twin(kind: str, lanes: int) -> None:
+def test_saturations_are_counted_and_part_of_the_twin(kind: str) -> None:
     network = wide((kind, "tanh", kind), seed=3)
-    engine = of_frames(network, quiet(24, 50), lanes=lanes)
+    engine = of_frames(network, quiet(24, 50))
     rng = np.random.default_rng(2)
     codes = np.concatenate(
         [quiet(24, 20, seed=5), rng.choice([SIGNAL.low, 0, SIGNAL.high], (60, 24))]

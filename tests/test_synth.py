@@ -388,7 +388,7 @@ def passes_with(job: Job, text: str) -> bool:
     return run_job(job).passed
 
 
-@pytest.mark.parametrize("case", tiered(["deep-engine"], ["chain-engine", "layers-serial"]))
+@pytest.mark.parametrize("case", tiered(["deep-engine"], ["chain-engine"]))
 def test_a_word_that_is_read_while_it_is_written_is_not_used(
     shared: Shared, tmp_path: Path, case: str
 ) -> None:

@@ -1,4 +1,4 @@
-"""The part that the accumulators of an engine share, with a multiplier or without one."""
+"""What the accumulators of a lane and of an engine that learns share."""
 
 from dataclasses import dataclass
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from golden.engine.formats import HIDDEN, ONE, coeff_frac
@@ -13,9 +12,6 @@ from golden.trained.function import TANH
 
 if TYPE_CHECKING:
     from golden.engine.program import Program
-    from golden.engine.serial_program import SerialProgram
-
-_COLUMNS = ("step", "word", "neuron", "operand", "address", "weight", "then")
 
 
 def operand_text(graph: Graph, step: Step) -> str:
@@ -42,54 +38,6 @@ def weight_text(graph: Graph, step: Step) -> str:
     operand = ONE if term.kind is Kind.ONE else graph.format_of(term.source)
     frac = coeff_frac(graph.neurons[step.neuron].result, operand)
     return f"{term.weight / 2**frac:.6g}"
-
-
-def text_of(graph: Graph, step: Step) -> str:
-    """The text for one step, in one line."""
-    if step.neuron < 0:
-        return "wait"
-    name = graph.neurons[step.neuron].name
-    joint = f"{name} =" if step.first else f"{name} +"
-    relu = graph.neurons[step.neuron].relu
-    end = ", not below 0, done" if step.last and relu else ", done" if step.last else ""
-    return f"{joint} {operand_text(graph, step)} x {weight_text(graph, step)}{end}"
-
-
-def listing(graph: Graph, program: SerialProgram) -> list[str]:
-    """The program as text, with a line for every step.
-
-    The column ``word`` is the address in the program memory at which the fields of a step begin;
-    ``address`` is that of the operand in the operand memory.
-    """
-    rows: list[Sequence[str]] = [_COLUMNS]
-    kept = graph.inputs
-    for n, (step, code) in enumerate(
-        zip(program.scheduled(graph), program.instructions, strict=True)
-    ):
-        waits = step.neuron < 0
-        then = ""
-        if step.last:
-            then = f"kept at {kept}"
-            kept += 1
-        if code.output:
-            then += f", leaves in clock {program.clock(n)}"
-        rows.append(
-            (
-                str(n),
-                str(len(program.table) + n),
-                "" if waits else graph.neurons[step.neuron].name,
-                operand_text(graph, step),
-                "" if waits or step.term.kind is Kind.ONE else str(code.source),
-                weight_text(graph, step),
-                then,
-            )
-        )
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
-    return [*tables(graph, program), *lines]
 
 
 def tables(graph: Graph, program: Program) -> list[str]:

@@ -2,15 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.accumulator import Accumulator
-from golden.engine.fields import signed_code
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH
+from golden.engine.formats import PRODUCT_WIDTH, WIDTH
 from golden.engine.operand_memory import WORD
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 
 
 @dataclass(frozen=True)
@@ -23,6 +19,7 @@ class MultiplyAccumulate(Accumulator):
     """
 
     block = "multiply_accumulate"
+    part_of = "learning_engine"
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -44,35 +41,3 @@ class MultiplyAccumulate(Accumulator):
     @property
     def latency(self) -> int:
         return 4
-
-    def process(
-        self,
-        operand: ArrayLike,
-        weight: ArrayLike,
-        take_intercept: ArrayLike,
-        table_word: ArrayLike,
-        first: ArrayLike,
-        first_of_output: ArrayLike,
-    ) -> Codes:
-        """The sum after each product. The first product starts a sum.
-
-        ``first`` and ``first_of_output`` belong to the product of the same index. A sum that does
-        not fit in its bits wraps; the sums of an assembled program always fit.
-        """
-        table = np.asarray(table_word, dtype=np.int64)
-        mask = (1 << WIDTH) - 1
-        chosen = np.where(take_intercept, table >> WIDTH, table & mask)
-        bits = np.asarray(weight, dtype=np.int64) | chosen
-        product = np.asarray(operand, dtype=np.int64) * signed_code(bits)
-        half = 1 << (DROPPED - 1)
-        acc, found = 0, []
-        for value, opens, output in zip(
-            product.tolist(),
-            np.asarray(first).tolist(),
-            np.asarray(first_of_output).tolist(),
-            strict=True,
-        ):
-            start = half << OUTPUT_SHIFT if output else half if opens else acc
-            acc = self.wrapped(value + start)
-            found.append(acc)
-        return np.array(found, dtype=np.int64)

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
@@ -24,6 +23,7 @@ class OperandSelect(Block):
     """
 
     block = "operand_select"
+    part_of = "learning_engine"
     area = "engine"
     segment_width: int
     registers: int = 0
@@ -44,10 +44,6 @@ class OperandSelect(Block):
     @property
     def latency(self) -> int:
         return 1 + self.registers
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        return (Border("negative", "word", 0),)
 
     def process(self, word: ArrayLike, kind: ArrayLike) -> Codes:
         """The operand of each word and kind."""

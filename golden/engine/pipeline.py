@@ -93,17 +93,3 @@ class Pipeline:
     def free(self) -> int:
         """Clocks from the last output of a frame until a sample is accepted again."""
         return 1
-
-
-@dataclass(frozen=True)
-class SerialPipeline(Pipeline):
-    """The pipeline without a multiplier: one register stands between coefficient and sum.
-
-    A neuron's words are read more than once. Therefore all fields of a step stand in one word, and
-    registers delay each field to the clock of its use.
-    """
-
-    @property
-    def done(self) -> int:
-        """The sum is valid after the register of the coefficient and its own register."""
-        return self.weight + 2

@@ -118,9 +118,6 @@ class Readout(Network):
     def busy(self) -> int:
         return self.network.busy
 
-    def begun(self, ended: Codes) -> Codes:
-        return self.network.begun(ended)
-
     @property
     def input_controller(self) -> FrameJudge:
         return self.network.input_controller

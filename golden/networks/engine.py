@@ -23,17 +23,12 @@ from golden.engine.lane_memory import LaneMemory
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
-from golden.engine.loop_program import LoopProgram, assemble_loop
-from golden.engine.loop_schedule import shortest_loop
 from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
-from golden.engine.pipeline import SerialPipeline
-from golden.engine.program import Program
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
 from golden.engine.ranges import Range
-from golden.engine.serial_program import assemble_serial
 from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.network import CHUNK
@@ -67,8 +62,7 @@ NAMED = 8
 class Engine(Design):
     """Every neuron of a scene, one product of each lane per clock (ours).
 
-    It takes single, multiple and cascade alike. A lane has a multiplier. Without lanes there is
-    none, and the engine is another machine with the same results, ``SerialEngine``.
+    It takes single, multiple and cascade alike. A lane has a multiplier.
 
     acc_width: Bits of the sum. All sums of the program fit in them.
     integers: The networks in whole numbers from which the graph was made.
@@ -92,7 +86,6 @@ class Engine(Design):
         "segment_width",
         "pipeline",
         "clocks",
-        "interval",
         "reload",
         "program_words",
         "operand_words",
@@ -119,13 +112,10 @@ class Engine(Design):
         if chosen.get("clocks"):
             return cls._within(networks, settings, arrangement, variant)
         lanes, width, lean = chosen["lanes"], chosen["segment_width"], settings.lean
-        if not 0 <= lanes <= MOST_LANES:
-            raise InputError(f"hardware.lanes: got {lanes}, expected 0 to {MOST_LANES}")
+        if not 1 <= lanes <= MOST_LANES:
+            other = "" if lanes else "; adder_graph and table_graph need no multiplier"
+            raise InputError(f"hardware.lanes: got {lanes}, expected 1 to {MOST_LANES}{other}")
         reload, depth = chosen.pop("reload", False), chosen.pop("pipeline")
-        asked = chosen.pop("interval", None)
-        if not lanes and (reload or depth != "short"):
-            key, got = ("reload", "true") if reload else ("pipeline", repr(depth))
-            raise InputError(f"hardware.{key}: got {got} with lanes 0, expected lanes 1 or more")
         integers = integer_networks(arrangement, networks, settings.met, width)
         graph = _graph_of(integers, lanes, lean)
         # Straight functions alone need no table, so the width of its segments is any.
@@ -134,13 +124,11 @@ class Engine(Design):
             table = table.within(graph.reach(table))
         acc_width = max(LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH, graph.sum_bits(table))
         pipeline, loaded = LanePipeline(int(depth == "deep")), None
-        kind: Any = cls
-        program: Program
         if reload:
             loaded = own_image(graph, {**chosen, "pipeline": pipeline})
             acc_width = loaded.sizes.acc_width
             program = replace(loaded.program, shared=assign_to_lanes(graph, lanes, every=True))
-        elif lanes:
+        else:
             program = assemble_lanes(
                 graph,
                 table if graph.looks_up else None,
@@ -148,12 +136,7 @@ class Engine(Design):
                 pipeline,
                 least_addr_width=LEAST_ADDR_WIDTH,
             )
-        else:
-            # A subclass, whose module takes this one.
-            from golden.networks.serial_engine import SerialEngine
-
-            kind, program = SerialEngine, assemble_serial(graph, table, SerialPipeline())
-        built: Self = kind(
+        return cls(
             program,
             acc_width,
             integers,
@@ -163,35 +146,20 @@ class Engine(Design):
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-        if not lanes or asked is None or asked >= built.interval:
-            return built
-        if loaded:
-            raise InputError(
-                f"hardware.interval: got {asked} with reload, expected {built.interval} or more"
-            )
-        return replace(built, program=assemble_loop(built.program, graph, asked))
 
     @classmethod
     def _within(
         cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
     ) -> Self:
-        """The smallest engine whose last output leaves in time after the last sample.
-
-        Where the number of lanes is not given, it is none or one.
-        """
+        """The engine, if its last output leaves in time after the last sample."""
         chosen: dict[str, Any] = dict(settings.options)
-        clocks, interval = chosen.pop("clocks"), chosen.get("interval")
-        # Without lanes there is one pipeline, no image, and no loop.
-        fast = chosen.get("pipeline", "short") != "short" or chosen.get("reload")
-        for lanes in [chosen["lanes"]] if "lanes" in chosen else [0, 1][bool(fast) :]:
-            tried = replace(settings, options={**chosen, "lanes": lanes})
-            engine = cls.build(networks, tried, arrangement, variant)
-            late = interval and not lanes and engine.interval > interval
-            if engine.output_clocks[-1] <= clocks and not late:
-                return replace(engine, budget=clocks)
+        clocks = chosen.pop("clocks")
+        engine = cls.build(networks, replace(settings, options=chosen), arrangement, variant)
+        if engine.output_clocks[-1] <= clocks:
+            return replace(engine, budget=clocks)
         raise InputError(
             f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
-            f"an engine with lanes = {lanes} takes"
+            f"an engine with lanes = {engine.asked} takes"
         )
 
     @property
@@ -220,11 +188,6 @@ class Engine(Design):
     def lanes(self) -> int:
         """The number of lanes, each of which has a multiplier."""
         return self.program.lanes
-
-    @property
-    def serial(self) -> bool:
-        """Whether the engine works without a multiplier."""
-        return False
 
     @property
     def rectifies(self) -> bool:
@@ -263,33 +226,13 @@ class Engine(Design):
         return replace(self, program=image.program, loaded=image)
 
     @property
-    def loops(self) -> bool:
-        """Whether its program is a loop, in which frames overlap."""
-        return isinstance(self.program, LoopProgram)
-
-    @property
     def interval(self) -> int:
         """Samples of a frame may come once the last output of the frame before has left."""
-        return (
-            self.program.loop.length
-            if isinstance(self.program, LoopProgram)
-            else self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
-        )
+        return self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
 
     @property
     def busy(self) -> int:
         return self.interval - self.inputs
-
-    def begun(self, ended: Codes) -> Codes:
-        if not isinstance(self.program, LoopProgram):
-            return ended
-        length, computed = self.interval, self.interval * self.program.stages
-        found: list[int] = []
-        for clock in ended.tolist():
-            before = found[-1] if found else clock - computed
-            late = clock - before
-            found.append(clock if late >= computed else before - late // -length * length)
-        return np.array(found, dtype=np.int64)
 
     @property
     def input_controller(self) -> FrameCheck:
@@ -297,11 +240,8 @@ class Engine(Design):
 
     @property
     def frame_check(self) -> FrameCheck:
-        if not self.loops:
-            last = self.output_clocks[-1]
-            return FrameCheck(self.inputs, self.addr_width, last, self.program.pipeline)
-        width = self.inputs.bit_length()
-        return FrameCheck(self.inputs, width, self.busy, LanePipeline(), results=False)
+        last = self.output_clocks[-1]
+        return FrameCheck(self.inputs, self.addr_width, last, self.program.pipeline)
 
     @property
     def frame_guard(self) -> FrameGuard:
@@ -320,27 +260,11 @@ class Engine(Design):
         return self.loaded.sizes
 
     @property
-    def sample_memory(self) -> OperandMemory:
-        """Keeps the frame that comes and the one before, in a loop."""
-        return OperandMemory(self.inputs.bit_length() + 1, variant="samples")
-
-    @property
-    def source_width(self) -> int:
-        """Bits of the address of an operand in a word of the program."""
-        if isinstance(self.program, LoopProgram):
-            return self.program.layout.source_width
-        return self.addr_width
-
-    @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
         if self.loaded:
             return self.loaded.sizes.operand_addr_width
-        words = self.program.addresses
-        if isinstance(self.program, LoopProgram):
-            layout = self.program.layout
-            words = 1 << (layout.source_width + layout.turn_width)
-        return max(LEAST_ADDR_WIDTH, (words - 1).bit_length())
+        return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
 
     @property
     def operand_memory(self) -> OperandMemory:
@@ -348,16 +272,7 @@ class Engine(Design):
 
     @property
     def options_built(self) -> Mapping[str, object]:
-        built = {"lanes": self.lanes}
-        return {**built, "interval": self.interval} if self.loops else built
-
-    @property
-    def shortest_interval(self) -> int:
-        """That of the shortest loop that is found, or else its interval."""
-        program, most = self.program, self.interval
-        assert isinstance(program.pipeline, LanePipeline)
-        found = shortest_loop(program.shared, program.pipeline, most)
-        return found.length if found else most
+        return {"lanes": self.lanes}
 
     @property
     def looks_up(self) -> bool:
@@ -439,7 +354,6 @@ class Engine(Design):
             control = (self.image_loader, self.frame_guard, self.program_ram)
         return (
             *control,
-            *([self.sample_memory] if self.loops else []),
             *[self.operand_memory] * self.lanes,
             *self.lane_memories,
             *self.accumulators,
@@ -447,11 +361,10 @@ class Engine(Design):
         )
 
     def facts(self) -> tuple[str, ...]:
-        count = "no" if self.serial else "one" if self.lanes == 1 else str(self.lanes)
+        count = "one" if self.lanes == 1 else str(self.lanes)
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
-        facts = (f"{count} multiplier{'s' * (self.lanes > 1)}", spent, *self.function_facts)
-        return (*facts, f"a frame every {self.interval} clocks") if self.loops else facts
+        return (f"{count} multiplier{'s' * (self.lanes > 1)}", spent, *self.function_facts)
 
     @property
     def function_facts(self) -> tuple[str, ...]:
@@ -493,7 +406,7 @@ def _graph_of(integers: Sequence[IntegerNetwork], lanes: int, lean: bool = True)
     """The graph of networks that so many lanes can compute."""
     if lanes > 1 and any(layer.added for network in integers for layer in network.layers):
         raise InputError(
-            f"hardware.lanes: got {lanes} for sums of functions, expected 1 or 0, which look up "
-            "one function after the other"
+            f"hardware.lanes: got {lanes} for sums of functions, expected 1, which looks "
+            "up one function after the other"
         )
     return graph_of(integers, lean)

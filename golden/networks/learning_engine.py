@@ -46,11 +46,11 @@ class LearningEngine(Network):
         taught: Its networks behind sensors that are corrected.
         constants: The step and the leak of each output; see ``golden.learning.gradient``.
         """
-        other = engine.lanes != 1 or engine.loops or engine.loaded
+        other = engine.lanes != 1 or engine.loaded
         if other or engine.program.pipeline.memory_registers:
             raise InputError(
-                "hardware.learning: got 'lms' with lanes other than 1, frames that overlap, "
-                "pipeline 'deep' or reload, expected none of them"
+                "hardware.learning: got 'lms' with lanes other than 1, pipeline 'deep' or "
+                "reload, expected none of them"
             )
         if engine.integers != taught.networks:
             raise InputError(

@@ -7,7 +7,6 @@ from functools import singledispatch
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.left_out import left_out as left_out_of
 from golden.common.block import Block
-from golden.engine.function_table import joined
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.cascade import Cascade
@@ -18,7 +17,6 @@ from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.several import Several
 from golden.networks.windowed import Windowed
-from golden.trained.function import TANH
 
 
 @singledispatch
@@ -96,21 +94,12 @@ def _(network: AdderGraph) -> list[str]:
 @left_out.register
 def _(network: Engine) -> list[str]:
     # Each word that is left out saves memory, and each step saves a clock of every frame.
-    graph, program = network.graph, network.program
-    texts = []
-    if network.serial:
-        spent = f"{network.output_clocks[-1]} clocks"
-        budget = f" of {network.budget}" if network.budget else ""
-        texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
-    texts += of_useless_nodes(network)
+    graph = network.graph
+    texts = of_useless_nodes(network)
     if graph.useless_terms:
         texts.append(f"{graph.useless_terms} products of weight 0")
     if network.asked > network.lanes:
         texts.append(f"{network.asked - network.lanes} lanes that no layer has a node for")
-    words = len(joined(graph.functions, program.segment_width).slopes) - len(program.slopes)
-    if network.serial and words:
-        named = "tanh" if graph.functions == (TANH,) else "the tables"
-        texts.append(f"{words} words of {named} that no hidden sum reaches, and their comparison")
     bits = WHOLE_ACC_WIDTH - network.acc_width
     if bits > 0:
         which = "each sum" if network.lanes > 1 else "the sum"

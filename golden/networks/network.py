@@ -74,11 +74,6 @@ class Network(Block):
         raise NotImplementedError
 
     @property
-    def shortest_interval(self) -> int:
-        """Least clocks from one frame to the next where a scene lets frames overlap."""
-        return self.interval
-
-    @property
     def input_controller(self) -> FrameJudge:
         """The block that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
@@ -94,13 +89,6 @@ class Network(Block):
         if self.stream == "words":
             return (self.latency,) * self.outputs
         return tuple(range(self.latency, self.latency + self.outputs))
-
-    def begun(self, ended: Codes) -> Codes:
-        """The clock from which the outputs of each frame are counted: that of its last element.
-
-        ended: The clock of the last element of each good frame after a reset.
-        """
-        return ended
 
     @property
     def frame_clocks(self) -> int:

@@ -13,7 +13,6 @@ from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
 from golden.networks.multiple import Multiple
 from golden.networks.parallel import Parallel
-from golden.networks.serial_engine import SerialEngine
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 
@@ -71,24 +70,6 @@ def _(network: AdderGraph) -> Flow:
     outputs = network.layers[-1]
     steps += [outputs, Wire(f"{network.outputs} y", outputs.out_fmt)]
     return Flow(tuple(steps), across=True)
-
-
-@flow_of.register
-def _(network: SerialEngine) -> Flow:
-    return Flow(
-        (
-            Wire(f"{network.inputs} x", SIGNAL),
-            network.round_saturate,
-            Wire("samples, results", WORD),
-            network.operand_memory,
-            Wire("a word", WORD),
-            network.plane_select,
-            Wire("an operand", WORD),
-            network.serial_accumulate,
-            Wire(f"{network.outputs} y", SIGNAL),
-        ),
-        watcher=network.frame_check,
-    )
 
 
 @flow_of.register

@@ -71,9 +71,6 @@ class Windowed(Network):
     def latency(self) -> int:
         return self.output_clocks[0]
 
-    def begun(self, ended: Codes) -> Codes:
-        return self.network.begun(ended)
-
     @property
     def input_controller(self) -> InputController:
         """Judges frames as the frame window does. It is not built."""

@@ -1,14 +1,14 @@
 """table_address: finds the segment of a table in which a hidden sum lies."""
 
-from myhdl import always, always_comb, block, concat
+from myhdl import always, always_comb, block
 
 from golden.engine.formats import HIDDEN
 from golden.engine.table_address import TableAddress
-from hdl.common.signals import flag, unsigned
+from hdl.common.signals import unsigned
 
 
 @block
-def table_address(clk, q, addr, *, base=None, spec: TableAddress):
+def table_address(clk, q, addr, *, spec: TableAddress):
     """The high bits of ``q``, complemented where it is below 0, up to the last segment."""
     sign = HIDDEN.width - 1
     low = spec.segment_width
@@ -27,37 +27,6 @@ def table_address(clk, q, addr, *, base=None, spec: TableAddress):
             high.next = ~part
         else:
             high.next = part
-
-    if spec.blocks > 1:
-        chosen = flag()
-        bits, top = addr_width - spec.block_width, spec.base_width
-
-        # The number of a block that has another one behind it is even.
-        @always_comb
-        def choose():
-            chosen.next = base[1] or (base[0] and q[sign])
-
-        if top > 2:
-
-            @always(clk.posedge)
-            def address():
-                addr.next = concat(base[top:2], chosen, high[bits:])
-
-        else:
-
-            @always(clk.posedge)
-            def address():
-                addr.next = concat(chosen, high[bits:])
-
-        return cut, complement, choose, address
-
-    if not spec.beyond:
-
-        @always(clk.posedge)
-        def address():
-            addr.next = high[addr_width:]
-
-        return cut, complement, address
 
     # The ones at the end of the last address need not be compared. A comparison would be a row of
     # carries.

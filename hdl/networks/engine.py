@@ -7,7 +7,6 @@ from golden.engine.lane_groups import partners
 from golden.engine.operand_memory import WORD
 from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
-from golden.numbers.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
@@ -21,7 +20,6 @@ from hdl.engine.program_memory import program_memory
 from hdl.engine.program_ram import program_ram
 from hdl.network_parts.lane_alone import lane_alone
 from hdl.network_parts.lane_image import lane_image
-from hdl.network_parts.lane_loop import lane_loop
 
 
 @block
@@ -38,7 +36,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     word = unsigned(WIDTH if spec.alone else WORD_WIDTH)
     start, run, finish, write = (flag() for _ in range(4))
     fields = spec.program.field
-    write_addr, source = unsigned(spec.addr_width), unsigned(spec.source_width)
+    write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     kind, opens = unsigned(2), unsigned(2)
     place = unsigned(place_width) if place_width else None
     store, leaves, ends, together, own = (flag() for _ in range(5))
@@ -74,16 +72,11 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
         lane_put, lane_addr = Words(count, flag), unsigned(memories[0].addr_width)
         lane_word = Words(count, lambda: unsigned(WIDTH))
     source_low, kind_low, opens_low = fields("source")[0], fields("kind")[0], fields("opens")[0]
-    source_top, kind_top, opens_top = source_low + spec.source_width, kind_low + 2, opens_low + 2
+    source_top, kind_top, opens_top = source_low + spec.addr_width, kind_low + 2, opens_low + 2
     store_bit, together_bit, output_bit, end_bit, relu_bit = (
         fields(name)[0] for name in ("store", "together", "output", "end", "relu")
     )
     assert not fields("place")[0], "a place begins at the lowest bit"
-    # In a loop there are frames for which a word does nothing, and samples come from a memory.
-    shows, sums, source_addr, sample = run, run, source, in_.data
-    if spec.loops:
-        shows, sums, source_addr = flag(), flag(), unsigned(spec.addr_width)
-        sample = fixed(SIGNAL)
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -108,8 +101,8 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     @always_seq(clk.posedge, reset=rst)
     def mark():
         store.next = run and word[store_bit]
-        leaves.next = shows and word[output_bit]
-        ends.next = shows and word[end_bit]
+        leaves.next = run and word[output_bit]
+        ends.next = run and word[end_bit]
 
     # Only looked at with a result that is stored.
     if count > 1:
@@ -120,7 +113,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
 
         @always_comb
         def belong():
-            own.next = sums and not together
+            own.next = run and not together
 
         shared = follow, belong
     else:
@@ -191,24 +184,6 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
                 spec=spec.program_ram,
             ),
         )
-    elif spec.loops:
-        control = lane_loop(
-            clk,
-            rst,
-            in_,
-            word=word,
-            source=source,
-            store=store,
-            run=run,
-            shows=shows,
-            sums=sums,
-            sample=sample,
-            write=write,
-            write_addr=write_addr,
-            source_addr=source_addr,
-            frame_error=frame_error,
-            design=spec,
-        )
     else:
         if spec.alone:
             steps = lane_alone(
@@ -261,7 +236,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
                 write=write,
                 write_addr=write_addr,
                 data=data[j],
-                read_addr=source_addr,
+                read_addr=source,
                 word=read[j],
                 spec=spec.operand_memory,
             )
@@ -300,12 +275,12 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
         ],
         lane_round(
             clk,
-            own=sums,
+            own=run,
             acc=acc[0],
             high=high[0],
             low=low[0],
             relu=relu,
-            sample=sample,
+            sample=in_.data,
             word=data[0],
             next_word=next_word,
             next_low=next_low,

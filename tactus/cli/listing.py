@@ -7,10 +7,6 @@ import sys
 
 from golden.common.block import walk
 from golden.engine.lane_listing import lane_listing
-from golden.engine.listing import listing
-from golden.engine.loop_listing import loop_listing
-from golden.engine.loop_program import LoopProgram
-from golden.engine.serial_program import SerialProgram
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
@@ -44,13 +40,7 @@ def main() -> None:
         )
     (engine,) = engines
     stop_if_dry_run(f"print the program of {engine.entity}")
-    if isinstance(engine.program, LoopProgram):
-        lines = loop_listing(engine.graph, engine.program)
-    elif isinstance(engine.program, SerialProgram):
-        lines = listing(engine.graph, engine.program)
-    else:
-        lines = lane_listing(engine.graph, engine.program)
-    print("\n".join(lines))
+    print("\n".join(lane_listing(engine.graph, engine.program)))
 
 
 if __name__ == "__main__":

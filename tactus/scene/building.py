@@ -145,8 +145,6 @@ def task_of(scene: Scene) -> SizingTask:
             tuple(around),
             scene.argmax,
             np.asarray(codes)[:, :inputs],
-            scene.front_end is None and scene.visualisation is None,
-            scene.demand.interval,
         )
 
 
@@ -185,18 +183,12 @@ def chosen(scene: Scene, choice: Choice) -> Scene:
 
 
 def check_demand(scene: Scene, network: Network, framed: Network) -> None:
-    """Refuse a design that is slower than the scene demands, or whose frames must not overlap.
+    """Refuse a design that is slower than the scene demands.
 
     network: The networks alone, whose clocks count.
     framed: The same behind the memory of past samples, if there is one, which may take longer from
         frame to frame.
     """
-    named = _sections(scene)
     with naming(scene.path):
-        if named and isinstance(network, Engine) and network.loops:
-            raise InputError(
-                f"hardware.interval: got {scene.demand.interval}, for which frames overlap in "
-                f"'engine', with {named[0]}, expected more clocks, or no such section"
-            )
         scene.demand.refuse(network, f"design {scene.design}")
         replace(scene.demand, clocks=0).refuse(framed, f"design {scene.design}")

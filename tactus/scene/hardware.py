@@ -101,10 +101,9 @@ HARDWARE = KeyTable(
         "lanes": Key(
             Whole(),
             None,
-            "Only for `engine`. The number of multipliers, 0 to 16. The results are the same with "
-            "any. More lanes take fewer clocks. [Without one](blocks/engine.md#without-a-"
-            "multiplier) a frame takes about thirteen times the clocks.",
-            "1; with `clocks`, 0 or 1",
+            "Only for `engine`. The number of multipliers, 1 to 16. The results are the same with "
+            "any. More lanes take fewer clocks.",
+            "1",
         ),
         "learning": Key(
             Text(("lms",)),
@@ -119,7 +118,7 @@ HARDWARE = KeyTable(
         "pipeline": Key(
             Text(("short", "deep")),
             "",
-            "Only for `engine` with lanes. `deep` puts registers behind their memories. The clock "
+            "Only for `engine`. `deep` puts registers behind its memories. The clock "
             "can then be faster, and a frame takes some clocks more.",
             "`short`",
         ),
@@ -136,17 +135,15 @@ HARDWARE = KeyTable(
             Whole(absent=True),
             0,
             "The most clocks that a frame may take from the last sample to the last output. With "
-            "`engine` the smallest one within this limit is chosen, and if there is time enough, "
-            "it has no multiplier; `make vhdl` and `make demo` print the choice. With `auto` it "
-            "is the smallest design. Any other design that takes more is refused.",
+            "`auto` the smallest design within this limit is chosen. Any other design that takes "
+            "more is refused.",
             "with `engine` and `auto`, what a front end leaves; else no limit",
         ),
         "interval": Key(
             Whole(absent=True),
             0,
-            "The most clocks from one frame to the next. In `engine` frames [overlap]"
-            "(blocks/engine.md#frames-that-overlap) if they must and it has lanes. Any other "
-            "design that takes more is refused, and `auto` chooses another one.",
+            "The most clocks from one frame to the next. A design that takes more is refused, and "
+            "`auto` chooses another one.",
             "no limit",
         ),
         "frames_a_second": Key(
@@ -172,7 +169,7 @@ HARDWARE = KeyTable(
         "reload": Key(
             Flag(),
             False,
-            "Only for `engine` with lanes. With `true` the program is not part of the hardware: "
+            "Only for `engine`. With `true` the program is not part of the hardware: "
             "it is an image that is loaded ([image_loader](blocks/image_loader.md)). The hardware "
             "then depends only on `program_words`, `operand_words`, `table_blocks`, "
             "`segment_width`, `pipeline` and `lanes`, on whether the scene's own network has ReLU, "
@@ -351,9 +348,8 @@ def design_options(values: dict[str, dict[str, Any]], path: Path) -> dict[str, A
     check_hardware(values, path)
     check_learning(values, path)
     hardware = values["hardware"]
-    # Any design may have limits to its clocks.
-    limits = {"clocks", "interval"}
-    known = sorted({name for other in DESIGNS.values() for name in other.options} - limits)
+    # Any design may have a limit to its clocks.
+    known = sorted({name for other in DESIGNS.values() for name in other.options} - {"clocks"})
     if hardware["design"] == UNDECIDED:
         refuse_choices(hardware, known, path)
         return {}
@@ -367,12 +363,11 @@ def design_options(values: dict[str, dict[str, Any]], path: Path) -> dict[str, A
                 f"{design.block!r}, "
                 f"expected design {fitting}"
             )
-    # That from frame to frame may be given as a rate; see Scene.settings.
-    return {n: hardware[n] for n in design.options if _given(hardware, n) and n != "interval"}
+    return {n: hardware[n] for n in design.options if _given(hardware, n)}
 
 
 def _given(hardware: dict[str, Any], name: str) -> bool:
-    """Whether the scene sets an option; of all of them, only lanes may be 0."""
+    """Whether the scene sets an option; lanes = 0 is set, and refused."""
     return bool(hardware.get(name)) or (name == "lanes" and hardware.get(name) is not None)
 
 

@@ -267,11 +267,9 @@ class Scene:
     def settings(self, lean: bool = True, networks: Sequence[Trained] | None = None) -> Settings:
         """What this scene chooses of the hardware of its networks, or of others in their place."""
         given = self.networks() if networks is None else networks
-        options, design = dict(self.design_options), DESIGNS.get(self.design)
+        options = dict(self.design_options)
         if self.learning:
             options["lanes"] = 1
-        if self.demand.interval and design and "interval" in design.options:
-            options.setdefault("interval", self.demand.interval)
         # One hidden layer of tanh needs no range, and so no frames.
         ends = [((), ()) if isinstance(one, Mlp) else self._ends(one) for one in given]
         return Settings(

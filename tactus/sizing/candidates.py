@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import le
 from typing import Any
@@ -44,7 +44,7 @@ class Candidate:
 # Options that a scene's own design does not keep: limits, what the candidates of an engine differ
 # in, and what belongs to one that is loaded.
 LEFT_OUT = (
-    *("clocks", "interval", "lanes", "pipeline"),
+    *("clocks", "lanes", "pipeline"),
     *("reload", "program_words", "operand_words", "table_blocks"),
 )
 
@@ -63,17 +63,16 @@ def tables(count: int, **bits: int) -> Candidate:
     return Candidate("table_graph", {"adders_per_clock": count, **bits})
 
 
-def lanes(count: int, interval: int = 0) -> Candidate:
-    """An engine with so many multipliers side by side, whose frames may overlap."""
-    return Candidate("engine", {"lanes": count, **({"interval": interval} if interval else {})})
+def lanes(count: int) -> Candidate:
+    """An engine with so many multipliers side by side."""
+    return Candidate("engine", {"lanes": count})
 
 
-SERIAL, SHORT = lanes(0), lanes(1)
+SHORT = lanes(1)
 DEEP = Candidate("engine", {"lanes": 1, "pipeline": "deep"})
 HYBRID, PARALLEL = Candidate("hybrid"), Candidate("parallel")
 # A design more is a line here.
 CANDIDATES = (
-    SERIAL,
     SHORT,
     DEEP,
     *map(lanes, (2, 4, 8, 16)),
@@ -99,8 +98,6 @@ class SizingTask:
         "a section [front_end]".
     decides: Whether the scene asks for the number of the largest output.
     frames, shape (frames, inputs): Codes of the recorded frames.
-    overlaps: Whether frames may overlap in the networks.
-    interval: The most clocks from frame to frame that the scene allows; 0 for no limit.
     """
 
     arrangement: str
@@ -110,8 +107,6 @@ class SizingTask:
     serial: tuple[str, ...]
     decides: bool
     frames: Codes
-    overlaps: bool
-    interval: int
 
 
 @dataclass(frozen=True)
@@ -198,9 +193,7 @@ class Refused:
 
 
 def kind_of(design: str, options: Mapping[str, object]) -> str:
-    """A design, and whether it is an engine without a multiplier, or adds three operands."""
-    if options.get("lanes") == 0:
-        return f"{design} serial"
+    """A design, and whether it adds three operands."""
     return f"{design} ternary" if options.get("adder_operands") == 3 else design
 
 
@@ -246,29 +239,11 @@ def known(design: str, precision: Precision) -> list[str]:
 
 
 def all_sized(task: SizingTask, candidates: Sequence[Candidate]) -> list[Sized | Refused]:
-    """What ``sized`` gives for each candidate, without those that are built as an earlier one.
-
-    Behind lanes stand their loops.
-    """
+    """What ``sized`` gives for each candidate, without those that are built as an earlier one."""
     found: dict[str, Sized | Refused] = {}
     for one in (sized(task, candidate) for candidate in candidates):
-        if one.candidate.name in found:
-            continue
-        found[one.candidate.name] = one
-        for loop in (sized(task, candidate) for candidate in loops(task, one)):
-            found.setdefault(loop.candidate.name, loop)
+        found.setdefault(one.candidate.name, one)
     return list(found.values())
-
-
-def loops(task: SizingTask, plain: Sized | Refused) -> Iterator[Candidate]:
-    """The same design with frames that overlap: as often as they can, and as the scene demands."""
-    if not task.overlaps or isinstance(plain, Refused):
-        return
-    shortest = plain.network.shortest_interval
-    for interval in sorted({shortest, task.interval}):
-        if shortest <= interval < plain.interval:
-            options = {**plain.candidate.options, "interval": interval}
-            yield replace(plain.candidate, options=options)
 
 
 def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:

@@ -9,13 +9,11 @@ from typing import Any
 
 from golden.common.block import Block
 from golden.input_error import InputError
-from tactus.sizing.features import in_logic
+from tactus.sizing.features import HALF_BLOCK, in_logic
 
 # Words of 36 bits in a block RAM of a Virtex-II, and in the two of an ECP5 that have two read ports
 # of 36 bits; and up to how many bits of its address a memory of operands is built of LUTs.
 WORDS = {"xc2v": (512, 1, 4), "ecp5": (1024, 2, 6)}
-# Words of 18 bits in a block RAM of either family.
-HALF_WORDS = 1024
 
 
 def multipliers(top: Block) -> int:
@@ -64,11 +62,11 @@ def _program(block: Any, words: int, each: int, *_: int) -> int:
 
 
 def _weights(block: Any, *_: int) -> int:
-    return max(1, (1 << int(block.addr_width)) // HALF_WORDS)
+    return max(1, (1 << int(block.addr_width)) // HALF_BLOCK)
 
 
 def _alone(block: Any, *_: int) -> int:
-    return max(1, (2 << block.program.row_bits) // HALF_WORDS) if block.alone else 0
+    return max(1, (2 << block.program.row_bits) // HALF_BLOCK) if block.alone else 0
 
 
 _MULTIPLIERS: dict[str, Callable[[Any], int]] = {
@@ -91,5 +89,4 @@ _MEMORIES: dict[str, Callable[..., int]] = {
     "operand_memory": lambda block, _words, _each, logic: int(block.addr_width > logic),
     "precise": lambda block, *_: int(block.coefficients == "block_ram"),
     "program_memory": _program,
-    "replay_memory": _program,
 }

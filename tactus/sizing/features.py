@@ -66,6 +66,10 @@ def features_of(block: Block) -> Features:
     return _FEATURES[block.block](block)
 
 
+# Words of 18 bits in a block RAM.
+HALF_BLOCK = 1024
+
+
 def in_logic(program: ProgramMemory) -> bool:
     """Whether a program is so short, and without a table, that its memory is made of LUTs."""
     return program.addr_width <= LOGIC_ADDR_WIDTH
@@ -223,9 +227,9 @@ def _lanes(block: Any) -> Features:
     words = len(program.words) * (not block.alone and in_logic(program))
     # What chooses between the sums of other lanes.
     choices = sum(max(0, one.partners - 1) for one in block.accumulators)
-    # A loop costs LUTs only where lanes have tables.
-    loop = block.loops * block.looks_up
-    return Features((1, lanes, looked_up, words, choices, loop), (1, lanes, words, block.loops))
+    # Between the block RAMs of one memory for all there is a choice.
+    more = (2 << block.program.row_bits) // HALF_BLOCK - 1 if block.alone else 0
+    return Features((1, lanes, looked_up, words, choices, max(0, more)), (1, lanes, words))
 
 
 def _table_graph(block: Any) -> Features:
@@ -271,16 +275,10 @@ _FEATURES: dict[str, Callable[[Any], Features]] = {
     "output_controller": lambda block: _both(1, block.outputs > 1),
     "output_integral": _output_integral,
     "parallel": lambda block: _both(1, block.latency),
-    "plane_select": _one,
     "polynomial": _one,
     "precise": _precise,
     "program_memory": _program_memory,
-    "replay_memory": lambda block: _both(1, block.addr_width),
-    "round_saturate": lambda block: _both(1, block.rectifies, block.cut),
-    "serial_accumulate": lambda block: _both(1, block.acc_width),
-    "serial_engine": lambda block: _both(1, block.rectifies, block.program.names_blocks),
     "sign_retriever": _one,
     "stream_multiplexer": _one,
-    "table_address": lambda block: _both(1, block.beyond, block.addr_width),
     "table_graph": _table_graph,
 }

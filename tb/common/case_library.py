@@ -328,18 +328,6 @@ LANES = {
         spread=0.3,
     ),
 }
-# Frames overlap in a loop: with odd numbers of nodes, lanes and outputs; in a loop that is as short
-# as can be, with five frames at a time; a cascade, whose outputs leave later than they are
-# computed; ReLU in eight lanes; and registers behind the memories.
-OVERLAPPED = {
-    "rails-loop": replace(LANE, hardware="lanes = 3\ninterval = 38"),
-    "least-loop": replace(LANES["least-lanes"], hardware="lanes = 1\ninterval = 6"),
-    "chain-loop": replace(LANES["chain-lanes"], hardware="lanes = 4\ninterval = 40"),
-    "relu-loop": replace(LANES["relu-lanes"], hardware="lanes = 8\ninterval = 30"),
-    "deep-loop": replace(
-        LANES["deep-lanes"], hardware='lanes = 4\npipeline = "deep"\ninterval = 59'
-    ),
-}
 SMALL_TABLES = replace(
     ENGINE,
     shapes=[(2, 3, 2)],
@@ -475,17 +463,6 @@ RELOADED_LANES = {
         "program_words = 256",
     ),
 }
-SERIAL = "lanes = 0\n"
-# The same without a multiplier, and one function that needs two blocks of few segments.
-SERIAL_ENGINES = {
-    name.replace("engine", "serial"): replace(
-        case, hardware=case.hardware.replace('pipeline = "deep"', "") + f"\n{SERIAL}"
-    )
-    for name, case in (ENGINES | LAYERED | TABLES).items()
-    if name.endswith("engine") and not name.startswith("deep")
-} | {"bell-serial": replace(LANES["bell-lanes"], hardware=SERIAL)}
-# For a block inside an engine without a multiplier.
-SERIAL_PARTS = {"rails-serial": SERIAL_ENGINES["rails-serial"]}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:
@@ -515,8 +492,7 @@ PRECISE = {
 }
 
 # Networks with past samples: with other delays for each sensor; with a long past; with slots after
-# the samples; with frames that come no faster than the window sends them; without a multiplier; and
-# with frames that overlap in the network.
+# the samples; with frames that come no faster than the window sends them.
 WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
 PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
 WINDOWS = {
@@ -532,8 +508,6 @@ WINDOWS = {
         window=Window(((0, 2), (0, 2))),
     ),
     "few-past": replace(PAST, shapes=[(2, 2, 2)], design="hybrid", window=Window(((2,), (1,)))),
-    "serial-past": replace(PAST, hardware=SERIAL),
-    "loop-past": replace(PAST, hardware="lanes = 2\ninterval = 20"),
 }
 
 # A pair of nodes and a single one, with a q wider than 18 bits, a q below 2, and tables in LUTs.
@@ -624,14 +598,11 @@ UART_INSTRUMENTS = {
 }
 
 # For a readout: the largest output beside the stream alone, of a network with past samples, of an
-# engine that is loaded, of lanes in which frames overlap, and beside held outputs and a profile.
+# engine that is loaded, and beside held outputs and a profile.
 # With the weights of the first and of the last case each output is the largest of some frames.
 READ_WINNERS = {
     "winner": WINNER,
     "winner-past": replace(PAST, hardware="argmax = true"),
     "winner-reload": replace(WINNER, hardware="argmax = true\nreload = true"),
-    "winner-loop": replace(
-        OVERLAPPED["rails-loop"], hardware="argmax = true\nlanes = 3\ninterval = 38", seed=15
-    ),
     "drawn-winner": replace(DRAWN["drawn"], hardware="argmax = true", seed=14),
 }

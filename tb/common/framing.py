@@ -6,7 +6,6 @@ import numpy as np
 
 from golden.layers.frame_judge import FrameScan
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
 from tb.common.bench import Recording
 
 LEAST_FRAMES = 30
@@ -48,25 +47,6 @@ def scan(
             for name in ("addr", "accept", "done", "error")
         )
     )
-
-
-def begun(twin: Network, recording: Recording, ended: np.ndarray) -> np.ndarray:
-    """The clocks from which the outputs of good frames are counted; see ``Network.begun``.
-
-    ``ended`` are the clocks of the last samples of the frames.
-    """
-    since = np.searchsorted(recording.resets(), ended)
-    parts = [twin.begun(ended[since == epoch]) for epoch in np.unique(since)]
-    return np.concatenate([ended[:0], *parts])
-
-
-def longest_wait(twin: Network) -> int:
-    """For how many clocks a good frame waits at most until its outputs are counted.
-
-    It waits longest when it ends one clock after the beginning that it might have had.
-    """
-    ended = np.array([0, twin.interval + 1])
-    return int((twin.begun(ended) - ended).max())
 
 
 def yielding(

@@ -12,7 +12,7 @@ from golden.networks.oracle import designs_in, hidden_weights
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.framing import begun, random_lengths, scan, yielding
+from tb.common.framing import random_lengths, scan, yielding
 from tb.common.loading import after_loading, untaught
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
@@ -67,7 +67,7 @@ def check_outputs(bench, recording, started, ended, frames):
     outputs = bench.twin.outputs
     kept, results = yielding(recording, ended, frames, bench.twin.past, bench.twin.process)
     started, ended, frames = started[kept], ended[kept], frames[kept]
-    at = begun(bench.twin, recording, ended)[:, np.newaxis] + np.array(bench.twin.output_clocks)
+    at = ended[:, np.newaxis] + np.array(bench.twin.output_clocks)
     alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
     alive &= at.ravel() < recording.clocks
     expected_rows = at.ravel()[alive]

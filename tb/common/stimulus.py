@@ -95,14 +95,6 @@ def random_runs(
     return run, rng.random(length) < 1 / every
 
 
-def look_ups(rng: np.random.Generator, addresses: int, length: int) -> dict[str, np.ndarray]:
-    """Every address of a table once, then random ones; two of three of these are asked for."""
-    look_up = rng.random(length) < 2 / 3
-    segment = rng.integers(0, addresses, length)
-    segment[:addresses], look_up[:addresses] = np.arange(addresses), True
-    return {"segment": segment, "look_up": look_up}
-
-
 def sums_to_round(rng: np.random.Generator, width: int, cut: int = 0) -> np.ndarray:
     """Codes of an engine's sum for which an error shows in the word that becomes of it.
 

@@ -14,13 +14,13 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.case_library import ENGINES, OVERLAPPED
+from tb.common.case_library import ENGINES, LESSONS
 from tb.common.framing import random_lengths, scan
 from tb.common.stimulus import random_resets, spread
 
 CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
-# These count samples alone. In the second one there are addresses that no sample has.
-CASES |= {name: OVERLAPPED[name] for name in ("rails-loop", "chain-loop")}
+# This counts samples alone.
+CASES |= {"lesson": LESSONS["lesson"]}
 
 SAMPLES = 1000
 # By how many clocks a frame comes later than the last clock that is too early.

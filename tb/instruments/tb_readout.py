@@ -21,7 +21,6 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
-from tb.common.framing import longest_wait
 from tb.common.lessons import Player, refusals, traffic
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
 from tb.common.network import (
@@ -70,7 +69,7 @@ async def check(bench, frames, resets=None):
         # Too few random distances would be short enough.
         pause[:, 0] = twin.interval
     items = {"in_data": elements, "in_last": last}
-    tail = twin.output_clocks[-1] + longest_wait(twin) + 2 * drawing + 9
+    tail = twin.output_clocks[-1] + 2 * drawing + 9
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)

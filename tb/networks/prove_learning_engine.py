@@ -4,10 +4,13 @@ The proofs do not cover what the data paths compute. A program has one jump, in 
 frames have none, so the clocks of every frame are the same.
 """
 
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.graph import Kind
+from golden.engine.operand_memory import WORD
 from golden.learning.program import FRAME
 from golden.numbers.precision import SIGNAL
 from tb.common.properties import Property
-from tb.common.watch import frames_computed
+from tb.common.watch import exact_sum, frames_computed, pipe
 
 # This has one output, and so one equation.
 ALSO = ("least-lesson",)
@@ -180,3 +183,187 @@ BEFORE = """
         reset_before <= rst;
     end
 """
+
+
+def operand_select(twin):
+    """The properties of the part, which say all that it does."""
+    one, span = 1 << DROPPED, 1 << twin.segment_width
+    late = twin.latency
+    return [
+        Property(
+            name="operand",
+            sentence=f"The operand comes {late} clocks later and is what its kind says: the word, "
+            "the number one with the word's sign, the word's distance from the middle of a segment "
+            f"of {span} codes, or the number one.",
+            states=(f"!there[{late - 1}] || $signed(operand) == expected_{late - 1}",),
+            watch=f"""
+                wire signed [31:0] whole = $signed(word);
+                wire signed [31:0] inside = whole & {span - 1};
+                wire signed [31:0] expected = kind == {Kind.WORD:d} ? whole
+                    : kind == {Kind.DISTANCE:d} ? inside - {span // 2}
+                    : kind == {Kind.INTERCEPT:d} && whole < 0 ? -{one} : {one};
+            """
+            + pipe("expected", late, 32),
+            reached=(f"there[{late - 1}] && expected_{late - 1} == -{span // 2}",),
+            refuted_by=(
+                (r"below = \(!word\[(\d+)\]\)", r"below = word[\1]"),
+                (r"\(kind == 1\) && word\[17\]", "(kind == 1)"),
+                (r"kind == 2", "kind == 3"),
+                (r"chosen = 16384", "chosen = 16383"),
+            ),
+            clocks=late + 2,
+            induction=late + 1,
+            whole=True,
+        ),
+    ]
+
+
+def multiply_accumulate(twin):
+    """The properties of the part, which say all that it does."""
+    half = 1 << (DROPPED - 1)
+    half_output = half << OUTPUT_SHIFT
+    least, largest = WORD.low * WORD.high, WORD.low * WORD.low
+    # A sum of so many products always fits, whatever they are.
+    low, high = -1 << (twin.acc_width - 1), (1 << (twin.acc_width - 1)) - 1
+    most = min((high - half_output) // largest, -low // -least)
+    in_range = f"($signed(product) >= 64'sd0 + {least} && $signed(product) <= 64'sd{largest})"
+    return [
+        Property(
+            name="products",
+            sentence="Each product is that of the operand and the coefficient three clocks before. "
+            "The coefficient is the program's weight or the half of the table's word that "
+            "take_intercept names.",
+            states=(
+                "!there[1] || ($signed(factor_late) == taken_1 && $signed(coeff_late) == code_1)",
+                "!there[2] || $signed(product) == expected",
+            ),
+            watch=f"""
+                wire [{WIDTH - 1}:0] high = table_word >> {WIDTH}, low = table_word;
+                wire [{WIDTH - 1}:0] code = weight | (take_intercept ? high : low);
+                wire [{WIDTH - 1}:0] taken = operand;
+            """
+            + pipe("code", 2, WIDTH)
+            + pipe("taken", 2, WIDTH, also=False)
+            + f"""
+                reg signed [{2 * WIDTH - 1}:0] expected;
+                always @(posedge clk) expected <= $signed(factor_late) * $signed(coeff_late);
+            """,
+            reached=("there[2] && taken_1 == -1 && code_1 == 3",),
+            refuted_by=(
+                (r"weight \| chosen", "weight"),
+                (r"table_word\[36-1:18\]", "table_word[17:0]"),
+                (r"coeff_late <= coeff", "coeff_late <= bits"),
+                (r"product <= \(", "product <= 2 * ("),
+            ),
+            clocks=4,
+        ),
+        Property(
+            name="no overflow",
+            sentence=f"The sum loses no bit as long as its {twin.acc_width} bits can hold it, "
+            f"whatever its products are. They can hold every sum of up to {most} products.",
+            states=(
+                "!begun || !fits || $signed(acc) == exact",
+                f"!begun || count > {most} || fits",
+            ),
+            watch=exact_sum(
+                twin.acc_width,
+                opens="opening || opening_output",
+                value=f"(opening_output ? 64'sd{half_output} : opening ? 64'sd{half} : exact)"
+                " + $signed(product)",
+            ),
+            assumes={f"A product of two codes lies between {least} and {largest}.": in_range},
+            helps=(
+                "!begun || acc == exact[" + f"{twin.acc_width - 1}:0]",
+                "!begun || count != 0",
+                *(
+                    f"!begun || count != {n} || (exact >= {n} * 64'sd0 + {n * least} && exact "
+                    f"<= 64'sd{n * largest + half_output})"
+                    for n in range(1, most + 1)
+                ),
+            ),
+            free=("product",),
+            reached=(f"begun && count == {most}", "begun && !fits"),
+            refuted_by=(
+                (r"reg signed \[\d+:0\] total", f"reg signed [{twin.acc_width - 2}:0] total"),
+                (r"base = 131072", "base = 8192"),
+                (r"base = 8192", "base = 0"),
+                (r"if \(opening_output\)", "if (opening_output && opening)"),
+            ),
+            clocks=most + 4,
+            whole=True,
+        ),
+    ]
+
+
+def table_address(twin):
+    """The properties of the part, which say all that it does."""
+    span, last = 1 << twin.segment_width, twin.segments - 1
+    return [
+        Property(
+            name="segment",
+            sentence=f"One clock later the address is the segment of {span} codes in which q lies, "
+            f"counted from 0 up and from -1 down. Beyond the last segment it is {last}.",
+            states=("!after_reset || addr == expected",),
+            watch=f"""
+                wire signed [31:0] whole = $signed(q);
+                wire [31:0] piece = (whole < 0 ? -32'sd1 - whole : whole) / {span};
+                reg [31:0] expected;
+                always @(posedge clk) expected <= piece > {last} ? {last} : piece;
+            """,
+            reached=(f"after_reset && expected == {last}", "after_reset && expected == 0"),
+            refuted_by=(
+                (r"if \(q\[17\]\)", "if (q[16])"),
+                (r"addr <= \d+", "addr <= 0"),
+                (r"top > 4", "top > 5"),
+            ),
+            clocks=3,
+            induction=2,
+            whole=True,
+        ),
+    ]
+
+
+def round_saturate(twin):
+    """The properties of the part, which say all that it does."""
+    low, high = WORD.low, WORD.high
+    return [
+        Property(
+            name="word",
+            sentence=f"One clock later the word is the sum without its lowest {DROPPED} bits, or "
+            f"the end of the word's range where that lies beyond it. Without run the "
+            f"word is {1 << SAMPLE_SHIFT} times the sample.",
+            states=("!after_reset || $signed(word) == expected",),
+            watch=f"""
+                wire signed [63:0] sum = $signed(acc);
+                wire signed [63:0] cut = sum >>> {DROPPED};
+                wire signed [31:0] eightfold = $signed(sample) * 32'sd{1 << SAMPLE_SHIFT};
+                reg signed [31:0] expected;
+                always @(posedge clk) begin
+                    expected <= !run ? eightfold
+                        : cut < {low} ? {low} : cut > {high} ? {high} : cut;
+                end
+            """,
+            reached=(
+                f"after_reset && expected == {low}",
+                f"after_reset && expected == {high}",
+            ),
+            refuted_by=(
+                (r"above != 0\)", "above != 1)"),
+                (r"above != 127", "above != 126"),
+                (r"result = 131071", "result = 131070"),
+                (r"wide << 3", "wide << 2"),
+                (r"if \(run\)", "if (1)"),
+            ),
+            clocks=3,
+            induction=2,
+            whole=True,
+        ),
+    ]
+
+
+PARTS = {
+    "operand_select": operand_select,
+    "multiply_accumulate": multiply_accumulate,
+    "table_address": table_address,
+    "round_saturate": round_saturate,
+}

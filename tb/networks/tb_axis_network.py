@@ -39,14 +39,6 @@ CASES = {
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
     "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
     "axis-engine": replace(AXIS, shapes=[(2, 3, 3)], design="engine", activation="precise"),
-    # Frames overlap inside.
-    "axis-loop": replace(
-        AXIS,
-        shapes=[(2, 3, 3)],
-        design="engine",
-        activation="precise",
-        hardware="lanes = 2\ninterval = 26",
-    ),
     "axis-past": replace(
         AXIS,
         shapes=[(4, 2, 2)],

@@ -11,7 +11,6 @@ Drives: frames as close as the design takes them, with random gaps, closer than 
 resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
 If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
 and resets while an image is loaded.
-In a loop frames overlap; with gaps most of them wait for the loop to begin anew.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
 comes in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the words of the
 program and of the lanes, or those that are loaded. The bench also measures the clocks of a frame.
@@ -32,7 +31,6 @@ from tb.common.case_library import (
     LANES,
     LAYERED,
     LEARNED,
-    OVERLAPPED,
     RELOADED,
     RELOADED_LANES,
     TABLES,
@@ -52,7 +50,7 @@ from tb.common.network import (
 )
 from tb.common.stimulus import random_resets, spread
 
-CASES = ENGINES | LANES | OVERLAPPED | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
+CASES = ENGINES | LANES | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
 # The first case and this one have one lane, with one memory for all; here is a layer of ReLU and
 # one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
 # add is in lane_round alone, which has records of these.

@@ -1,7 +1,7 @@
 """Wiring and resources of boards.
 
-The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python -m
-tactus.boards.variants`` record beside a scene what it takes.
+The wiring is in the file of the board. ``make bitstream RECORD=1`` records beside a scene what it
+takes.
 """
 
 from fractions import Fraction
@@ -9,7 +9,6 @@ from fractions import Fraction
 from golden.sensing.converter_parts import PARTS
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import Report, read_record, record_path
-from tactus.boards.variants import read_variants, variants_path
 from tactus.scene import load_scene, scene_names
 
 KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
@@ -67,20 +66,6 @@ def resources() -> str:
                 report, _ = read_record(path)
                 cells = _cells(report, scene.twin().output_clocks[-1])
                 lines.append(f"| {scene.name} | {board.title}, {board.device} | {cells} |")
-    return "\n".join(lines)
-
-
-def variant_rows() -> str:
-    """The resources of variants of a scene, with fewer parts or with another engine."""
-    lines = []
-    for scene in map(load_scene, scene_names()):
-        for board in map(load_board, board_names()):
-            path = variants_path(scene, board)
-            if path.is_file():
-                lines += [f"| {scene.name} on {board.title} | {HEADS} |"]
-                lines += ["|" + "---|" * (4 + len(KINDS))]
-                for name, (report, clocks) in read_variants(path).items():
-                    lines.append(f"| {name} | {_cells(report, clocks)} |")
     return "\n".join(lines)
 
 

@@ -15,7 +15,7 @@ COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
     *("digit-fast-clock", "digit-fast-full", "digit-fast-ternary"),
     *("digit-lanes2", "digit-lanes4", "digits-lanes8"),
-    *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
+    *("digit-single-engine", "digit-single-fast"),
     *("digit-sums", "digit-tables", "wine-tables"),
     *("swing-single-thesis", "swing-multiple-thesis", "swing-cascade-thesis", "thesis-larger"),
 ]

@@ -119,7 +119,6 @@ MADE: dict[str, Callable[[], str]] = {
     "wiring": boards.wiring,
     "sources": boards.pin_sources,
     "resources": boards.resources,
-    "variants": boards.variant_rows,
     "digit": partial(designs.rows, designs.CASCADE),
     "digit-single": partial(designs.rows, designs.SINGLE),
     "ecp5": partial(designs.rows, designs.SINGLE, "ecp5"),

@@ -44,12 +44,10 @@ SCENES = (
     "digit-reload",
     "digit-instrument",
     "comparison/digit-single-engine",
-    "comparison/digit-serial",
 )
 # A regular expression for the tests that are played on a block; on all other blocks, all are.
 PLAYED = {
     "engine": "(recorded)",
-    "serial_engine": "(recorded)",
     "uart_instrument": "(recorded)",
 }
 Tell = Callable[[Outcome, Callable[[str], None]], None]
