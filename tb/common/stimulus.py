@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from golden.engine.formats import DROPPED
-from golden.engine.operand_memory import WORD
 from golden.layers.weighted_sum import WeightedSum
 from golden.numbers.fixed import Fix
 from golden.trained.window import Window
@@ -93,28 +91,6 @@ def random_runs(
     """Runs of up to ``longest`` clocks, and clocks of ``finish``, one in ``every``."""
     run = np.repeat(rng.integers(0, 2, length), rng.integers(1, longest + 1, length))[:length]
     return run, rng.random(length) < 1 / every
-
-
-def sums_to_round(rng: np.random.Generator, width: int, cut: int = 0) -> np.ndarray:
-    """Codes of an engine's sum for which an error shows in the word that becomes of it.
-
-    Of a word the lowest ``cut`` bits may be dropped.
-    """
-    fmt = Fix(width, 0)
-    steps = rng.integers(WORD.low, WORD.high + 1, 1000)
-    marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED
-    if cut:
-        # These sums lie half way between two codes of the result, or have a single one of the bits
-        # below that. There are enough of them that some come with ReLU.
-        unit = cut + DROPPED
-        alone = (1 << unit) + (1 << np.arange(unit).repeat(10))
-        marks = np.concatenate([marks, (steps >> cut) << unit, alone])
-    powers = 1 << np.arange(width - 1)
-    marks = np.concatenate([marks, powers, -powers, [fmt.low, fmt.high]])
-    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
-    random = rng.integers(fmt.low, fmt.high + 1, 4000) >> rng.integers(0, width - 1, 4000)
-    codes = np.concatenate([near, random])
-    return codes[(codes >= fmt.low) & (codes <= fmt.high)]
 
 
 def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:

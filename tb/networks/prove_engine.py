@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 from tb.common.properties import Property
 from tb.common.watch import busy_of, frames_computed, table
+from tb.networks.engine_parts_proof import lane_accumulate, lane_round, operand_memory
 
 # The first case has a layer of tanh on one lane. Then come several layers with ReLU; tanh on three
-# lanes, and ReLU on eight without a table; and programs that are loaded, into
-# one lane and into several.
+# lanes, and ReLU on eight without a table; quantised networks, and registers behind the memories;
+# and programs that are loaded, into one lane and into several.
 ALSO = (
-    *("steep-engine", "rails-lanes", "relu-lanes"),
+    *("steep-engine", "rails-lanes", "relu-lanes", "exact-lanes", "floor-lanes", "deep-engine"),
     *("rails-reload", "rails-lanes-reload"),
 )
 
@@ -243,3 +244,10 @@ def placed(twin):
         ),
         clocks=2,
     )
+
+
+PARTS = {
+    "lane_accumulate": lane_accumulate,
+    "lane_round": lane_round,
+    "operand_memory": operand_memory,
+}

@@ -53,7 +53,7 @@ from tb.common.stimulus import random_resets, spread
 CASES = ENGINES | LANES | LAYERED | TABLES | LEARNED | RELOADED | RELOADED_LANES
 # The first case and this one have one lane, with one memory for all; here is a layer of ReLU and
 # one of tanh. Then come several lanes with a table, and with ReLU and none. What quantised networks
-# add is in lane_round alone, which has records of these.
+# add is in lane_round alone, whose properties are proved of these.
 ALSO = ("steep-engine", "rails-lanes", "relu-lanes")
 # How many intervals of frames are left behind the last image at least.
 BEHIND = 20

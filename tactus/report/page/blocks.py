@@ -96,7 +96,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 for options in (design.activation_choices and choices) or [{}]:
                     yield precision.name, design.of([mlp], Settings(precision, name, options))
         for key in design.options:
-            for choice in (0, 2) if key == "lanes" else HARDWARE.keys[key].kind.choices:
+            for choice in (2,) if key == "lanes" else HARDWARE.keys[key].kind.choices:
                 precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
                 settings = Settings(precision, name, options={key: choice})
                 yield precision.name, design.of([mlp], settings)
