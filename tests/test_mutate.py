@@ -265,10 +265,12 @@ def with_words(shared: Shared) -> dict[str, list[Word]]:
     return {block: words for block, words in found.items() if words}
 
 
-def test_words_are_recorded_where_there_are_some(with_words: dict[str, list[Word]]) -> None:
+def test_words_are_recorded_where_there_are_some(shared: Shared) -> None:
     for block in BENCHES:
-        for name in recorded_cases(block):
-            assert ("words" in read_record("mutation", name)) == (block in with_words), name
+        for name, case in recorded_cases(block).items():
+            job = shared.subject(block, case=case)
+            words = words_of((job.hdl_folder / f"{job.entity}.v").read_text())
+            assert ("words" in read_record("mutation", name)) == bool(words), name
 
 
 def test_the_score_is_of_these_words(with_words: dict[str, list[Word]]) -> None:

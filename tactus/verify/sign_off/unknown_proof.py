@@ -55,8 +55,9 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
     if large or netlist.twin.latency > MOST_CLOCKS:
         return None
     left = [register for register in netlist.registers() if register.reset and register != unreset]
-    if not left and not any(outputs(netlist)):
-        # Nothing is proved of data without a flag.
+    if (unreset or not left) and not any(outputs(netlist)):
+        # Nothing is proved of data without a flag, and registers that do not hang on the one whose
+        # reset is left out are known all the same.
         return None
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
