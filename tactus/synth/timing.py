@@ -21,6 +21,9 @@ DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
 PINS = 365
 WITHOUT_PINS = "--out-of-context"
 SEED = 1
+# Ports without a pin are placed by chance, and from some pins no clock can be reached. Then so many
+# seeds are tried.
+SEEDS = 4
 # The clock that the router aims at, and at which it stops. For a scene that needs a faster clock it
 # aims a fifth above that.
 AIM_MHZ = 125
@@ -156,11 +159,20 @@ def place(
     router: str = ROUTER,
     device: Sequence[str] = DEVICE,
 ) -> dict[str, Any]:
-    """Place and route ``netlist.json`` into ``<placer>.json``, and return nextpnr's report."""
+    """Place and route ``netlist.json`` into ``<placer>.json``, and return nextpnr's report.
+
+    Where the router finds no way to a clock, the next seed is tried.
+    """
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
     options += ["--placer", placer, "--router", router, "--write", f"{placer}.json"]
-    files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
-    run_tool("nextpnr-ecp5", [*device, *files, *options], folder)
+    files = ["--json", "netlist.json", "--freq", str(aim)]
+    for seed in range(SEED, SEED + SEEDS):
+        try:
+            run_tool("nextpnr-ecp5", [*device, *files, "--seed", str(seed), *options], folder)
+            break
+        except InputError as error:
+            if "Failed to route arc" not in str(error) or seed == SEED + SEEDS - 1:
+                raise
     return dict(json.loads((folder / "report.json").read_text(encoding="utf-8")))
 
 
