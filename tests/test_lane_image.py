@@ -187,7 +187,6 @@ def test_more_words_than_there_are_are_refused() -> None:
             r"got 1024, expected 2048 or more, .* with segment_width 9 and table_blocks 3",
         ),
         ({"operand_words": 2048}, r"operand_words: got 2048, expected a power of two, 2 to 1024"),
-        ({"interval": 20}, r"hardware.interval: got 20 with reload, expected \d+ or more"),
         ({"operand_words": 8}, r"needs \d+ operand words, there are 8 \(hardware.operand_words\)"),
     ],
 )

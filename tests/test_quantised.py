@@ -24,7 +24,6 @@ from golden.engine.quantise import integer_networks
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
-from golden.networks.settings import Settings
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import DenseNetwork
 from tactus.network_files.network_file import load_network, write_network
@@ -229,11 +228,10 @@ def test_a_network_of_qonnx_is_exact_on_the_engine(tmp_path_factory, plan: Plan)
         hidden_codes(network, codes), file_codes(held, samples * plan.unit), strict=True
     ):
         assert np.array_equal(ours, theirs)
-    for option in ({}, {"lanes": 0}):
-        engine = Engine.of([network], Settings(options=option))
-        found = engine.process(codes)
-        assert np.array_equal(found, as_output(expected))
-        assert np.array_equal(found, exact(engine, codes))
+    engine = Engine.of([network])
+    found = engine.process(codes)
+    assert np.array_equal(found, as_output(expected))
+    assert np.array_equal(found, exact(engine, codes))
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -80,8 +80,9 @@ exported_constants.refuse_undefined()
 from pathlib import Path
 from tactus.scene import load_scene
 from tactus.export.exporter import export
+scene = load_scene("comparison/digit-lanes4")
 for language in ("vhdl", "verilog"):
-    print(len(export(load_scene("digit-load"), language, Path({str(tmp_path)!r}) / language)) > 5)
+    print(len(export(scene, language, Path({str(tmp_path)!r}) / language)) > 5)
 """
     assert run(IN_TESTS, "-c", program) == ["True", "True"]
 
