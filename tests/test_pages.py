@@ -1,5 +1,6 @@
 """Pages contain what commands write into them, and the rest of a page stays as it is."""
 
+import ast
 import math
 import re
 import sys
@@ -261,6 +262,19 @@ def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
     whole, found = (cells(table, *start) for start in ((f"{first},", "whole"), (first,)))
     saved = [str(int(a) - int(b)) for a, b in zip(whole, found, strict=True)]
     assert cells(table, "saved") == saved
+
+
+@pytest.mark.parametrize("room", ["golden", "hdl", "studies", "tactus", "tb"])
+def test_a_module_that_runs_ends_with_its_start(room: str) -> None:
+    """What is defined behind the start does not exist yet when it is needed."""
+    for path in (ROOT / room).rglob("*.py"):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        starts = [
+            n
+            for n, one in enumerate(body)
+            if isinstance(one, ast.If) and "__main__" in ast.unparse(one.test)
+        ]
+        assert not starts or starts == [len(body) - 1], path
 
 
 WALK = re.compile(r"^ ?\d+\. .*?\[(\w+)\]\(\.\./([\w/]+\.py)\)", re.M | re.S)

@@ -1,4 +1,4 @@
-"""The program of an engine with several multipliers, and a function that executes it."""
+"""The program of an engine with one multiplier or several, and a function that executes it."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -190,10 +190,6 @@ class LaneProgram(Program):
     def row_width(self) -> int:
         """Bits of the number of a row of the table; one at least."""
         return max(1, (self.blocks - 1).bit_length() + self.segment_bits)
-
-    def field(self, name: str) -> tuple[int, int]:
-        """The lowest bit of a field in a word, and its number of bits."""
-        return self.layout[name]
 
     @cached_property
     def intercepts(self) -> Codes:

@@ -1,15 +1,11 @@
 """lane_round: the sum of a lane, or what the first lane stores, becomes a word."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, input_port, output_port
 from golden.engine.operand_memory import WORD
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 
 
@@ -48,13 +44,6 @@ class LaneRound(Block):
         if self.even:
             found["even"] = ~(1 << self.cut)
         return found
-
-    def without_zeros(self, word: ArrayLike, flags: Mapping[str, ArrayLike]) -> Codes:
-        """Words as they are behind the register, where ``flags`` say what of ``zeros`` is 0."""
-        codes = np.asarray(word, dtype=np.int64)
-        for name, mask in self.zeros.items():
-            codes = np.where(flags[name], codes & mask, codes)
-        return codes
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -109,8 +109,7 @@ class Engine(Design):
             "pipeline": "short",
             **settings.options,
         }
-        if chosen.get("clocks"):
-            return cls._within(networks, settings, arrangement, variant)
+        budget = chosen.pop("clocks", 0)
         lanes, width, lean = chosen["lanes"], chosen["segment_width"], settings.lean
         if not 1 <= lanes <= MOST_LANES:
             other = "" if lanes else "; adder_graph and table_graph need no multiplier"
@@ -136,31 +135,24 @@ class Engine(Design):
                 pipeline,
                 least_addr_width=LEAST_ADDR_WIDTH,
             )
-        return cls(
+        built = cls(
             program,
             acc_width,
             integers,
             graph,
             loaded,
-            asked=lanes,
+            budget,
+            lanes,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-
-    @classmethod
-    def _within(
-        cls, networks: Sequence[Trained], settings: Settings, arrangement: str, variant: str
-    ) -> Self:
-        """The engine, if its last output leaves in time after the last sample."""
-        chosen: dict[str, Any] = dict(settings.options)
-        clocks = chosen.pop("clocks")
-        engine = cls.build(networks, replace(settings, options=chosen), arrangement, variant)
-        if engine.output_clocks[-1] <= clocks:
-            return replace(engine, budget=clocks)
-        raise InputError(
-            f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
-            f"an engine with lanes = {engine.asked} takes"
-        )
+        clocks = built.output_clocks[-1]
+        if budget and clocks > budget:
+            raise InputError(
+                f"hardware.clocks: got {budget}, expected {clocks} or more, which an engine with "
+                f"lanes = {lanes} takes"
+            )
+        return built
 
     @property
     def inputs(self) -> int:

@@ -32,10 +32,10 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     """
     count = spec.lanes
     memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
-    place_width = spec.program.field("place")[1] if spec.alone else memories[0].place_width
+    place_width = spec.program.layout["place"][1] if spec.alone else memories[0].place_width
     word = unsigned(WIDTH if spec.alone else WORD_WIDTH)
     start, run, finish, write = (flag() for _ in range(4))
-    fields = spec.program.field
+    fields = spec.program.layout
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     kind, opens = unsigned(2), unsigned(2)
     place = unsigned(place_width) if place_width else None
@@ -71,12 +71,12 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
         before_last, row = unsigned(spec.addr_width), unsigned(sizes.program_addr_width)
         lane_put, lane_addr = Words(count, flag), unsigned(memories[0].addr_width)
         lane_word = Words(count, lambda: unsigned(WIDTH))
-    source_low, kind_low, opens_low = fields("source")[0], fields("kind")[0], fields("opens")[0]
+    source_low, kind_low, opens_low = fields["source"][0], fields["kind"][0], fields["opens"][0]
     source_top, kind_top, opens_top = source_low + spec.addr_width, kind_low + 2, opens_low + 2
     store_bit, together_bit, output_bit, end_bit, relu_bit = (
-        fields(name)[0] for name in ("store", "together", "output", "end", "relu")
+        fields[name][0] for name in ("store", "together", "output", "end", "relu")
     )
-    assert not fields("place")[0], "a place begins at the lowest bit"
+    assert not fields["place"][0], "a place begins at the lowest bit"
 
     @always_seq(clk.posedge, reset=rst)
     def leave():
@@ -262,7 +262,7 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
                 word,
                 acc,
                 j,
-                low_bit=fields("gather")[0],
+                low_bit=fields["gather"][0],
                 design=accumulators[j],
                 read=factor[j],
                 kind=sort,
