@@ -129,7 +129,7 @@ class LaneProgram(Program):
     def lanes(self) -> int:
         return self.shared.lanes
 
-    @property
+    @cached_property
     def weights(self) -> tuple[tuple[int, ...], ...]:
         """For each place the weight of each lane."""
         return tuple((weight,) for weight in self.beside) or self.shared.weights
