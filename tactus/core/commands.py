@@ -277,8 +277,8 @@ COMMANDS = (
     ),
     Command(
         "image",
-        "Writes the image with which a reloadable engine, or reloadable lanes, run the networks of "
-        "a scene. HARDWARE= names the scene whose hardware runs it, if that is another one.",
+        "Writes the image with which a reloadable engine runs the networks of a scene. "
+        "HARDWARE= names the scene whose hardware runs it, if that is another one.",
         (RELOADED_SCENE, HARDWARE),
         "tactus.cli.image",
     ),
