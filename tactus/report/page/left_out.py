@@ -1,4 +1,4 @@
-"""What leaving out saves, for a table of docs/left-out.md and a picture."""
+"""What leaving out saves, for the headline and a table of docs/left-out.md and a picture."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,6 +29,18 @@ def kept(scenes: Table) -> dict[str, tuple[float, float]]:
         # studies/sensors_left_out
         "sensors": (2, 4),
     }
+
+
+def headline(scenes: Table) -> str:
+    """How much of the whole is built, in a sentence."""
+    (row,) = rows_of(scenes, scene=FORM)
+    found = kept(scenes)
+    found["words"] = (number(row, f"words, {LEAN}"), number(row, f"words, {WHOLE}"))
+    said = {kind: f"{part:,.0f} of {whole:,.0f}" for kind, (part, whole) in found.items()}
+    return (
+        f"**Built as in the thesis, `{FORM}` takes {said['LUTs']} LUTs and {said['words']} words "
+        f"of ROM. Asked for the load alone, `{SCENE}` takes {said['clocks for load']} clocks.**"
+    )
 
 
 def program_rows() -> str:
