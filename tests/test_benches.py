@@ -11,7 +11,7 @@ from conftest import tiered
 from shared import Shared
 from test_every_frame import NETWORKS as WHOLE_NETWORKS
 
-from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import load_scene
 from tactus.verify.benches.collected import BENCHES, CASES, blocks_of
 from tactus.verify.benches.runner import Job, Outcome

@@ -19,7 +19,7 @@ from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
 from tactus.errors.scene_errors import held_out_rows, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
-from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.rig import check, class_counts
 from tactus.rig.readings import at_ends
 from tactus.scene import FOLDER, class_names, load_scene

@@ -19,7 +19,7 @@ from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
 from tactus.report.draw.pictures import pictures
-from tactus.report.draw.titled_picture import Picture
+from tactus.report.draw.svg import Picture
 from tactus.report.measure.learned_edges import BINS, INPUT, SUM, VALUES, nodes_of, scene_edges
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene

@@ -17,10 +17,15 @@ from tactus.report.page.sign_off import mutation, percent
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.benches.runner import Job, Outcome, run_job
 from tactus.verify.sign_off.mutate import flat, score
-from tactus.verify.sign_off.mutate.explained import explain, explanations
 from tactus.verify.sign_off.mutate.initial import Word, drawn, flipped, score_words, words_of
-from tactus.verify.sign_off.mutate.mutants import given, make_mutants, write_netlists
-from tactus.verify.sign_off.mutate.population import population
+from tactus.verify.sign_off.mutate.mutants import (
+    explain,
+    explanations,
+    given,
+    make_mutants,
+    population,
+    write_netlists,
+)
 from tactus.verify.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tactus.verify.sign_off.mutate.score import COUNT, SEED, Subject, prepare, run_bench

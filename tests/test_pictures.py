@@ -20,10 +20,9 @@ from tactus.physics.swing_data import independent_run
 from tactus.report.draw.area import designs
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.drawing import ACCENT, FAINT, text_width
-from tactus.report.draw.load import beam, has_load
+from tactus.report.draw.load import beam, has_load, profile
 from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
-from tactus.report.draw.profile import profile
 from tactus.report.draw.svg import own_ids
 from tactus.report.draw.swing import RUN, follow, swing
 from tactus.report.draw.waveforms import Row, waveforms

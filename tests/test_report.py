@@ -15,7 +15,7 @@ import pytest
 from shared import Shared
 
 from tactus.core.fingerprint import ROOT
-from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Table
 from tactus.report.page import build
 from tactus.report.page.content import content

@@ -22,7 +22,7 @@ from golden.activation.reference import (
 from golden.activation.schemes import forms
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL, THESIS
-from tactus.report.draw.activation_errors import plot_file
+from tactus.report.activations import plot_file
 from tactus.report.measure import activation_errors as errors
 from tactus.report.measure.activation_errors import FACTORS, Row, table
 

@@ -36,11 +36,11 @@ from tactus.core.commands import arguments_of
 from tactus.core.files import check_output, check_room, replace_folder
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
+from tactus.core.machine import processor_line, processor_minutes
 from tactus.core.progress import Heartbeat, duration, stage
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export, ready_scene
 from tactus.verify.sign_off.netlist import chosen
-from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.unknown import UNKNOWN
 
 # After so many seconds without a line, one says what is running.

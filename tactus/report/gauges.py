@@ -1,16 +1,78 @@
 """``python -m tactus.report.gauges RIG``: finds the best places of gauges on a beam."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
 
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import replace_folder
 from tactus.physics.gauge_places import Placing
 from tactus.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
-from tactus.report.draw.gauges import gauges
+from tactus.report.draw.svg import PLOT_INCHES, nth, style, svg
 from tactus.report.measure.gauges import FOUND, names_of
 from tactus.report.measure.table import Cell, Table
+
+HEIGHT = 1.6  # inches of a panel
+
+
+def along(placing: Placing, places: Sequence[float]) -> dict[str, list[tuple[float, float]]]:
+    """For each output of interest, positions in mm from the root and the mean bound there."""
+    rig, errors = placing.rig, placing.errors(places)
+    at = rig.placements.position
+    return {
+        name: [
+            (float(1e3 * place), float(errors[at == place, OUTPUTS.index(name)].mean()))
+            for place in np.unique(at)
+        ]
+        for name in rig.outputs
+    }
+
+
+def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
+    """The beam with the places of its gauges, and a panel for each output below."""
+    rig = placing.rig
+    with style():
+        figure = Figure(
+            figsize=(PLOT_INCHES[0], HEIGHT * (len(rig.outputs) + 1)), layout="constrained"
+        )
+        beam, *panels = figure.subplots(
+            len(rig.outputs) + 1, 1, sharex=True, height_ratios=[1, *[2] * len(rig.outputs)]
+        )
+        beam.plot([0, 1e3 * rig.beam.length], [0, 0], color="black", linewidth=3)
+        beam.plot([0, 0], [-1, len(sets) + 1], color="black", linewidth=6)
+        beam.axvspan(
+            1e3 * float(rig.placements.position.min()),
+            1e3 * float(rig.placements.position.max()),
+            color="#eeeeee",
+        )
+        for i, (label, places) in enumerate(sets.items()):
+            look = nth(i)
+            beam.plot(
+                [1e3 * place for place in places],
+                [i + 0.8] * len(places),
+                linestyle="none",
+                marker=look.marker,
+                color=look.colour,
+                label=label,
+            )
+            for name, axes in zip(rig.outputs, panels, strict=True):
+                x, y = np.array(along(placing, places)[name]).T
+                axes.plot(x, y, marker=look.marker, color=look.colour, markersize=3)
+        beam.set_ylim(-1, len(sets) + 1)
+        beam.set_yticks([])
+        beam.set_ylabel("gauges")
+        beam.grid(visible=False)
+        for name, axes in zip(rig.outputs, panels, strict=True):
+            axes.set_ylim(0, 1.1 * axes.dataLim.y1)
+            axes.set_ylabel(f"{name}, bound %")
+        panels[-1].set_xlabel("from the root, mm; grey: where loads lie")
+        handles, labels = beam.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=2)
+        return svg(figure, "sensors")
+
 
 COMPARED = "compared"
 

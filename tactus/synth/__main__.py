@@ -27,6 +27,7 @@ from tactus.synth.budget import (
     differences,
     read_budget,
     rows,
+    shares,
     write_budget,
 )
 from tactus.synth.cells import (
@@ -40,7 +41,6 @@ from tactus.synth.cells import (
 )
 from tactus.synth.netlist import KINDS
 from tactus.synth.recorded import CELLS, TIMING, is_recorded, table_of
-from tactus.synth.shares import shares
 from tactus.synth.timing import DEVICE_NAME, PINS, TOOLS, Timing, route, write_timing
 from tactus.synth.tools import digest
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from golden.common.block import walk
 from golden.networks.network import Network
+from tactus.scene import Scene, thesis_table
 from tactus.synth.cells import DEPTH
 from tactus.synth.netlist import KINDS
 from tactus.synth.recorded import CELLS, read_rows, write_rows
@@ -66,3 +67,29 @@ def differences(found: Cells, recorded: Cells) -> list[str]:
                 if got[name] != expected[name]
             ]
     return lines
+
+
+# The networks of Table 6.1. Other scenes name their table themselves, for the errors, too.
+SWING = {
+    f"swing-{kind}{form}": f"swing.{kind}"
+    for kind in ("single", "multiple", "cascade")
+    for form in ("", "-thesis")
+}
+
+
+def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
+    """Percentages of the thesis' device, and the printed percentages where there are any."""
+    device = thesis_table("device")
+    top = cells["xc2v"][design.entity]
+    found = {
+        "device": device["name"],
+        "luts_percent": 100 * top["LUT"] / device["luts4"],
+        "mult18x18_percent": 100 * top["multiplier"] / device["mult18x18"],
+    }
+    key = SWING.get(scene.name, scene.reference)
+    if key:
+        printed = thesis_table(key)
+        found["thesis"] = {"table": key} | {
+            name: printed[name] for name in ("luts_percent", "mult18x18_percent") if name in printed
+        }
+    return found

@@ -1,11 +1,9 @@
 """Draws the cost of networks with four outputs: LUTs against clocks, with the error of each."""
 
-from tactus.report.draw.axes import Axes
-from tactus.report.draw.discs import SCAN_CLOCKS, Disc, in_order, printed_discs
 from tactus.report.draw.drawing import picture, text
-from tactus.report.draw.findings import number, rows_of
-from tactus.report.draw.named import Named, drawn, front
-from tactus.report.measure.table import Table
+from tactus.report.draw.named import Axes, Named, drawn, front
+from tactus.report.draw.run_time import SCAN_CLOCKS, Disc, in_order, printed_discs
+from tactus.report.measure.table import Table, number, rows_of
 
 
 def designs(table: Table) -> list[Disc]:

@@ -5,10 +5,9 @@ from contextlib import suppress
 from math import ceil, floor, log10
 from pathlib import Path
 
-from tactus.report.draw.axes import Axes
-from tactus.report.draw.discs import PRINTED, Disc, in_order, printed_discs
 from tactus.report.draw.drawing import picture, text
-from tactus.report.draw.named import Named, drawn
+from tactus.report.draw.named import Axes, Named, drawn
+from tactus.report.draw.run_time import PRINTED, Disc, in_order, printed_discs
 from tactus.scene import Scene
 from tactus.sizing.candidates import Sized
 

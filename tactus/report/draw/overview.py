@@ -11,10 +11,10 @@ import numpy as np
 
 from tactus.physics.beam import Beam
 from tactus.report.draw.drawing import Point, arrow_head, box, dot, group, line, number, text
-from tactus.report.draw.findings import Row
-from tactus.report.draw.findings import number as cell
 from tactus.report.draw.load import FRAME, beam
 from tactus.report.draw.run_time import AFTER, scene_of
+from tactus.report.measure.table import Row
+from tactus.report.measure.table import number as cell
 from tactus.scene import Scene, thesis_table
 from tactus.synth.budget import read_budget
 

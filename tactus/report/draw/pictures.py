@@ -7,11 +7,10 @@ from typing import Any
 from golden.common.block import walk
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.learned import learned_curves
-from tactus.report.draw.load import has_load
+from tactus.report.draw.load import has_load, profile
 from tactus.report.draw.network import network
-from tactus.report.draw.profile import profile
+from tactus.report.draw.svg import Picture
 from tactus.report.draw.swing import COORDINATES, moves, swing
-from tactus.report.draw.titled_picture import Picture
 from tactus.report.draw.waveforms import waveforms
 from tactus.report.measure.learned_edges import scene_edges
 from tactus.report.measure.simulated_frame import simulate_frame

@@ -9,7 +9,7 @@ from golden.common.block import Block, walk
 from golden.engine.program_ram import ProgramRam
 from golden.engine.program_words import ProgramWords
 from golden.networks.engine import Engine
-from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import recorded

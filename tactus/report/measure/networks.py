@@ -1,9 +1,130 @@
-"""The errors of the shipped networks, and of those that are kept for comparison."""
+"""The errors of the shipped networks and of those for comparison; their clocks."""
 
+from golden.networks.network import Network
 from tactus.errors.scene_errors import HELD_OUT, held_out_means, scene_errors
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import millimetres
+
+
+def clocks_per_frame(design: Network) -> int:
+    """The clocks from the first sample of a frame, which counts too, to its last output.
+
+    One element of a frame comes in each clock; for a parallel network all come at once. The frame
+    of an instrument begins with its scan.
+    """
+    return design.frame_clocks + design.output_clocks[-1]
+
+
+def clocks(_: int) -> Table:
+    """Every shipped scene and those for comparison, with the networks as they were trained."""
+    rows: list[list[Cell]] = []
+    for scene in scenes():
+        design = scene.twin()
+        found = scene_errors(scene)["bit-true"]
+        worst = max(range(len(found)), key=lambda c: found[c].largest_mean)
+        held_out = held_out_means(scene)
+        hidden = [network.shape[1:-1] for network in scene.networks()]
+        rows.append(
+            [
+                scene.name,
+                ", ".join(path.stem for path in scene.data_paths),
+                scene.arrangement,
+                scene.design,
+                scene.activation_text,
+                scene.precision.name,
+                " ".join(":".join(map(str, nodes)) for nodes in hidden),
+                sum(map(sum, hidden)),
+                len(scene.outputs),
+                scene.outputs[worst],
+                found[worst].largest_mean,
+                found[worst].mean,
+                max(held_out) if held_out else None,
+                clocks_per_frame(design),
+                design.output_clocks[-1],
+                design.interval,
+            ]
+        )
+    return Table(
+        "clocks",
+        [
+            "scene",
+            "data",
+            "arrangement",
+            "design",
+            "activation",
+            "precision",
+            "hidden",
+            "hidden nodes",
+            "outputs",
+            "worst output",
+            "largest %",
+            "mean %",
+            "held out %",
+            "clocks a frame",
+            "clocks after the last sample",
+            "interval clocks",
+        ],
+        rows,
+        "For each scene, the table shows the output with the largest bit-true error on all "
+        "recorded vectors: the largest mean over the positions (equation 3.15) and the mean. "
+        "Errors on appendix2 are in percent of the target, or of 0.9 for position and width. "
+        "Errors on swing-train are in percent of 1.4, the range from end to end, and have no "
+        "positions, so the two cannot be compared. 'Held out' is the largest mean error of an "
+        "output, on rows that no training had seen. The clocks are those from the first sample and "
+        "from the last one to the last output, and from one frame to the next. thesis and "
+        "digit-instrument wait for their sensors.",
+    )
+
+
+# The tables of scenes/data/thesis_numbers.toml with the printed figures, by activation.
+PRINTED = "parallel_2_6_2."
+
+
+def parallel(_: int) -> Table:
+    """The errors of the networks in parallel form, beside those of Figure 5.3."""
+    rows: list[list[Cell]] = []
+    for scene in scenes():
+        if not scene.reference.startswith(PRINTED):
+            continue
+        printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+        found = scene_errors(scene)
+        for c, output in enumerate(scene.outputs):
+            real, exact = found["float"][c], found["bit-true"][c]
+            held = found[HELD_OUT][c] if HELD_OUT in found else None
+            rows.append(
+                [
+                    scene.activation_text,
+                    output,
+                    real.largest_mean,
+                    exact.largest_mean,
+                    printed[c],
+                    exact.mean,
+                    exact.worst,
+                    None if held is None else held.mean,
+                ]
+            )
+    return Table(
+        "parallel",
+        [
+            "activation",
+            "output",
+            "float largest %",
+            "bit-true largest %",
+            "printed largest %",
+            "bit-true mean %",
+            "bit-true worst %",
+            "held-out mean %",
+        ],
+        rows,
+        "For each activation one network 2:6:2 was trained for it, with 40 starts. Its inputs are "
+        "sensors 1 and 2, its outputs are load and position, and its rows are the 57 rows of the "
+        "narrow loads E, F and G. 'Largest' is the largest mean over the positions (equation "
+        "3.15), with three rows at each. 'bit-true' is in thesis precision; 'float' is the same "
+        "network with the same activation in real arithmetic. The output biases are shifted to "
+        "suit the truncating adders, so the error in real arithmetic can be the larger one. The "
+        "thesis measured on four loads, of which its Appendix 2 has three.",
+    )
 
 
 def scenes() -> list[Scene]:

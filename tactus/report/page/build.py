@@ -6,7 +6,7 @@ import time
 from tactus.core.files import check_writable, replace_file, replace_folder, write_json
 from tactus.core.folders import BUILD
 from tactus.core.machine import facts, versions
-from tactus.report.draw.titled_picture import Picture
+from tactus.report.draw.svg import Picture
 from tactus.report.measure.table import Table
 from tactus.report.page.content import content
 from tactus.report.page.page import Page

@@ -13,7 +13,7 @@ from tactus.report.draw.confusion import confusion_plot
 from tactus.report.draw.designs import picture_of, sentence
 from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tactus.report.draw.pictures import draw
-from tactus.report.draw.titled_picture import Picture
+from tactus.report.draw.svg import Picture
 from tactus.report.measure import motions
 from tactus.report.measure.classes import accuracy, per_class, wrong_rows
 from tactus.report.measure.costs import FAMILY, Costs, blocks, costs

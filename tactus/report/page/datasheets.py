@@ -4,10 +4,9 @@ from collections.abc import Iterator
 
 from golden.common.block import walk
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.synth.budget import Cells, read_budget
+from tactus.synth.budget import Cells, read_budget, shares
 from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
 from tactus.synth.netlist import KINDS
-from tactus.synth.shares import shares
 from tactus.synth.timing import read_timing
 
 # These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.

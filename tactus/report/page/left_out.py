@@ -7,10 +7,9 @@ import numpy as np
 
 from golden.networks.engine import Engine
 from golden.numbers.real import Real
-from tactus.report.draw.findings import number, rows_of
-from tactus.report.measure.clocks import clocks_per_frame
 from tactus.report.measure.left_out import LEAN, WHOLE, words
-from tactus.report.measure.table import Table
+from tactus.report.measure.networks import clocks_per_frame
+from tactus.report.measure.table import Table, number, rows_of
 from tactus.scene import load_scene
 
 SCENE = "digit"

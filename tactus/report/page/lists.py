@@ -21,9 +21,9 @@ from tactus.report.draw.overview import overview
 from tactus.report.draw.overview import wishes as draw_wishes
 from tactus.report.draw.run_time import network_rows
 from tactus.report.draw.run_time import networks as draw_networks
-from tactus.report.measure.clocks import clocks
 from tactus.report.measure.costs import with_network_cells
 from tactus.report.measure.left_out import left_out
+from tactus.report.measure.networks import clocks
 from tactus.report.measure.table import SEED, read_csv
 from tactus.report.page import left_out as leaving
 from tactus.report.page import run_time

@@ -13,11 +13,11 @@ from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.pipeline import Pipeline
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
-from tactus.report.draw.activation_errors import plot, plot_file
+from tactus.report.activations import plot, plot_file
 from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.network import network
 from tactus.report.measure.activation_errors import measure, table
-from tactus.report.measure.clocks import clocks_per_frame
+from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from tactus.report.draw.titled_picture import Picture
+from tactus.report.draw.svg import Picture
 from tactus.report.measure.table import Table
 
 

@@ -5,10 +5,8 @@ Errors, clocks and cells are computed; the rest of the page is written by hand.
 
 from collections.abc import Iterator
 
-from tactus.report.draw.discs import PRINTED, SCAN_CLOCKS
-from tactus.report.draw.findings import Row, number, rows_of
-from tactus.report.draw.run_time import AFTER, WORST, scene_of
-from tactus.report.measure.table import Table
+from tactus.report.draw.run_time import AFTER, PRINTED, SCAN_CLOCKS, WORST, scene_of
+from tactus.report.measure.table import Row, Table, number, rows_of
 from tactus.scene import thesis_table
 
 SCENE, REBUILT = "digit", "digit-thesis"

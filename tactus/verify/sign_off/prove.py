@@ -22,11 +22,11 @@ from tactus.core.files import replace_file
 from tactus.core.fingerprint import fingerprint
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
+from tactus.core.machine import processor_line, processor_minutes
 from tactus.synth.tools import digest
 from tactus.verify.benches.collected import CASES_OF
 from tactus.verify.benches.runner import Job, with_parts
 from tactus.verify.sign_off.equal import command, prove_equal
-from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.proofs import PROOFS, proof_file, properties_of
 from tactus.verify.sign_off.record import read_record, short, write_record
 from tactus.verify.sign_off.solver import Answer, Inquiry

@@ -10,12 +10,12 @@ from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.folders import BUILD
 from tactus.core.hold import held
+from tactus.core.machine import processor_line, processor_minutes
 from tactus.scene import load_scene
 from tactus.verify.benches.places import check_block
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.mutate.initial import score_words
 from tactus.verify.sign_off.mutate.score import SEED, score
-from tactus.verify.sign_off.processor import processor_line, processor_minutes
 from tactus.verify.sign_off.record import recorded, write_record
 from tactus.verify.sign_off.subject import (
     cases_line,

@@ -7,11 +7,55 @@ parts has a score of its own.
 import json
 import random
 import re
+import tomllib
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from tactus.synth.tools import run_tool
+
+FILE = Path(__file__).parent / "explained.toml"
+
+
+def explanations(block: str, case: str) -> dict[str, str]:
+    """The reasons for a block in a case of its bench, by a pattern of what mutants change.
+
+    An entry that names no cases holds in all of them.
+    """
+    entries = [one for one in _entries().get(block, []) if case in one.get("cases", [case])]
+    return {entry["mutants"]: " ".join(entry["reason"].split()) for entry in entries}
+
+
+@cache
+def _entries() -> dict[str, list[dict[str, Any]]]:
+    """The entries by block. The file is read only once, because many mutants are looked up."""
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))
+
+
+def explain(block: str, case: str, what: str) -> str:
+    """The reason that is written for a mutant; empty where there is none."""
+    for pattern, reason in explanations(block, case).items():
+        if re.fullmatch(pattern, what):
+            return reason
+    return ""
+
+
+# More than any entity has.
+MOST = 100_000_000
+
+
+def population(entities: Sequence[str], seed: int, folder: Path) -> int:
+    """Count the possible mutants of some entities, in a folder where ``make_mutants`` has been.
+
+    By which other bit each bit is made wrong is drawn, too, and where that is a constant or the bit
+    itself the mutant counts as another or as none. So the number hangs a little on the seed.
+    """
+    of = " ".join(entities)
+    script = f"read_rtlil base.il; mutate -list {MOST} -seed {seed} -o every.txt {of}"
+    run_tool("yosys", ["-q", "-p", script], folder)
+    return len({change for change, _ in changes("every.txt", folder)} - {None})
+
 
 # As many times what is asked for are listed, since some change nothing.
 SPARE = 4

@@ -28,9 +28,13 @@ from tactus.synth.tools import digest, version_of
 from tactus.verify.benches.kept_results import bench_key
 from tactus.verify.benches.runner import Job, run_job, shortest_test
 from tactus.verify.benches.tools import version
-from tactus.verify.sign_off.mutate.explained import explain, explanations
-from tactus.verify.sign_off.mutate.mutants import make_mutants, write_netlists
-from tactus.verify.sign_off.mutate.population import population
+from tactus.verify.sign_off.mutate.mutants import (
+    explain,
+    explanations,
+    make_mutants,
+    population,
+    write_netlists,
+)
 from tactus.verify.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tactus.verify.sign_off.mutate.same import SAME, proved
 from tactus.verify.sign_off.mutate.words import describe
