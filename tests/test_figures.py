@@ -12,7 +12,7 @@ from pages import ROUNDING, cells, section, shows
 
 from tactus.errors.scene_errors import scene_errors
 from tactus.report.measure.motions import FORMS, RUNS
-from tactus.report.measure.networks import clocks_per_frame, scenes
+from tactus.report.measure.networks import scenes
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.table import Table
 from tactus.scene import load_scene

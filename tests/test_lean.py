@@ -14,7 +14,7 @@ from golden.networks.left_out import left_out
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.export.exporter import MANIFEST, export
-from tactus.report.page import left_out as page
+from tactus.report.page import lists as page
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth import lean
 from tactus.synth.budget import read_budget, write_budget

@@ -19,7 +19,7 @@ from golden.networks.network import Network
 from tactus.core import closure, store
 from tactus.core.fingerprint import ROOT
 from tactus.core.folders import ROOMS
-from tactus.report.measure import store as parts
+from tactus.report.measure import steps as parts
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.steps import table_key
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, scene_names

@@ -6,7 +6,7 @@ from tactus.core.table import read_table
 from tactus.physics.beam import Beam
 from tactus.physics.digit_data import RECORDED, SENSORS
 from tactus.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Row, Table
 
 
 def beam(_: int) -> Table:
@@ -15,7 +15,7 @@ def beam(_: int) -> Table:
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     loads = loads_from_codes(table[:, len(SENSORS) :], rig)
     spans = np.ptp(table[:, : len(SENSORS)], axis=0)
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for kind, spread in (("at a point", False), ("of its width", True)):
         sensors = fit_sensors(table, rig, spread)
         used = loads if spread else loads.at_points()
@@ -23,29 +23,19 @@ def beam(_: int) -> Table:
         for name, sensor, residual, span in zip(SENSORS, sensors, residuals.T, spans, strict=True):
             rms = float(np.sqrt((residual**2).mean()))
             rows.append(
-                [
-                    name,
-                    kind,
-                    sensor.gain,
-                    sensor.offset,
-                    1e3 * sensor.position,
-                    1e3 * rms,
-                    float(100 * rms / span),
-                    float(1e3 * np.abs(residual).max()),
-                ]
+                {
+                    "sensor": name,
+                    "load": kind,
+                    "gain V per strain": sensor.gain,
+                    "offset V": sensor.offset,
+                    "position mm": 1e3 * sensor.position,
+                    "rms mV": 1e3 * rms,
+                    "rms % of span": float(100 * rms / span),
+                    "largest mV": float(1e3 * np.abs(residual).max()),
+                }
             )
-    return Table(
+    return Table.of(
         "beam",
-        [
-            "sensor",
-            "load",
-            "gain V per strain",
-            "offset V",
-            "position mm",
-            "rms mV",
-            "rms % of span",
-            "largest mV",
-        ],
         rows,
         "Equation 3.9 was fitted to the 143 recorded vectors, for loads at a point (equation 3.5) "
         "and for loads spread over their width. The position is measured from the root of the beam "

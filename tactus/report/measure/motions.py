@@ -5,7 +5,7 @@ import tomllib
 from golden.numbers.precision import SIGNAL
 from tactus.core.fingerprint import ROOT
 from tactus.physics.swing_data import ANGLES, independent_run
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Row, Table
 from tactus.scene import Scene, load_scene, thesis_table
 from tactus.scene.metrics import displacement_errors
 from tactus.scene.reading import scene_path
@@ -34,7 +34,7 @@ def motions(seed: int) -> Table:
     """Equation 6.6 for each output, with the networks as trained."""
     printed = thesis_table("swing")
     millimetres = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))["mm_per_unit"]
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for scene in map(load_scene, SCENES):
         design, window = scene.twin().core, scene.window
         for number, run in enumerate(RUNS, 1):
@@ -46,31 +46,20 @@ def motions(seed: int) -> Table:
             for c, name in enumerate(scene.outputs):
                 place = "xyz".index(name)
                 rows.append(
-                    [
-                        scene.name,
-                        scene.describe(),
-                        run,
-                        name,
-                        real[c].percent,
-                        exact[c].percent,
-                        exact[c].mean * millimetres[place],
-                        exact[c].displacement * millimetres[place],
-                        printed[scene.arrangement]["percent_error"][place],
-                    ]
+                    {
+                        "scene": scene.name,
+                        "networks": scene.describe(),
+                        "run": run,
+                        "output": name,
+                        "float %": real[c].percent,
+                        "bit-true %": exact[c].percent,
+                        "bit-true mm": exact[c].mean * millimetres[place],
+                        "end to end mm": exact[c].displacement * millimetres[place],
+                        "printed %": printed[scene.arrangement]["percent_error"][place],
+                    }
                 )
-    return Table(
+    return Table.of(
         "motions",
-        [
-            "scene",
-            "networks",
-            "run",
-            "output",
-            "float %",
-            "bit-true %",
-            "bit-true mm",
-            "end to end mm",
-            "printed %",
-        ],
         rows,
         "The figures are errors by equation 6.6 on independent runs, which were released from "
         "other angles and have noise and a wobble of their own (docs/physics.md). They are divided "

@@ -2,7 +2,7 @@
 
 from golden.networks.network import Network
 from tactus.errors.scene_errors import HELD_OUT, held_out_means, scene_errors
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Row, Table
 from tactus.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import millimetres
 
@@ -18,7 +18,7 @@ def clocks_per_frame(design: Network) -> int:
 
 def clocks(_: int) -> Table:
     """Every shipped scene and those for comparison, with the networks as they were trained."""
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for scene in scenes():
         design = scene.twin()
         found = scene_errors(scene)["bit-true"]
@@ -26,45 +26,27 @@ def clocks(_: int) -> Table:
         held_out = held_out_means(scene)
         hidden = [network.shape[1:-1] for network in scene.networks()]
         rows.append(
-            [
-                scene.name,
-                ", ".join(path.stem for path in scene.data_paths),
-                scene.arrangement,
-                scene.design,
-                scene.activation_text,
-                scene.precision.name,
-                " ".join(":".join(map(str, nodes)) for nodes in hidden),
-                sum(map(sum, hidden)),
-                len(scene.outputs),
-                scene.outputs[worst],
-                found[worst].largest_mean,
-                found[worst].mean,
-                max(held_out) if held_out else None,
-                clocks_per_frame(design),
-                design.output_clocks[-1],
-                design.interval,
-            ]
+            {
+                "scene": scene.name,
+                "data": ", ".join(path.stem for path in scene.data_paths),
+                "arrangement": scene.arrangement,
+                "design": scene.design,
+                "activation": scene.activation_text,
+                "precision": scene.precision.name,
+                "hidden": " ".join(":".join(map(str, nodes)) for nodes in hidden),
+                "hidden nodes": sum(map(sum, hidden)),
+                "outputs": len(scene.outputs),
+                "worst output": scene.outputs[worst],
+                "largest %": found[worst].largest_mean,
+                "mean %": found[worst].mean,
+                "held out %": max(held_out) if held_out else None,
+                "clocks a frame": clocks_per_frame(design),
+                "clocks after the last sample": design.output_clocks[-1],
+                "interval clocks": design.interval,
+            }
         )
-    return Table(
+    return Table.of(
         "clocks",
-        [
-            "scene",
-            "data",
-            "arrangement",
-            "design",
-            "activation",
-            "precision",
-            "hidden",
-            "hidden nodes",
-            "outputs",
-            "worst output",
-            "largest %",
-            "mean %",
-            "held out %",
-            "clocks a frame",
-            "clocks after the last sample",
-            "interval clocks",
-        ],
         rows,
         "For each scene, the table shows the output with the largest bit-true error on all "
         "recorded vectors: the largest mean over the positions (equation 3.15) and the mean. "
@@ -83,7 +65,7 @@ PRINTED = "parallel_2_6_2."
 
 def parallel(_: int) -> Table:
     """The errors of the networks in parallel form, beside those of Figure 5.3."""
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for scene in scenes():
         if not scene.reference.startswith(PRINTED):
             continue
@@ -93,29 +75,19 @@ def parallel(_: int) -> Table:
             real, exact = found["float"][c], found["bit-true"][c]
             held = found[HELD_OUT][c] if HELD_OUT in found else None
             rows.append(
-                [
-                    scene.activation_text,
-                    output,
-                    real.largest_mean,
-                    exact.largest_mean,
-                    printed[c],
-                    exact.mean,
-                    exact.worst,
-                    None if held is None else held.mean,
-                ]
+                {
+                    "activation": scene.activation_text,
+                    "output": output,
+                    "float largest %": real.largest_mean,
+                    "bit-true largest %": exact.largest_mean,
+                    "printed largest %": printed[c],
+                    "bit-true mean %": exact.mean,
+                    "bit-true worst %": exact.worst,
+                    "held-out mean %": None if held is None else held.mean,
+                }
             )
-    return Table(
+    return Table.of(
         "parallel",
-        [
-            "activation",
-            "output",
-            "float largest %",
-            "bit-true largest %",
-            "printed largest %",
-            "bit-true mean %",
-            "bit-true worst %",
-            "held-out mean %",
-        ],
         rows,
         "For each activation one network 2:6:2 was trained for it, with 40 starts. Its inputs are "
         "sensors 1 and 2, its outputs are load and position, and its rows are the 57 rows of the "
@@ -134,7 +106,7 @@ def scenes() -> list[Scene]:
 
 def networks(seed: int) -> Table:
     """The errors of every output of every scene, with the networks as they were trained."""
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for scene in scenes():
         if scene.classes:
             # What decides among classes has no errors of outputs.
@@ -148,35 +120,24 @@ def networks(seed: int) -> Table:
             held = found[HELD_OUT][c] if HELD_OUT in found else None
             length = scene.length_mm.get(output)
             rows.append(
-                [
-                    scene.name,
-                    scene.describe(),
-                    output,
-                    real.largest_mean,
-                    exact.largest_mean,
-                    exact.mean,
-                    exact.worst,
-                    None if means is None else means[c],
-                    None if held is None else held.largest_mean,
-                    None if length is None else millimetres(exact, length).largest_mean,
-                    figures[c],
-                ]
+                {
+                    "scene": scene.name,
+                    "networks": scene.describe(),
+                    "output": output,
+                    "float largest %": real.largest_mean,
+                    "bit-true largest %": exact.largest_mean,
+                    "bit-true mean %": exact.mean,
+                    "bit-true worst %": exact.worst,
+                    "held-out mean %": None if means is None else means[c],
+                    "held-out largest %": None if held is None else held.largest_mean,
+                    "bit-true largest mm": None
+                    if length is None
+                    else millimetres(exact, length).largest_mean,
+                    "thesis largest %": figures[c],
+                }
             )
-    return Table(
+    return Table.of(
         "networks",
-        [
-            "scene",
-            "networks",
-            "output",
-            "float largest %",
-            "bit-true largest %",
-            "bit-true mean %",
-            "bit-true worst %",
-            "held-out mean %",
-            "held-out largest %",
-            "bit-true largest mm",
-            "thesis largest %",
-        ],
         rows,
         "The figures are errors by equations 3.15 and 3.16 on the recorded vectors. 'Largest' is "
         "the largest mean over the positions. Held-out rows neither trained nor chose the network. "

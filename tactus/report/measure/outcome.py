@@ -12,7 +12,7 @@ from golden.numbers.real import Real
 from tactus.core.table import read_groups
 from tactus.errors.decisions import Decisions, decisions_of
 from tactus.errors.scene_errors import disturbed_rows, held_out_rows, noises_of
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Cell, Row, Table
 from tactus.rig.sensors_tell import telling_of
 from tactus.scene import Scene
 from tactus.scene.disturbance import Disturbance
@@ -223,26 +223,27 @@ def confidence(found: Outcome) -> Table:
 
 def sensors(found: Outcome) -> Table:
     """The range of the readings of every sensor, and how many lie outside that of the codes."""
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     scales = found.scene.scales(found.scene.sensors)
     for name, scale, column in zip(found.scene.sensors, scales, found.readings.T, strict=True):
         low, high = float(column.min()), float(column.max())
         _, outside = SIGNAL.quantise(signals(column[:, np.newaxis], [scale]))
         first, last = (float(scale.offset + scale.factor * end) for end in RANGE)
         ends = int(((column == low) | (column == high)).sum())
-        rows.append([name, low, high, first, last, outside, 100 * outside / len(column), ends])
-    return Table(
+        rows.append(
+            {
+                "sensor": name,
+                "least": low,
+                "largest": high,
+                "first code": first,
+                "last code": last,
+                "readings outside": outside,
+                "% outside": 100 * outside / len(column),
+                "at either end": ends,
+            }
+        )
+    return Table.of(
         "sensors",
-        [
-            "sensor",
-            "least",
-            "largest",
-            "first code",
-            "last code",
-            "readings outside",
-            "% outside",
-            "at either end",
-        ],
         rows,
         "Readings beyond the first or the last code are replaced by the nearest code. If many "
         "readings are the least or the largest one, the sensor was probably saturated before it "

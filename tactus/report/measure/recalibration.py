@@ -9,7 +9,7 @@ from golden.numbers.real import Real
 from tactus.recalibration.fit import Fit, fit, left_out
 from tactus.recalibration.outlook import helps, proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
-from tactus.report.measure.table import Cell, Table
+from tactus.report.measure.table import Cell, Row, Table
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.scale import readings
@@ -99,7 +99,7 @@ def recalibration_noise(seed: int) -> Table:
     """Whether corrections help if the drift of the sensors is small compared with their noise."""
     scene, rng = load_scene(SCENE), np.random.default_rng(seed)
     vectors = scene.vectors()
-    rows: list[list[Cell]] = []
+    rows: list[Row] = []
     for noise in MUCH_NOISE:
         recorded = _of(scene, noise)
         for drift in SMALL:
@@ -118,31 +118,20 @@ def recalibration_noise(seed: int) -> Table:
                     written += sure
                     kept.append(after[-1] if sure else before)
                 rows.append(
-                    [
-                        1e3 * noise,
-                        100 * drift,
-                        times,
-                        before,
-                        written,
-                        sum(one > before for one in kept),
-                        float(np.mean(kept)),
-                        float(np.mean(after)),
-                        sum(one > before for one in after),
-                    ]
+                    {
+                        "noise mV": 1e3 * noise,
+                        "drift %": 100 * drift,
+                        "times": times,
+                        "before %": before,
+                        "written": written,
+                        "of these worse": sum(one > before for one in kept),
+                        "after %": float(np.mean(kept)),
+                        "all written %": float(np.mean(after)),
+                        "worse": sum(one > before for one in after),
+                    }
                 )
-    return Table(
+    return Table.of(
         "recalibration_noise",
-        [
-            "noise mV",
-            "drift %",
-            "times",
-            "before %",
-            "written",
-            "of these worse",
-            "after %",
-            "all written %",
-            "worse",
-        ],
         rows,
         f"The figures are mean errors of the outputs of {SCENE} over all recorded rows in floating "
         "point, when the gains of sensors 1 and 3 have drifted: before a correction, and after "

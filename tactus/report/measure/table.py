@@ -46,6 +46,11 @@ class Table:
                         "number, or None for no figure"
                     )
 
+    @classmethod
+    def of(cls, name: str, rows: Sequence[Row], note: str) -> Table:
+        """A table of rows, at least one, by the headings of their cells."""
+        return cls(name, list(rows[0]), [list(row.values()) for row in rows], note)
+
     @property
     def numbers(self) -> list[bool]:
         """Whether each column holds nothing but numbers."""

@@ -28,8 +28,7 @@ from tactus.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tactus.report.measure.steps import measured
-from tactus.report.measure.store import Progress, cached, packed, part_key, unpacked
+from tactus.report.measure.steps import Progress, cached, measured, packed, part_key, unpacked
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
 from tactus.report.page.page import Page, Section
