@@ -27,19 +27,10 @@ from tactus.report.draw.overview import wishes as draw_wishes
 from tactus.report.draw.run_time import AFTER, PRINTED, SCAN_CLOCKS, WORST, network_rows, scene_of
 from tactus.report.draw.run_time import networks as draw_networks
 from tactus.report.measure.costs import with_network_cells
-<<<<<<< HEAD
-from tactus.report.measure.left_out import left_out
-from tactus.report.measure.networks import clocks
-from tactus.report.measure.table import SEED, read_csv
-from tactus.report.page import left_out as leaving
-from tactus.report.page import run_time
-from tactus.scene import load_scene, thesis_table
-=======
 from tactus.report.measure.left_out import LEAN, WHOLE, left_out, words
 from tactus.report.measure.networks import clocks, clocks_per_frame
 from tactus.report.measure.table import SEED, Row, Table, number, read_csv, rows_of
-from tactus.scene import load_scene, thesis_figures, thesis_table
->>>>>>> daeae858 (Report: pages' lists in one module; rows of wide tables by the headings of their cells)
+from tactus.scene import load_scene, thesis_table
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 from tactus.synth.budget import read_budget
 
@@ -135,17 +126,17 @@ def against_run_time(networks: Table) -> Iterator[str]:
         f"about {printed[share] * device[count] / 100:,.0f}"
         for share, count in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18"))
     )
-    error = f"{max(printed['simulation']):.2f}"
+    error = f"{max(printed['simulation']):.2f}; {max(printed['real_time']):.2f} with real sensors"
     yield f"| cascade, as printed | | {error} | | | {' | '.join(shares)} | |"
     yield f"| scan of the sensors | | | {SCAN_CLOCKS:,} | {SCAN_CLOCKS / clock:g} | | | |"
     yield ""
     yield (
-        "All rows are about the same four outputs. Held out is the mean error of the worst output "
-        "on rows that no training had seen. The error on recorded rows is the mean at the worst "
-        "position, as the thesis prints it. The clocks are those from the last sample to the last "
-        "output. The thesis prints no time for a frame. The held-out rows of "
-        f"`{SHOWN}` are stretches, which is harder, and those of `{REBUILT}` are drawn at random. "
-        f"After that error was measured, `{SHOWN}` was trained further on all rows."
+        "Held out is the mean error of the worst output on rows that no training had seen: for "
+        f"`{SHOWN}` stretches, which is harder, and for `{REBUILT}` rows drawn at random. After "
+        f"that `{SHOWN}` was trained further on all rows. The error on recorded rows is the mean "
+        "at the worst position, as the thesis prints it. Clocks count from the last sample to the "
+        "last output; the thesis prints no time for a frame. A vendor's tool placed its LUTs, "
+        "Yosys maps ours and counts no inverters."
     )
 
 
@@ -164,10 +155,18 @@ def kept(scenes: Table) -> dict[str, tuple[float, float]]:
     one, every = (clocks_per_frame(load_scene(name).twin()) for name in (ONE_OUTPUT, SHOWN))
     return {
         "LUTs": (number(row, f"LUT, {LEAN}"), number(row, f"LUT, {WHOLE}")),
+        "words of ROM": (number(row, f"words, {LEAN}"), number(row, f"words, {WHOLE}")),
         "clocks for load": (one, every),
-        # studies/sensors_left_out
-        "sensors": (2, 4),
     }
+
+
+def headline_left_out(scenes: Table) -> str:
+    """How much of the whole is built, in a sentence."""
+    luts, rom, clocks = (f"{part:,.0f} of {whole:,.0f}" for part, whole in kept(scenes).values())
+    return (
+        f"**Built as in the thesis, `{REBUILT}` takes {luts} LUTs and {rom} words of ROM. Asked "
+        f"for the load alone, `{SHOWN}` takes {clocks} clocks.**"
+    )
 
 
 def program_rows() -> str:
@@ -234,12 +233,8 @@ def pages() -> dict[Path, str]:
             "headline",
             lambda: "\n".join(against_run_time(networks)),
         ),
-<<<<<<< HEAD
-        (docs / "left-out.md", "headline", lambda: leaving.headline(lean)),
-        (docs / "left-out.md", "programs", leaving.program_rows),
-=======
+        (docs / "left-out.md", "headline", lambda: headline_left_out(lean)),
         (docs / "left-out.md", "programs", program_rows),
->>>>>>> daeae858 (Report: pages' lists in one module; rows of wide tables by the headings of their cells)
     ]
     found: dict[Path, str] = {}
     for page, section, text in sections:
@@ -253,11 +248,7 @@ def pages() -> dict[Path, str]:
         (SHOWN, REBUILT),
         float(thesis_table("board")["clock_mhz"]),
         parts_of_bounds(),
-<<<<<<< HEAD
-        leaving.kept(lean),
-=======
-        kept(left_out(SEED)),
->>>>>>> daeae858 (Report: pages' lists in one module; rows of wide tables by the headings of their cells)
+        kept(lean),
     )
     found[docs / "error-against-run-time" / "networks.svg"] = draw_networks(networks) + "\n"
     readme = ROOT / "README.md"
