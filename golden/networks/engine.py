@@ -69,8 +69,6 @@ class Engine(Design):
     graph: The graph from which the program was made.
     loaded: The image that a reloadable engine runs; its hardware depends on ``loaded.sizes`` alone.
         None for a program that is part of the hardware.
-    budget: The most clocks from the last sample to the last output that the scene allows; 0 for no
-        limit.
     asked: The lanes that the scene asks for. No more are built than a layer has nodes for.
     """
 
@@ -85,7 +83,6 @@ class Engine(Design):
         "lanes",
         "segment_width",
         "pipeline",
-        "clocks",
         "reload",
         "program_words",
         "operand_words",
@@ -96,7 +93,6 @@ class Engine(Design):
     integers: tuple[IntegerNetwork, ...]
     graph: Graph
     loaded: Image | None = None
-    budget: int = 0
     asked: int = 1
 
     @classmethod
@@ -109,7 +105,6 @@ class Engine(Design):
             "pipeline": "short",
             **settings.options,
         }
-        budget = chosen.pop("clocks", 0)
         lanes, width, lean = chosen["lanes"], chosen["segment_width"], settings.lean
         if not 1 <= lanes <= MOST_LANES:
             other = "" if lanes else "; adder_graph and table_graph need no multiplier"
@@ -135,24 +130,16 @@ class Engine(Design):
                 pipeline,
                 least_addr_width=LEAST_ADDR_WIDTH,
             )
-        built = cls(
+        return cls(
             program,
             acc_width,
             integers,
             graph,
             loaded,
-            budget,
             lanes,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
-        clocks = built.output_clocks[-1]
-        if budget and clocks > budget:
-            raise InputError(
-                f"hardware.clocks: got {budget}, expected {clocks} or more, which an engine with "
-                f"lanes = {lanes} takes"
-            )
-        return built
 
     @property
     def inputs(self) -> int:
@@ -354,8 +341,7 @@ class Engine(Design):
 
     def facts(self) -> tuple[str, ...]:
         count = "one" if self.lanes == 1 else str(self.lanes)
-        budget = f" of {self.budget}" if self.budget else ""
-        spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
+        spent = f"{self.output_clocks[-1]} clocks from the last sample to the last output"
         return (f"{count} multiplier{'s' * (self.lanes > 1)}", spent, *self.function_facts)
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,12 +18,10 @@ from golden.networks.arrangement import arrange
 from golden.networks.at_once import AtOnce
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
-from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.learning_engine import LearningEngine
 from golden.networks.network import Network
-from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
 from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
@@ -45,9 +42,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     scene = scene.chosen
     design, trained, settings = DESIGNS[scene.design], scene.networks(), scene.settings(lean)
     try:
-        network = _within_a_scan(scene, design, settings) or arrange(
-            scene.arrangement, trained, design, settings
-        )
+        network = arrange(scene.arrangement, trained, design, settings)
         network = with_learning_engine(scene, network)
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
@@ -91,20 +86,6 @@ def build_twin(scene: Scene, lean: bool) -> Network:
                 )
             return ConverterInstrument(reader, readout=readout)
         return Instrument(scene.front_end.scan_sequencer(network), readout=readout)
-
-
-def _within_a_scan(scene: Scene, design: type[Design], settings: Settings) -> Network | None:
-    """The networks built for the clocks that a scan leaves, if the design has an option for clocks.
-
-    None if there is no such option, or if the design cannot be so fast; in that case the instrument
-    reports the fault.
-    """
-    if scene.front_end and "clocks" in design.options and "clocks" not in settings.options:
-        with suppress(InputError):
-            clocks = {"clocks": scene.front_end.clocks_left(scene.window)}
-            within = replace(settings, options={**settings.options, **clocks})
-            return arrange(scene.arrangement, scene.networks(), design, within)
-    return None
 
 
 def taught_of(scene: Scene) -> tuple[Corrected, list[list[int]]]:
@@ -170,13 +151,10 @@ def choice_of(scene: Scene) -> Choice:
 def chosen(scene: Scene, choice: Choice) -> Scene:
     """The scene as it would be if it named the design that is chosen."""
     settings = settings_for(task_of(scene), choice.row.candidate)
-    options = dict(settings.options)
-    if choice.row.candidate.design == Engine.block and choice.demand.clocks:
-        options["clocks"] = choice.demand.clocks
     return replace(
         scene,
         design=choice.row.candidate.design,
-        design_options=options,
+        design_options=dict(settings.options),
         activation=settings.activation,
         activation_options=dict(settings.activation_options),
     )

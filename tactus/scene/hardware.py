@@ -137,7 +137,7 @@ HARDWARE = KeyTable(
             "The most clocks that a frame may take from the last sample to the last output. With "
             "`auto` the smallest design within this limit is chosen. Any other design that takes "
             "more is refused.",
-            "with `engine` and `auto`, what a front end leaves; else no limit",
+            "with `auto`, what a front end leaves; else no limit",
         ),
         "interval": Key(
             Whole(absent=True),
@@ -348,8 +348,7 @@ def design_options(values: dict[str, dict[str, Any]], path: Path) -> dict[str, A
     check_hardware(values, path)
     check_learning(values, path)
     hardware = values["hardware"]
-    # Any design may have a limit to its clocks.
-    known = sorted({name for other in DESIGNS.values() for name in other.options} - {"clocks"})
+    known = sorted({name for other in DESIGNS.values() for name in other.options})
     if hardware["design"] == UNDECIDED:
         refuse_choices(hardware, known, path)
         return {}

@@ -41,10 +41,10 @@ class Candidate:
         return ", ".join([self.design, *(f"{key} {self.options[key]}" for key in self.options)])
 
 
-# Options that a scene's own design does not keep: limits, what the candidates of an engine differ
+# Options that a scene's own design does not keep: what the candidates of an engine differ
 # in, and what belongs to one that is loaded.
 LEFT_OUT = (
-    *("clocks", "lanes", "pipeline"),
+    *("lanes", "pipeline"),
     *("reload", "program_words", "operand_words", "table_blocks"),
 )
 
