@@ -39,6 +39,8 @@ COMMAND = "python -m tactus.report.page.lists"
 SHOWN = "digit"
 # The networks with the hidden nodes that the thesis prints, without the blocks around them.
 REBUILT = "digit-thesis"
+# The same networks with a scan and a profile around them.
+INSTRUMENTS = ("thesis", "digit-instrument")
 # Each wish for the project, and the page that shows the result.
 WISHES = {
     "Report error against run time": "error-against-run-time.md",
@@ -64,13 +66,17 @@ def headline() -> str:
     scenes = (rebuilt, today)
     held_out = [worst(held_out_means(s) or []) for s in scenes]
     largest = [worst(e.largest_mean for e in scene_errors(s)["bit-true"]) for s in scenes]
-    cells = [read_budget(s.path)["xc2v"][s.twin().entity] for s in scenes]
+    cells, whole = (
+        [read_budget(s.path)["xc2v"][s.twin().entity] for s in some]
+        for some in (scenes, [load_scene(name) for name in INSTRUMENTS])
+    )
     rows = [
         ("error on held-out rows", "-", *held_out),
         ("mean error at the worst position", worst(printed["simulation"]), *largest),
         ("the same, with real sensors", worst(printed["real_time"]), "-", "-"),
         ("clocks after the last sample", "-", *(str(s.twin().output_clocks[-1]) for s in scenes)),
         ("LUTs", of_device("luts_percent", "luts4"), *(f"{c['LUT']:,}" for c in cells)),
+        ("LUTs with scan and profile", "not said", *(f"{c['LUT']:,}" for c in whole)),
         (
             "multipliers",
             of_device("mult18x18_percent", "mult18x18"),

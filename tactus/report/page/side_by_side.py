@@ -172,14 +172,17 @@ def _notes(scenes: Sequence[Scene]) -> list[str]:
     """The notes that say what the figures refer to."""
     device = thesis_table("device")["name"]
     held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
+    measured = thesis_table(scenes[0].reference).get("real_time", [])
+    said = ", ".join(f"{one:.2f}" for one in measured)
+    real_time = f"; with real sensors {said} %" if measured else ""
     notes = [
         "error: bit-true, on all recorded frames. largest is the largest of the mean errors at "
         "each position. held out is the mean on frames that the networks had not seen: "
         + ", ".join(held_out)
-        + ". The errors of the thesis are those of its simulation (Table 5.4).",
-        "cells: Virtex-II, entity by entity, as make synth recorded them, in brackets in percent "
-        f"of an {device}. The thesis prints percentages only (Table 5.3), and does not say whether "
-        "they include the profile.",
+        + f". The errors of the thesis are those of its simulation (Table 5.4){real_time}.",
+        "cells: Virtex-II, entity by entity, as make synth recorded them with Yosys, without "
+        f"inverters; in brackets in percent of an {device}. The thesis prints percentages of its "
+        "placed design only (Table 5.3), and does not say whether they include the profile.",
     ]
     bare = [scene for scene in scenes if not (scene.front_end or scene.visualisation)]
     whole = load_scene(WHOLE)
