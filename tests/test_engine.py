@@ -42,7 +42,6 @@ from golden.numbers.precision import SIGNAL, THESIS
 from golden.trained.mlp import Mlp
 from tactus.cli.listing import main
 from tactus.scene import load_scene
-from tactus.verify.benches.myhdl_simulation import simulate
 
 SCENES = (
     "digit-single",
@@ -263,9 +262,7 @@ def test_registers_behind_the_memories_change_no_result() -> None:
         for depth in ("short", "deep")
     )
     codes = random_codes(3, 20)
-    results, _ = simulate(registered, codes)
-    assert np.array_equal(results, plain.process(codes))
-    assert np.array_equal(registered.process(codes), results)
+    assert np.array_equal(registered.process(codes), plain.process(codes))
     assert registered.latency > plain.latency
 
 
