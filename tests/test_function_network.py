@@ -18,9 +18,9 @@ from golden.trained.function import Function
 from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
 from tactus.network_files.network_file import load_network, save_network
+from tactus.report.draw.learned import nodes_of, scene_nodes
 from tactus.report.draw.pictures import pictures
 from tactus.report.draw.svg import Picture
-from tactus.report.measure.learned_edges import BINS, INPUT, SUM, VALUES, nodes_of, scene_edges
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_learned
@@ -168,14 +168,12 @@ def test_sums_and_outputs_are_those_of_the_network() -> None:
     model = network()
     inputs = np.random.default_rng(1).uniform(-1, 1, (50, 3))
     outputs = np.tile(model.layers[-1].biases, (50, 1))
-    for found in nodes_of(model, inputs):
-        outer = [(place, edge.at(s)) for side, place, edge, s in found if side == SUM and edge]
-        for place, values in outer:
-            outputs[:, place] += values
-        inner = sum(edge.at(x) for side, _, edge, x in found if side == INPUT and edge)
-        sums = next(s for side, _, _, s in found if side == SUM)
+    names, places = ["x0", "x1", "x2"], ["0", "1"]
+    for inner, outer in nodes_of(model, inputs, names, places):
+        for edge in outer:
+            outputs[:, int(edge.of)] += edge.at(edge.x)
         # What is left is the constant of the sum.
-        assert np.ptp(sums - inner) < 1e-12
+        assert np.ptp(outer[0].x - sum(edge.at(edge.x) for edge in inner)) < 1e-12
     np.testing.assert_allclose(outputs, model.process(inputs), atol=1e-12)
 
 
@@ -195,20 +193,19 @@ def test_the_picture_of_a_scene_has_every_function(tmp_path: Path, arrangement: 
         hardware="segment_width = 11",
     )
     scene = load_scene(str(path))
-    table = scene_edges(scene)
-    assert table is not None
+    nodes = scene_nodes(scene)
     names = {
-        row[0]: [r[3] for r in table.rows if r[0] == row[0] and r[1] == 1] for row in table.rows
+        name: [edge.of for side in first for edge in side] for name, (first, *_) in nodes.items()
     }
     assert names == (
         {"y0, y1": ["x0", "x1", "x2", "y0", "y1"]}
         if single
         else {"y0": ["x0", "x1", "x2", "y0"], "y1": ["x0", "x1", "x2", "y0", "y1"]}
     )
-    for row in table.rows:
-        assert sum(float(str(cell)) for cell in row[-BINS:]) == pytest.approx(1)
-        assert (row[4] == "flat") == (not any(row[VALUES:-BINS]))
+    edges = [edge for found in nodes.values() for node in found for side in node for edge in side]
+    for edge in edges:
+        assert (edge.form == "flat") == (not any(edge.values))
     drawn = next(
         one for one in pictures(scene) if isinstance(one, Picture) and one.name == "functions"
     )
-    assert drawn.svg.count("curved</title>") == sum(row[4] == "curved" for row in table.rows)
+    assert drawn.svg.count("curved</title>") == sum(edge.form == "curved" for edge in edges)

@@ -101,7 +101,7 @@ def test_rows_that_the_scene_leaves_out_keep_their_numbers() -> None:
 
 def test_the_plots_hold_what_the_tables_hold(digit: Outcome) -> None:
     (first, *_) = predicted_plots(digit)
-    groups = dict(first.groups)
+    groups = {label: list(map(tuple, pairs.T.tolist())) for label, pairs in first.groups.items()}
     assert {label: len(points) for label, points in groups.items()} == {
         "trained or chose": 107,
         "held out": 36,

@@ -379,7 +379,7 @@ def test_words_and_pages_run_nothing_again(sources: Copy) -> None:
     ):
         sources.add(file, COMMENT)
     sources.add("tactus/report/page/content.py", CODE)
-    sources.add("tactus/report/draw/plots.py", CODE)
+    sources.add("tactus/report/draw/svg.py", CODE)
     assert changed(benches, sources.benches()) == set()
     assert changed(tables, sources.tables()) == set()
     assert score_state("netlists", "trace", [], []) == score

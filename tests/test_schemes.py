@@ -1,6 +1,5 @@
 """Tests every activation that a scene can name, over every code that it can get."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -24,7 +23,8 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL, THESIS
 from tactus.report.activations import plot_file
 from tactus.report.measure import activation_errors as errors
-from tactus.report.measure.activation_errors import FACTORS, Row, table
+from tactus.report.measure.activation_errors import FACTORS
+from tactus.report.measure.table import Table, read_csv, rows_of
 
 FORMS = forms()
 # The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
@@ -206,47 +206,39 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def rows(folder: Path) -> list[Row]:
+def table(folder: Path) -> Table:
     written = json.loads((folder / "activations" / "errors.json").read_text())
-    assert set(written["versions"]) == {"python", "numpy", "matplotlib"}
-    return [Row(**record) for record in written["rows"]]
+    assert set(written.pop("versions")) == {"python", "numpy", "matplotlib"}
+    return Table("activation_errors", **written)
 
 
-def at_three(rows: list[Row], scheme: str, arithmetic: str, options: str = "") -> Row:
-    return next(
-        row
-        for row in rows
-        if (row.scheme, row.arithmetic, row.options, row.factor) == (scheme, arithmetic, options, 3)
-    )
-
-
-def test_every_form_is_measured_in_all_its_precisions(rows: list[Row]) -> None:
+def test_every_form_is_measured_in_all_its_precisions(table: Table) -> None:
     for name, scheme in forms().items():
-        expected = {
-            (arithmetic, factor)
-            for precision in scheme.precisions
-            for factor in (FACTORS if precision.normalise else (1,))
-            for arithmetic in ((precision.name, "float") if precision.normalise else ("exact",))
-        }
-        found = [(r.arithmetic, r.factor) for r in rows if (r.scheme, r.options) == (name, "")]
-        assert set(found) == expected
-        assert len(found) == len(expected)
+        for row in rows_of(table, scheme=name, options=""):
+            filled = {factor for factor in FACTORS if row[f"Q = {factor}"] is not None}
+            assert filled == ({1} if row["arithmetic"] == "exact" else set(FACTORS))
+        found = [row["arithmetic"] for row in rows_of(table, scheme=name, options="")]
+        normalised = any(precision.normalise for precision in scheme.precisions)
+        assert sorted(found) == sorted(
+            [precision.name for precision in scheme.precisions] + ["float"] * normalised
+        )
 
 
-def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
+def test_which_reading_of_equation_4_32_is_the_thesis(table: Table) -> None:
     """For every scheme of piecewise curves, twice equation 4.32 is nearer to the printed figure."""
     for name in ("gradient", "gradient_parallel", "polynomial", "lut"):
-        row = at_three(rows, name, "float")
-        assert abs(row.mean_percent_thesis - row.thesis) < 0.2 * row.thesis
-        assert abs(row.mean_percent - row.thesis) > 0.45 * row.thesis
-    row = at_three(rows, "pade", "thesis", "rho = 4, iterations = 24")
-    assert row.mean_percent < row.mean_percent_thesis < row.thesis == 0.09
+        (row,) = rows_of(table, scheme=name, arithmetic="float")
+        assert abs(row["mean % x 2"] - row["thesis %"]) < 0.2 * row["thesis %"]
+        assert abs(row["mean %"] - row["thesis %"]) > 0.45 * row["thesis %"]
+    (row,) = rows_of(table, scheme="pade", arithmetic="thesis", options="as thesis")
+    assert row["mean %"] < row["mean % x 2"] < row["thesis %"] == 0.09
 
 
-def test_the_command_prints_and_draws_what_it_measures(folder: Path, rows: list[Row]) -> None:
-    assert (folder / "printed").read_text().startswith("\n".join(table(rows)))
-    with (folder / "activations" / "errors.csv").open() as handle:
-        assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
+def test_the_command_prints_and_draws_what_it_measures(folder: Path, table: Table) -> None:
+    assert (folder / "printed").read_text().startswith("\n".join(table.lines()))
+    columns, written = read_csv(folder / "activations" / "errors.csv")
+    assert columns == table.columns
+    assert [row[-1] for row in written] == [row[-1] for row in table.rows]
     plots = {path.name for path in (folder / "activations").glob("*.svg")}
     assert plots == set(map(plot_file, forms()))
 

@@ -11,6 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
 from tactus.core.commands import CLOSING, COMMANDS
+from tactus.report.measure.table import markdown
 from tactus.report.page.blocks import sections
 from tactus.report.page.made import MARK, made
 
@@ -19,12 +20,13 @@ FOLDER = "blocks/"
 
 def commands() -> str:
     """Every command of make, with all of its variables."""
-    lines = ["| command | what it does |", "|---|---|"]
+    rows = []
     for command in COMMANDS:
         # A text between < and > would be read as HTML.
         purpose = re.sub(r"\S*<\w+>[\w/]*", r"`\g<0>`", command.purpose)
-        lines.append(f"| `{command.usage.replace('|', ' or ')}` | {purpose} |")
-    return "\n".join([*lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
+        rows.append([f"`{command.usage.replace('|', ' or ')}`", purpose])
+    lines = markdown("command | what it does", rows)
+    return "\n".join([lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
 
 
 def text_of(name: str) -> str:

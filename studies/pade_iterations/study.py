@@ -15,7 +15,7 @@ def rows() -> Iterator[dict[str, Cell]]:
     for rho in RHOS:
         for count in ITERATIONS:
             scheme = SCHEMES["pade"].configured({"rho": rho, "iterations": count})
-            found = {m.arithmetic: m for m in measured("pade", "", scheme, (THESIS_FACTOR,))}
+            found = {m.arithmetic: m for m in measured(scheme, (THESIS_FACTOR,))}
             row: dict[str, Cell] = {
                 "rho": rho,
                 "stable below |q|": stable_below(rho),

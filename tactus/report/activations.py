@@ -10,9 +10,10 @@ from golden.activation.schemes import forms
 from golden.numbers.precision import EXACT, THESIS
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
-from tactus.core.files import replace_file
+from tactus.core.files import replace_file, write_json
+from tactus.core.machine import versions
 from tactus.report.draw.svg import svg
-from tactus.report.measure.activation_errors import built, measure, table, write
+from tactus.report.measure.activation_errors import activation_table, built
 
 
 def plot_file(name: str) -> str:
@@ -52,9 +53,12 @@ def main() -> None:
     arguments = arguments_of("activations", __doc__)
     folder = arguments.build / "activations"
     stop_if_dry_run(f"measure every activation and write its plot into {folder}")
-    rows = measure()
-    print("\n".join(table(rows)))
-    write(rows, folder)
+    table = activation_table()
+    print("\n".join(table.lines()))
+    with replace_file(folder / "errors.csv") as path:
+        table.write_csv(path)
+    data = {"versions": versions("python", "numpy", "matplotlib"), **table.as_data()}
+    write_json(folder / "errors.json", data)
     for name, scheme in forms().items():
         with replace_file(folder / plot_file(name)) as path:
             path.write_text(plot(name, scheme), encoding="utf-8")

@@ -97,18 +97,24 @@ def prove_netlist(
 def play(given: dict[str, Any], frames: Any, folder: Path) -> Any:
     """The outputs that Icarus gives for frames, shape (frames, outputs), or None where it gives
     more, fewer, or what is not known."""
-    with tempfile.TemporaryDirectory() as made:
-        test, mask = Path(made) / "bench.v", (1 << given["bits"]) - 1
-        test.write_text(bench(given, len(frames)), encoding="ascii")
-        samples = "\n".join(f"{x & mask:x}" for x in frames.flat)
-        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
-        files = [str((folder / name).resolve()) for name in compile_order(folder)]
-        for command in (["iverilog", "-g2001", "-o", "run", str(test), *files], ["vvp", "run"]):
-            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
-    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.stdout.split()])
+    mask = (1 << given["bits"]) - 1
+    said = printed(bench(given, len(frames)), frames & mask, folder)
+    values = np.array([int(x) if x[-1].isdigit() else -mask for x in said.split()])
     outputs = len(given["outputs"])
     whole = len(values) == len(frames) * outputs and -mask not in values
     return values.reshape(-1, outputs) if whole else None
+
+
+def printed(test: str, frames: Any, folder: Path) -> str:
+    """What Icarus prints of a bench that plays frames, not negative, on exported Verilog."""
+    with tempfile.TemporaryDirectory() as made:
+        (Path(made) / "bench.v").write_text(test, encoding="ascii")
+        samples = "\n".join(f"{x:x}" for x in frames.flat)
+        (Path(made) / "frames.txt").write_text(samples, encoding="ascii")
+        files = [str((folder / name).resolve()) for name in compile_order(folder)]
+        for command in (["iverilog", "-g2001", "-o", "run", "bench.v", *files], ["vvp", "run"]):
+            said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
+    return said.stdout
 
 
 def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:

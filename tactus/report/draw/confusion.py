@@ -1,12 +1,10 @@
 """Draws the confusion matrix of a scene with classes."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from tactus.errors.decisions import Decisions, held_out_or_all, percent
-from tactus.report.draw.svg import plain, style, svg
+from tactus.report.draw.svg import Picture, plain, style, svg
 from tactus.scene import Scene
 
 # The side of a cell and the margin for labels, in inches.
@@ -16,65 +14,42 @@ DARK = 0.55
 NUMBER_SIZE = 7
 
 
-@dataclass(frozen=True)
-class Confusion:
-    """The number of rows of each class for each class decided.
-
-    name, title, sentence: See ``Plot``.
-    column: The column of the labels.
-    counts: The rows of a class in one line, by the class decided.
-    """
-
-    name: str
-    title: str
-    column: str
-    labels: tuple[str, ...]
-    counts: tuple[tuple[int, ...], ...]
-    sentence: str
-
-    def draw(self) -> str:
-        """The picture as an ``<svg>`` element."""
-        counts = np.array(self.counts)
-        parts = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
-        side = max(LEAST, CELL * len(self.labels)) + MARGIN
-        places = range(len(self.labels))
-        names = [plain(label) for label in self.labels]
-        with style():
-            figure = Figure(figsize=(side, side), layout="constrained")
-            axes = figure.subplots()
-            # Squares as shapes stay sharp at every size, which an image in an SVG does not.
-            axes.pcolormesh(parts, cmap="Blues", vmin=0, vmax=1, edgecolor="white", linewidth=0.6)
-            for row, col in zip(*np.nonzero(counts), strict=True):
-                axes.text(
-                    col + 0.5,
-                    row + 0.5,
-                    str(counts[row, col]),
-                    ha="center",
-                    va="center",
-                    fontsize=NUMBER_SIZE,
-                    color="white" if parts[row, col] > DARK else "black",
-                )
-            turned = 90 if max(map(len, names)) > 3 else 0
-            axes.set_xticks([n + 0.5 for n in places], names, rotation=turned)
-            axes.set_yticks([n + 0.5 for n in places], names)
-            axes.tick_params(length=0)
-            axes.grid(visible=False)
-            axes.set_aspect("equal")
-            axes.invert_yaxis()
-            axes.set_xlabel(f"{plain(self.column)}, decided")
-            axes.set_ylabel(f"{plain(self.column)} of the row")
-            return svg(figure, self.name)
-
-
-def confusion_plot(scene: Scene, every: Decisions) -> Confusion:
-    """The confusion matrix on held-out rows or, if these are unknown, on all rows."""
+def confusion(scene: Scene, every: Decisions) -> Picture:
+    """How many rows of each class are decided as which: held-out rows or, if unknown, all rows."""
     found, rows = held_out_or_all(scene, every)
-    return Confusion(
+    counts = found.confusion
+    parts = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
+    side = max(LEAST, CELL * len(found.labels)) + MARGIN
+    names = [plain(label) for label in found.labels]
+    with style():
+        figure = Figure(figsize=(side, side), layout="constrained")
+        axes = figure.subplots()
+        # Squares as shapes stay sharp at every size, which an image in an SVG does not.
+        axes.pcolormesh(parts, cmap="Blues", vmin=0, vmax=1, edgecolor="white", linewidth=0.6)
+        for row, col in zip(*np.nonzero(counts), strict=True):
+            axes.text(
+                col + 0.5,
+                row + 0.5,
+                str(counts[row, col]),
+                ha="center",
+                va="center",
+                fontsize=NUMBER_SIZE,
+                color="white" if parts[row, col] > DARK else "black",
+            )
+        places = np.arange(len(names)) + 0.5
+        axes.set_xticks(places, names, rotation=90 if max(map(len, names)) > 3 else 0)
+        axes.set_yticks(places, names)
+        axes.tick_params(length=0)
+        axes.grid(visible=False)
+        axes.set_aspect("equal")
+        axes.invert_yaxis()
+        axes.set_xlabel(f"{plain(scene.classes)}, decided")
+        axes.set_ylabel(f"{plain(scene.classes)} of the row")
+        drawn = svg(figure, "confusion")
+    return Picture(
         "confusion",
         f"{scene.classes}: decided against recorded",
-        scene.classes,
-        found.labels,
-        tuple(map(tuple, found.confusion.tolist())),
+        drawn,
         f"Bit-true decisions on {rows}: {found.right} are right, "
         f"{percent(found.right, len(found.actual))}. {_most_wrong(found)}",
     )

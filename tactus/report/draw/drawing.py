@@ -5,7 +5,6 @@ have: boxes that share a size, tooltips, links and animations. And the bytes of 
 not depend on the version of a library, so a test can compare the pictures of pages with new ones.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -105,8 +104,3 @@ def picture(
         f'font-family="sans-serif" fill="{INK}"><title>{escape(title)}</title>{paper}'
         f'<rect width="{width}" height="{height}" fill="#fff"/>{"".join(body)}</svg>\n'
     )
-
-
-def identifier(kind: str, scene: str) -> str:
-    """The prefix of the ids and classes of a picture, which is unique on a page."""
-    return re.sub(r"\W", "_", f"{kind}_{scene}")

@@ -1,23 +1,71 @@
 """Draws the errors of a scene: computed against recorded, along positions, with disturbances."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from golden.numbers.real import Real
 from tactus.errors.scene_errors import UNKNOWN, trained_means
-from tactus.report.draw.plots import Plot
-from tactus.report.draw.svg import PLOT_INCHES, nth, plain, style, svg
+from tactus.report.draw.svg import PLOT_INCHES, Look, nth, plain, style, svg
 from tactus.report.measure.disturbance import BOUND, KINDS, NONE
 from tactus.report.measure.outcome import Outcome
-from tactus.report.measure.table import Table
+from tactus.report.measure.table import Cell, Table
 
 # More points make the page large without showing more.
 POINTS = 600
 HEIGHT = 5.4
+# More numbers, such as 0.0025, would overlap.
+TICKS = 5
+# Labels of more letters stand below each other, and each makes the plot so many inches taller.
+LONG, LINE = 26, 0.12
+_LINES = ("-", "--", ":", "-.")
 
-Points = tuple[tuple[float, float], ...]
+
+@dataclass(frozen=True)
+class Plot:
+    """Lines of errors.
+
+    name: The file name without suffix, of letters, digits and ``_``.
+    title, across, up: The heading and the labels of the axes, with units.
+    groups: The points of each line, by its label.
+    sentence: A sentence that the figures support.
+    looks: The looks by label. Others have those of ``nth``.
+    """
+
+    name: str
+    title: str
+    across: str
+    up: str
+    groups: Mapping[str, Sequence[tuple[float, float]]]
+    sentence: str
+    looks: Mapping[str, Look] = field(default_factory=dict)
+
+    def draw(self) -> str:
+        """The plot as an ``<svg>`` element."""
+        with style():
+            count, (width, height) = len(self.groups), PLOT_INCHES
+            columns = 2 if count > 3 else count
+            if columns > 1 and max(map(len, self.groups)) > LONG:
+                columns, height = 1, height + count * LINE
+            figure = Figure(figsize=(width, height), layout="constrained")
+            axes = figure.add_subplot(xlabel=self.across, ylabel=self.up)
+            for i, (label, points) in enumerate(self.groups.items()):
+                look = self.looks.get(label) or nth(i)
+                axes.plot(
+                    *zip(*points, strict=True),
+                    marker=look.marker,
+                    color=look.colour,
+                    markerfacecolor=None if look.filled else "white",
+                    linestyle=_LINES[i // 2 % len(_LINES)],
+                    label=label,
+                )
+            axes.locator_params(axis="x", nbins=TICKS)
+            axes.set_ylim(bottom=0)
+            if count > 1:
+                figure.legend(loc="outside lower center", ncols=columns)
+            return svg(figure, self.name)
 
 
 @dataclass(frozen=True)
@@ -26,13 +74,13 @@ class Predicted:
 
     name, title, sentence: See ``Plot``.
     output: The name of the output on the axes.
-    groups: The recorded and the computed value of each row.
+    groups: The recorded and the computed value of each row, shape (2, rows).
     """
 
     name: str
     title: str
     output: str
-    groups: tuple[tuple[str, Points], ...]
+    groups: Mapping[str, Real]
     sentence: str
 
     def draw(self) -> str:
@@ -40,19 +88,10 @@ class Predicted:
         with style():
             figure = Figure(figsize=(PLOT_INCHES[0], HEIGHT), layout="constrained")
             above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-            for i, (label, points) in enumerate(self.groups):
-                look = nth(i)
-                x, y = np.array(points).T
+            for i, (label, (x, y)) in enumerate(self.groups.items()):
+                marker, colour = nth(i).marker, nth(i).colour
                 for axes, values in ((above, y), (below, y - x)):
-                    axes.plot(
-                        x,
-                        values,
-                        marker=look.marker,
-                        color=look.colour,
-                        linestyle="none",
-                        markersize=3,
-                        label=label,
-                    )
+                    axes.plot(x, values, marker, color=colour, markersize=3, label=label)
             above.axline((float(x[0]), float(x[0])), slope=1, color="black", linewidth=0.6)
             below.axhline(0, color="black", linewidth=0.6)
             above.set_ylabel(f"{self.output}, computed")
@@ -67,8 +106,8 @@ class Predicted:
 def predicted_plots(found: Outcome) -> Iterator[Predicted]:
     """A picture for every output."""
     count = len(found.errors)
+    every = -(-count // POINTS)
     for c, output in enumerate(found.scene.outputs):
-        every = -(-count // POINTS)
         drawn = np.arange(count) % every == 0
         worst = int(np.argmax(found.errors[:, c]))
         drawn[worst] = True
@@ -77,7 +116,8 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
             held = np.zeros(count, bool)
             held[found.held_out] = True
             groups = {"trained or chose": drawn & ~held, "held out": drawn & held}
-        miss = found.results[:, c] - found.targets[:, c]
+        pairs = np.array([found.targets[:, c], found.results[:, c]])
+        miss = pairs[1] - pairs[0]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
         if found.held_out is None and trained_means(found.scene, "test_mean_percent") is None:
             text += f"Held-out rows: {UNKNOWN}. "
@@ -85,51 +125,39 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
             f"predicted_{c}",
             f"{output}: computed against recorded",
             plain(output),
-            tuple(
-                (
-                    label,
-                    tuple(
-                        zip(
-                            found.targets[rows, c].tolist(),
-                            found.results[rows, c].tolist(),
-                            strict=True,
-                        )
-                    ),
-                )
-                for label, rows in groups.items()
-                if rows.any()
-            ),
+            {label: pairs[:, rows] for label, rows in groups.items() if rows.any()},
             f"{text}Differences are {miss.mean():+.2g} in the mean, with a standard deviation of "
             f"{miss.std():.2g}; the largest error is {found.errors[worst, c]:.2f} %, in row "
             f"{found.numbers[worst]}.",
         )
 
 
+def _number(cell: Cell) -> float:
+    return float(str(cell))
+
+
 def along_plot(found: Outcome, table: Table) -> Plot:
     """The mean errors against the position."""
     names = [f"{row[0]:g}" if isinstance(row[0], float) else str(row[0]) for row in table.rows]
     texts = any(isinstance(row[0], str) for row in table.rows)
-    places = [number if texts else float(str(row[0])) for number, row in enumerate(table.rows, 1)]
-    groups = {
-        plain(name): [
-            (place, float(str(row[2 + c]))) for place, row in zip(places, table.rows, strict=True)
-        ]
-        for c, name in enumerate(found.scene.outputs)
-    }
+    places = [number if texts else _number(row[0]) for number, row in enumerate(table.rows, 1)]
+    outputs = found.scene.outputs
+    columns = [[_number(row[2 + c]) for row in table.rows] for c in range(len(outputs))]
     error, place, name = max(
-        (float(str(row[2 + c])), place, name)
-        for place, row in zip(names, table.rows, strict=True)
-        for c, name in enumerate(found.scene.outputs)
+        one
+        for name, errors in zip(outputs, columns, strict=True)
+        for one in zip(errors, names, [name] * len(names), strict=True)
     )
     return Plot(
         "along",
         f"Mean error along {found.scene.group_by}",
         plain(found.scene.group_by) + (", in the order of the table" if texts else ""),
         "mean error %",
-        groups,
+        {
+            plain(name): list(zip(places, errors, strict=True))
+            for name, errors in zip(outputs, columns, strict=True)
+        },
         f"The largest is that of {name} at {place}, {error:.2f} %.",
-        [table.name],
-        linear="xy",
     )
 
 
@@ -137,21 +165,15 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
     """The mean errors, and their bounds if known, against noise and drifts."""
     names = [column.removesuffix(" %") for column in table.columns[2:]]
     outputs = [name for name in names if not name.endswith(BOUND)]
-    looks = {plain(name): nth(c) for c, name in enumerate(outputs)}
-    looks |= {
-        plain(name): replace(nth(outputs.index(name.removesuffix(BOUND))), filled=False)
+    looks = {
+        plain(name): replace(nth(outputs.index(name.removesuffix(BOUND))), filled=name in outputs)
         for name in names
-        if name not in outputs
     }
     for key, (kind, _) in KINDS.items():
         rows = [row for row in table.rows if row[0] in (NONE, kind)]
         errors = {
-            name: [
-                (float(str(row[1])), float(str(row[2 + c])))
-                for row in rows
-                if row[2 + c] is not None
-            ]
-            for c, name in enumerate(names)
+            name: [(_number(row[1]), _number(row[c])) for row in rows if row[c] is not None]
+            for c, name in enumerate(names, 2)
         }
         errors = {name: points for name, points in errors.items() if points}
         largest = max(outputs, key=lambda name: errors[name][-1][1])
@@ -172,7 +194,5 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
             "mean error %",
             {plain(name): points for name, points in errors.items()},
             text,
-            [table.name],
-            linear="xy",
-            looks=looks,
+            looks,
         )

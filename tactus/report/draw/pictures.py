@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from golden.common.block import walk
+from golden.networks.function_sums import learned
 from tactus.report.draw.datapath import datapath
 from tactus.report.draw.learned import learned_curves
 from tactus.report.draw.load import has_load, profile
@@ -12,7 +13,6 @@ from tactus.report.draw.network import network
 from tactus.report.draw.svg import Picture
 from tactus.report.draw.swing import COORDINATES, moves, swing
 from tactus.report.draw.waveforms import waveforms
-from tactus.report.measure.learned_edges import scene_edges
 from tactus.report.measure.simulated_frame import simulate_frame
 from tactus.scene import Scene
 from tactus.scene.visualisation import RESULTS
@@ -46,12 +46,11 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         network(scene),
         f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
     )
-    learned = scene_edges(scene)
-    if learned:
+    if all(map(learned, scene.networks())):
         yield Picture(
             "functions",
             "Learned functions",
-            learned_curves(learned, f"scene {scene.name}"),
+            learned_curves(scene),
             "Each function over the range that its input has on the recorded rows, without its "
             "mean. Blue ones are curved and take a table, grey ones are straight.",
         )

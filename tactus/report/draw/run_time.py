@@ -1,10 +1,8 @@
-"""What networks cost: their errors against clocks, and the networks that the thesis prints."""
+"""What networks of four outputs cost, ours and the printed ones: clocks, errors, LUTs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tactus.report.draw.drawing import picture, text
-from tactus.report.draw.named import Axes, Named, drawn, front
+from tactus.report.draw.named import Named, drawn, front
 from tactus.report.measure.table import Row, Table, number, rows_of
 from tactus.scene import load_scene, thesis_table
 
@@ -16,23 +14,21 @@ PRINTED = {
     "cascade": ("digit.cascade_b", "digit-thesis"),
     "single": ("digit.hybrid", "digit-single-thesis"),
 }
+WORST, AFTER = "largest %", "clocks after the last sample"
+ACROSS = "clocks from the last sample to the last output"
 
 
 @dataclass(frozen=True)
-class Disc:
-    """A design in a picture.
-
-    error: In per cent; 0 where the picture does not show it.
-    """
+class Design:
+    """A network in the pictures; ``error`` is that of its worst output, in per cent."""
 
     name: str
     luts: float
-    multipliers: float
     clocks: float
-    error: float = 0.0
+    error: float
 
 
-def printed_discs() -> list[Disc]:
+def printed_designs() -> list[Design]:
     """The networks that the thesis prints, at the clocks of ours of the same form.
 
     The thesis itself prints no time for a frame.
@@ -41,46 +37,20 @@ def printed_discs() -> list[Disc]:
     for name, (key, scene) in PRINTED.items():
         printed = thesis_table(key)
         luts = printed["luts_percent"] * device["luts4"] / 100
-        multipliers = printed["mult18x18_percent"] * device["mult18x18"] / 100
-        error = max(printed["simulation"])
         clocks = load_scene(scene).twin().output_clocks[-1]
-        found.append(Disc(f"thesis, {name}", luts, multipliers, clocks, error))
+        found.append(Design(f"thesis, {name}, printed", luts, clocks, max(printed["simulation"])))
     return found
 
 
-def in_order(found: Sequence[Disc]) -> list[Disc]:
-    """The design with the fewest LUTs first."""
-    return sorted(found, key=lambda disc: (disc.luts, disc.clocks, disc.name))
-
-
-WORST, AFTER = "largest %", "clocks after the last sample"
-
-
 def network_rows(table: Table) -> list[Row]:
-    """The networks of the digit that have recorded cells, least error first.
+    """The networks of four outputs that finish within a scan and have recorded cells.
 
     Instruments are left out, because they wait for their scan.
     """
-    found = [
+    return [
         row
-        for row in rows_of(table, data="appendix2")
+        for row in rows_of(table, data="appendix2", outputs=4)
         if row["LUT"] is not None and number(row, "interval clocks") < SCAN_CLOCKS
-    ]
-    # Two engines with the same networks have the same error, except for the last bits of a sum.
-    return sorted(found, key=lambda row: (round(number(row, WORST), 6), number(row, "LUT")))
-
-
-def network_points(table: Table) -> list[Named]:
-    """Networks of four outputs, by clocks and error, and the printed errors of the thesis.
-
-    The thesis prints no time for a frame. Its networks stand at the clocks of those that are
-    rebuilt with its hidden nodes, in its design and arithmetic.
-    """
-    rows = {scene_of(row): row for row in network_rows(table) if row["outputs"] == 4}
-    found = [Named(name, number(row, AFTER), number(row, WORST)) for name, row in rows.items()]
-    return found + [
-        Named(f"{name}, as printed", number(rows[scene], AFTER), error)
-        for name, (scene, error) in printed_errors().items()
     ]
 
 
@@ -89,25 +59,31 @@ def scene_of(row: Row) -> str:
     return str(row["scene"]).removeprefix("comparison/")
 
 
-def printed_errors() -> dict[str, tuple[str, float]]:
-    """For each printed network: our scene of the same form, and its error in simulation.
+def designs(table: Table) -> list[Design]:
+    """Those networks and the printed ones, the one with the fewest LUTs first."""
+    found = [
+        Design(scene_of(row), number(row, "LUT"), number(row, AFTER), number(row, WORST))
+        for row in network_rows(table)
+    ]
+    return sorted([*found, *printed_designs()], key=lambda one: (one.luts, one.clocks, one.name))
 
-    The error is that of the worst output.
-    """
-    return {
-        f"thesis, {name}": (scene, max(thesis_table(key)["simulation"]))
-        for name, (key, scene) in PRINTED.items()
-    }
+
+def area(table: Table) -> str:
+    """Clocks against LUTs. Each name tells the error too."""
+    points = [Named(f"{d.name}, {d.error:.2f} %", d.clocks, d.luts) for d in designs(table)]
+    title = "The same four outputs: area against clocks, and the error of the worst output"
+    return _picture(points, "area", title, ACROSS, "Virtex-II LUTs, entity by entity")
 
 
 def networks(table: Table) -> str:
-    """The worst output of every network against the clocks after the last sample."""
-    points = network_points(table)
-    title = "The same four outputs: error against clocks"
-    axes = Axes(46, 58, 660, 330, (4, 4000), (0.3, 20))
+    """Clocks against the error of the worst output."""
+    points = [Named(one.name, one.clocks, one.error) for one in designs(table)]
     clock = float(thesis_table("board")["clock_mhz"])
-    body = [text((6, 18), title, 13, font_weight="bold")]
-    across = f"clocks from the last sample to the last output; {clock:g} are 1 µs for the thesis"
-    body += axes.drawn(across, "error of the worst output, %")
-    said = f"{title}. Not beaten on both axes: {', '.join(one.name for one in front(points))}."
-    return picture(said, (720, 430), [*body, *drawn(points, axes)], widest=860)
+    across = f"{ACROSS}; {clock:g} are 1 µs for the thesis"
+    title = "The same four outputs: error against clocks"
+    return _picture(points, "networks", title, across, "error of the worst output, %")
+
+
+def _picture(points: list[Named], name: str, title: str, across: str, up: str) -> str:
+    best = ", ".join(one.name for one in front(points))
+    return drawn(points, name, title, across, up, f"Not beaten on both axes: {best}.")

@@ -50,6 +50,8 @@ _STYLE: dict[Any, Any] = {
     "svg.hashsalt": "tactus",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
+    # Every element names all families.
+    "font.sans-serif": ["DejaVu Sans"],
     "font.size": 10,
     "axes.grid": True,
     "grid.linewidth": 0.3,
@@ -103,15 +105,17 @@ def own_ids(text: str, name: str) -> str:
     return re.sub(r'href="#', f'href="#{name}-', text)
 
 
-def plotted(figure: Figure, name: str, title: str) -> str:
+def plotted(figure: Figure, name: str, title: str, narrowest: float = 0) -> str:
     """A figure as one ``<svg>`` element, with a title for readers who do not see it.
 
     name: See ``tactus.report.draw.svg.svg``.
+    narrowest: In CSS pixels. On a page narrower than this it scrolls sideways.
     """
     # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
     text = re.sub(r'(?<= d=")[^"]+', _shortened, svg(figure, name))
     end = text.index(">")
-    fitting = 'role="img" style="display:block;max-width:100%;height:auto"'
+    least = f"min-width:{narrowest:g}px;" if narrowest else ""
+    fitting = f'role="img" style="display:block;max-width:100%;{least}height:auto"'
     return f"{text[:end]} {fitting}><title>{escape(title)}</title>{text[end + 1 :]}"
 
 

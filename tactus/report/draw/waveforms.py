@@ -4,30 +4,25 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 
-from tactus.report.draw.drawing import (
-    FAINT,
-    INK,
-    Point,
-    group,
-    line,
-    number,
-    picture,
-    text,
-    text_width,
-)
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from tactus.report.draw.drawing import FAINT, INK, text_width
+from tactus.report.draw.svg import plotted, style
 from tactus.report.measure.simulated_frame import Row
 
-# The pixels of a clock, enough for a value, or for a value that is written upright.
+# Lengths are CSS pixels. Those of a clock are enough for a value, or for one that stands upright.
 WIDE, MIDDLE, NARROW, PAGE = 44.0, 20.0, 12.0, 1000.0
 SLANT = 2.5
 FLAG, UPRIGHT, LEVEL = 17.0, 42.0, 22.0
 HEADING, SCALE = 22.0, 20.0
+POINTS = 72 / 96
 # A recording of more clocks would be wider than a screen can scroll with ease. Then a stretch in
 # which all flags are low is drawn as so many clocks at either end and a gap.
 MOST_CLOCKS, AT_AN_END = 300, 2
-VALUE = 9.0
-# This background hides the lines of the clocks behind the letters.
-_EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_order": "stroke"}
+VALUE, NAME, OWNER = 9.0 * POINTS, 10.0 * POINTS, 11.0 * POINTS
 
 
 def waveforms(ports: Sequence[Row], title: str) -> str:
@@ -41,44 +36,46 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
 
     Returns: One ``<svg>`` element, wider than a phone.
     """
-    clocks = {len(port.values) for port in ports}
-    if len(clocks) != 1:
-        raise ValueError(
-            f"waveforms: got ports of {sorted(clocks)} clocks, expected one number of clocks"
-        )
     zero = min(port.values.index(1) for port in ports if port.fmt is None and 1 in port.values)
     shown = _shown(ports)
     # In a gap every port keeps its value.
     taken = [clock if clock is not None else (shown[n - 1] or 0) for n, clock in enumerate(shown)]
     ports = [replace(port, values=tuple(port.values[k] for k in taken)) for port in ports]
-    count = len(shown)
     flags = {(port.owner, port.name): port.values for port in ports if port.fmt is None}
-    names = 8 + max(text_width(port.name, 10) for port in ports)
+    count, names = len(shown), 8 + max(text_width(port.name, 10) for port in ports)
     pitch = WIDE if count * WIDE <= PAGE else MIDDLE if count * MIDDLE <= PAGE else NARROW
     tall = LEVEL if pitch == WIDE else UPRIGHT
-    body, y = [], SCALE + 8
-    for owner, rows in groupby(ports, key=lambda port: port.owner):
-        body.append(text((4, y + 13), owner, 11, font_weight="bold", **_EDGE))
-        y += HEADING
-        for port in rows:
-            height = FLAG if port.fmt is None else tall
-            body.append(text((names - 4, y + height / 2 + 3), port.name, 10, text_anchor="end"))
-            if port.fmt is None:
-                drawn = [_flag(port.values, (names, y), pitch)]
-            else:
-                if (port.owner, port.valid) not in flags:
-                    raise ValueError(
-                        f"waveforms: {port.owner}.{port.name}: got valid={port.valid!r}, expected "
-                        "a flag of the same owner"
-                    )
-                counts = flags[port.owner, port.valid]
-                drawn = _codes(port, counts, (names, y), pitch, tall)
-            body.append(group(drawn, data_port=f"{port.owner}.{port.name}"))
-            y += height + 3
-        y += 4
-    width = names + pitch * count + 8
-    grid = _grid(shown, zero, (names, SCALE), y - 4, pitch)
-    return picture(title, (width, y), [*grid, *body], width, width * 1.1)
+    with style():
+        figure = Figure()
+        axes = figure.add_axes((0, 0, 1, 1))
+        y, labels = 8.0, {}
+        for owner, rows in groupby(ports, key=lambda port: port.owner):
+            # Its background hides the lines of the clocks behind the letters.
+            paper = {"facecolor": "white", "edgecolor": "none", "pad": 1}
+            heading = axes.text((4 - names) / pitch, y + HEADING / 2, owner, bbox=paper)
+            heading.set(fontsize=OWNER, fontweight="bold", va="center")
+            y += HEADING
+            for port in rows:
+                height = FLAG if port.fmt is None else tall
+                labels[y + height / 2] = port.name
+                if port.fmt is None:
+                    levels = [0.5 if value is None else value for value in port.values]
+                    heights = y + 3 + (height - 5) * (1 - np.array(levels))
+                    axes.stairs(heights, baseline=None, color=INK, linewidth=0.9)
+                else:
+                    _codes(axes, port, flags[port.owner, port.valid], y, height, pitch)
+                y += height + 3
+            y += 4
+        axes.set_yticks(list(labels), list(labels.values()), fontsize=NAME)
+        _number(axes, shown, zero, y - 4, pitch)
+        axes.set(xlim=(0, count), ylim=(y, 0))
+        axes.tick_params(length=0, labeltop=True, labelbottom=False)
+        axes.spines[:].set_visible(False)
+        axes.grid(visible=False)
+        whole = np.array([names + pitch * count + 8, SCALE + y])
+        figure.set_size_inches(*(whole / 96))
+        axes.set_position((names / whole[0], 0, pitch * count / whole[0], y / whole[1]))
+        return plotted(figure, "waveforms", title, narrowest=whole[0])
 
 
 def _shown(ports: Sequence[Row]) -> list[int | None]:
@@ -97,80 +94,49 @@ def _shown(ports: Sequence[Row]) -> list[int | None]:
     return found
 
 
-def _grid(
-    shown: Sequence[int | None], zero: int, at: Point, bottom: float, pitch: float
-) -> list[str]:
+def _number(
+    axes: Axes, shown: Sequence[int | None], zero: int, bottom: float, pitch: float
+) -> None:
     """A line with its number at every fifth clock, or at every clock if there is room.
 
     A gap is between two dark lines, and the first clock behind it has its number.
     """
-    x, y = at
-    body = [text((x - 4, y - 4), "clock", 10, text_anchor="end")]
     behind = {column + 1 for column, clock in enumerate(shown) if clock is None}
     # Where clocks are left out, numbers have up to four digits.
     every = 1 if pitch == WIDE or (pitch == MIDDLE and not behind) else 5
-    for column, clock in enumerate(shown):
-        left = x + pitch * column
-        if clock is None:
-            for edge in (left, left + pitch):
-                body.append(line([(edge, y), (edge, bottom)], stroke=INK, stroke_width=0.8))
-            continue
-        near = behind & {column - 2, column - 1, column + 1, column + 2}
-        if column in behind or ((clock - zero) % every == 0 and not near):
-            body.append(line([(left, y), (left, bottom)], stroke=FAINT, stroke_width=0.4))
-            label = str(clock - zero)
-            body.append(text((left + pitch / 2, y - 4), label, VALUE, text_anchor="middle"))
-    return body
-
-
-def _flag(values: Sequence[int | None], at: Point, pitch: float) -> str:
-    """A line that is high or low, or between the two while the flag is undefined."""
-    x, y = at
-    level = {0: y + FLAG - 2, 1: y + 3, None: y + FLAG / 2}
-    points = []
-    for clock, value in enumerate(values):
-        points += [(x + pitch * clock, level[value]), (x + pitch * (clock + 1), level[value])]
-    kept = [
-        point
-        for n, point in enumerate(points)
-        if not 0 < n < len(points) - 1 or not points[n - 1][1] == point[1] == points[n + 1][1]
-    ]
-    return line(kept, stroke_width=1.2)
+    numbered = {
+        column: clock - zero
+        for column, clock in enumerate(shown)
+        if clock is not None
+        and (
+            column in behind
+            or ((clock - zero) % every == 0 and not behind & {column + n for n in (-2, -1, 1, 2)})
+        )
+    }
+    middles = [column + 0.5 for column in numbered]
+    axes.set_xticks(middles, list(map(str, numbered.values())), fontsize=VALUE)
+    axes.vlines(list(numbered), 0, bottom, color=FAINT, linewidth=0.3)
+    edges = [edge for column in behind for edge in (column - 1, column)]
+    axes.vlines(edges, 0, bottom, color=INK, linewidth=0.6)
+    axes.annotate("clock", (0, 1), (-3, 4), "axes fraction", "offset points", ha="right", size=NAME)
 
 
 def _codes(
-    port: Row, counts: Sequence[int | None], at: Point, pitch: float, height: float
-) -> list[str]:
+    axes: Axes, port: Row, counts: Sequence[int | None], y: float, height: float, pitch: float
+) -> None:
     """A hexagon with the value in each clock that counts, and a line in the others."""
-    x, y = at
-    top, middle, bottom = y + 1, y + height / 2, y + height - 1
-    body = []
-    for high, clocks in groupby(range(len(counts)), key=lambda clock: counts[clock] == 1):
-        run = list(clocks)
-        if not high:
-            ends = [(x + pitch * run[0], middle), (x + pitch * (run[-1] + 1), middle)]
-            body.append(line(ends, stroke=FAINT, stroke_width=0.8))
-            continue
-        for clock in run:
-            a, b = x + pitch * clock, x + pitch * (clock + 1)
-            corners = [
-                (a, middle),
-                (a + SLANT, top),
-                (b - SLANT, top),
-                (b, middle),
-                (b - SLANT, bottom),
-                (a + SLANT, bottom),
-                (a, middle),
-            ]
-            body.append(line(corners, stroke_width=0.8))
-            body.append(_value(port, port.values[clock], ((a + b) / 2, middle), pitch))
-    return body
-
-
-def _value(port: Row, code: int | None, at: Point, pitch: float) -> str:
-    words = "undefined" if code is None or port.fmt is None else f"{port.fmt.to_real(code):.4f}"
-    x, y = at
-    if pitch == WIDE:
-        return text((x, y + 3), words, VALUE, text_anchor="middle")
-    turned = f"rotate(-90 {number(x)} {number(y)})"
-    return text((x, y + 3), words, VALUE, text_anchor="middle", transform=turned, fill=INK)
+    top, middle, bottom, slant = y + 1, y + height / 2, y + height - 1, SLANT / pitch
+    idle = np.where([flag == 1 for flag in counts], np.nan, middle)
+    axes.stairs(idle, baseline=None, color=FAINT, linewidth=0.6)
+    hexagons = []
+    for k, (flag, code) in enumerate(zip(counts, port.values, strict=True)):
+        if flag == 1:
+            left, right = k + slant, k + 1 - slant
+            upper, lower = [(left, top), (right, top)], [(right, bottom), (left, bottom)]
+            hexagons.append([(k, middle), *upper, (k + 1, middle), *lower])
+            words = (
+                f"{port.fmt.to_real(code):.4f}" if port.fmt and code is not None else "undefined"
+            )
+            text = axes.text(k + 0.5, middle, words, fontsize=VALUE, ha="center", va="center")
+            text.set_rotation(0 if pitch == WIDE else 90)
+    axes.add_collection(PolyCollection(hexagons, facecolor="none", edgecolor=INK, linewidth=0.6))

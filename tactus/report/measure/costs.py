@@ -1,12 +1,10 @@
 """The costs of scenes, from the figures that ``make synth`` recorded."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from golden.networks.network import Network
 from tactus.core.folders import BUILD
-from tactus.report.measure.networks import scenes
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
 from tactus.synth.budget import Cells, by_block, read_budget, shares
@@ -16,9 +14,6 @@ from tactus.synth.recorded import TIMING, is_recorded
 from tactus.synth.timing import Timing, read_timing
 from tactus.synth.tools import digest
 from tactus.verify.benches.runner import export
-
-FAMILY = "xc2v"
-COST = ("LUT", "multiplier", "block RAM")
 
 
 @dataclass(frozen=True)
@@ -70,24 +65,3 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
         f"that it contains, and the number of entities. Yosys counted the cells and kept the "
         f"hierarchy; {meaning}.",
     )
-
-
-def with_network_cells(table: Table) -> Table:
-    """The table of clocks, with the Virtex-II cells of recorded scenes, entity by entity."""
-    found = {
-        scene.name: read_budget(scene.path)[FAMILY][scene.twin().entity]
-        for scene in scenes()
-        if is_recorded(scene.path)
-    }
-    note = "The cells are counted entity by entity, as make synth recorded them."
-    return _joined(table, lambda row: found.get(str(row[0])), note)
-
-
-def _joined(
-    table: Table, cells: Callable[[Sequence[Cell]], dict[str, int] | None], note: str
-) -> Table:
-    rows = []
-    for row in table.rows:
-        found = cells(row)
-        rows.append([*row, *(found[name] if found else None for name in COST)])
-    return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}")

@@ -5,6 +5,11 @@ from tactus.errors.scene_errors import HELD_OUT, held_out_means, scene_errors
 from tactus.report.measure.table import Row, Table
 from tactus.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import millimetres
+from tactus.synth.budget import read_budget
+from tactus.synth.recorded import is_recorded
+
+FAMILY = "xc2v"
+COST = ("LUT", "multiplier", "block RAM")
 
 
 def clocks_per_frame(design: Network) -> int:
@@ -25,6 +30,7 @@ def clocks(_: int) -> Table:
         worst = max(range(len(found)), key=lambda c: found[c].largest_mean)
         held_out = held_out_means(scene)
         hidden = [network.shape[1:-1] for network in scene.networks()]
+        cells = read_budget(scene.path)[FAMILY][design.entity] if is_recorded(scene.path) else {}
         rows.append(
             {
                 "scene": scene.name,
@@ -43,6 +49,7 @@ def clocks(_: int) -> Table:
                 "clocks a frame": clocks_per_frame(design),
                 "clocks after the last sample": design.output_clocks[-1],
                 "interval clocks": design.interval,
+                **{kind: cells.get(kind) for kind in COST},
             }
         )
     return Table.of(
@@ -55,7 +62,8 @@ def clocks(_: int) -> Table:
         "positions, so the two cannot be compared. 'Held out' is the largest mean error of an "
         "output, on rows that no training had seen. The clocks are those from the first sample and "
         "from the last one to the last output, and from one frame to the next. thesis and "
-        "digit-instrument wait for their sensors.",
+        "digit-instrument wait for their sensors. The cells are those of Virtex-II, entity by "
+        "entity, as make synth recorded them.",
     )
 
 

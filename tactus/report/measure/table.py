@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -141,6 +141,16 @@ def cell_text(cell: Cell) -> str:
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
 
 
+def markdown(heads: str, rows: Iterable[Iterable[object]]) -> str:
+    """A table of Markdown.
+
+    heads: The headings, with ``" | "`` between them.
+    """
+    cells = [[str(cell).replace("|", r"\|") for cell in row] for row in rows]
+    lines = [heads.split(" | "), ["---"] * len(heads.split(" | ")), *cells]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
 Row = dict[str, Cell]
 
 
@@ -161,14 +171,3 @@ def number(row: Row, column: str) -> float:
     if not isinstance(value, int | float):
         raise ValueError(f"column {column}: got {value!r}, expected a number")
     return float(value)
-
-
-def groups(
-    rows: list[Row], label: Callable[[Row], str], x: str, y: str
-) -> dict[str, list[tuple[float, float]]]:
-    """The points (x, y) by label. Rows without x or y are left out."""
-    found: dict[str, list[tuple[float, float]]] = {}
-    for row in rows:
-        if row[x] is not None and row[y] is not None:
-            found.setdefault(label(row), []).append((number(row, x), number(row, y)))
-    return found

@@ -29,6 +29,7 @@ from golden.numbers.fixed import Fix
 from golden.numbers.precision import PRECISIONS
 from golden.trained.mlp import Mlp
 from tactus.report.measure.networks import scenes
+from tactus.report.measure.table import markdown
 from tactus.report.page.datasheets import block_tables
 from tactus.report.page.sign_off import sheet
 from tactus.scene import load_scene
@@ -163,7 +164,7 @@ def port_table(twins: Twins) -> str:
     for precision, blocks in twins.items():
         for port in (port for block in blocks for port in block.ports):
             rows.setdefault(port.row, {}).setdefault(precision, []).append(port)
-    lines = ["| port | direction | type | format | meaning |", "|---|---|---|---|---|"]
+    table = []
     for name, found in rows.items():
         port = next(iter(found.values()))[0]
         kind, text = "std_logic", ""
@@ -174,8 +175,8 @@ def port_table(twins: Twins) -> str:
             )
             if port.constant:
                 text = f"`{port.constant}`: {text}"
-        lines.append(f"| `{name}` | {port.direction} | {kind} | {text} | {port.meaning} |")
-    return "\n".join(lines)
+        table.append([f"`{name}`", port.direction, kind, text, port.meaning])
+    return markdown("port | direction | type | format | meaning", table)
 
 
 def clocks(twins: Twins, name: str) -> str:
@@ -191,13 +192,8 @@ def clocks(twins: Twins, name: str) -> str:
 
 def clocks_table(twins: Twins) -> str:
     """The latency and the interval of every entity of a block."""
-    return "\n".join(
-        [
-            "| latency, clocks | interval, clocks |",
-            "|---|---|",
-            f"| {clocks(twins, 'latency')} | {clocks(twins, 'interval')} |",
-        ]
-    )
+    row = clocks(twins, "latency"), clocks(twins, "interval")
+    return markdown("latency, clocks | interval, clocks", [row])
 
 
 def purpose(twins: Twins) -> str:
@@ -217,9 +213,8 @@ def block_table() -> str:
         "is the least number of clocks from one input to the next, or for a network from one",
         "frame to the next.",
         "",
-        "| block | area | what it does | thesis | latency | interval |",
-        "|---|---|---|---|---|---|",
     ]
+    rows = []
     for area in AREAS:
         for name, twins in _published().items():
             twin = next(block for blocks in twins.values() for block in blocks)
@@ -232,8 +227,10 @@ def block_table() -> str:
                     clocks(twins, "latency"),
                     clocks(twins, "interval"),
                 ]
-                lines.append(f"| {' | '.join(row)} |")
-    return "\n".join(lines)
+                rows.append(row)
+    return "\n".join(
+        [*lines, markdown("block | area | what it does | thesis | latency | interval", rows)]
+    )
 
 
 @cache

@@ -1,24 +1,28 @@
 """The content of the report of a scene."""
 
-import sys
-from collections.abc import Sequence
-from typing import Any, Protocol
-
-import numpy as np
+from collections.abc import Iterable
+from typing import Any
 
 from golden.networks.network import Network
 from tactus.core import store
 from tactus.network_files.network_file import provenance_path
-from tactus.report.draw.confusion import confusion_plot
+from tactus.report.draw.confusion import confusion
 from tactus.report.draw.designs import picture_of, sentence
-from tactus.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
+from tactus.report.draw.outcome import (
+    Plot,
+    Predicted,
+    along_plot,
+    disturbance_plots,
+    predicted_plots,
+)
 from tactus.report.draw.pictures import draw
 from tactus.report.draw.svg import Picture
 from tactus.report.measure import motions
 from tactus.report.measure.classes import accuracy, per_class, wrong_rows
-from tactus.report.measure.costs import FAMILY, Costs, blocks, costs
+from tactus.report.measure.costs import Costs, blocks, costs
 from tactus.report.measure.designs import designs, refused_lines
 from tactus.report.measure.disturbance import noise_and_drift
+from tactus.report.measure.networks import FAMILY
 from tactus.report.measure.outcome import (
     Outcome,
     along,
@@ -42,18 +46,6 @@ from tactus.verify.benches.tools import SIMULATORS, version
 from tactus.verify.every_frame.kept import proof_line
 
 
-class Drawable(Protocol):
-    """A plot with the sentence under it."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def title(self) -> str: ...
-    @property
-    def sentence(self) -> str: ...
-    def draw(self) -> str: ...
-
-
 def content(scene: Scene, tell: Progress) -> Page:
     """The report of a scene. ``tell`` is called for each part that is ready."""
     design = scene.twin()
@@ -62,19 +54,6 @@ def content(scene: Scene, tell: Progress) -> Page:
 
     def asked(name: str, *modules: str, **parts: store.Part) -> store.Key:
         return part_key(f"{name}-{scene.name}", modules, scene=files, simulators=tools, **parts)
-
-    def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
-        """The pictures, which are drawn again if their figures or the drawing code have changed."""
-        modules = sorted({type(plot).__module__ for plot in plots})
-        svgs = cached(
-            asked(name, *modules, figures=_every_figure(plots)),
-            tell,
-            lambda: [plot.draw() for plot in plots],
-        )
-        return [
-            Picture(plot.name, plot.title, svg, plot.sentence)
-            for plot, svg in zip(plots, svgs, strict=True)
-        ]
 
     cost = costs(scene, design)
     found = outcome(scene)
@@ -87,21 +66,20 @@ def content(scene: Scene, tell: Progress) -> Page:
     )
     places = along(found) if scene.group_by else None
     told = telling(scene)
-    plots: list[Drawable] = (
-        [confusion_plot(scene, found.decisions)] if scene.labels else [*predicted_plots(found)]
-    )
+    if scene.labels:
+        errors = [confusion(scene, found.decisions)]
+    else:
+        errors = _drawn(predicted_plots(found))
     if places:
-        plots.append(along_plot(found, places))
+        errors += _drawn([along_plot(found, places)])
     moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None
-    errors = drawn("errors", plots)
-    noise = drawn("noise", list(disturbance_plots(disturbed)))
     sections = [
         _verified(scene),
         _errors(found, errors, places),
         Section(
             "sensors",
             "What the sensors do to it",
-            pictures=noise,
+            pictures=_drawn(disturbance_plots(disturbed)),
             tables=[disturbed, sensors(found), *([told] if told else [])],
         ),
         Section(
@@ -141,10 +119,8 @@ def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Se
     )
 
 
-def _every_figure(plots: Sequence[Drawable]) -> str:
-    """What plots hold, in full: numpy shortens long arrays."""
-    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
-        return repr(plots)
+def _drawn(plots: Iterable[Plot | Predicted]) -> list[Picture]:
+    return [Picture(plot.name, plot.title, plot.draw(), plot.sentence) for plot in plots]
 
 
 def _pictures(scene: Scene, asked: store.Key, tell: Progress) -> Section:

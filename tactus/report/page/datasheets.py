@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from golden.common.block import walk
+from tactus.report.measure.table import markdown
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth.budget import Cells, read_budget, shares
 from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
@@ -44,28 +45,29 @@ def block_tables() -> dict[str, str]:
 
 
 def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
-    lines = [
-        "For each family, the table shows the entity of this block with the most LUTs in any",
-        "scene, with its parts included (`make synth`):",
-        "",
-        f"| family | scene, entity | {' | '.join(COLUMNS)} |",
-        "|" + "---|" * (len(COLUMNS) + 2),
+    rows = [
+        [
+            FAMILIES[family].split(",")[0],
+            f"{scene}, `{entity}`",
+            *(found[column] for column in COLUMNS),
+        ]
+        for family, (_, scene, entity, found) in best.items()
     ]
-    for family, (_, scene, entity, found) in best.items():
-        name = FAMILIES[family].split(",")[0]
-        figures = " | ".join(str(found[column]) for column in COLUMNS)
-        lines.append(f"| {name} | {scene}, `{entity}` | {figures} |")
-    return "\n".join(lines)
+    return (
+        "For each family, the table shows the entity of this block with the most LUTs in any\n"
+        "scene, with its parts included (`make synth`):\n\n"
+        + markdown(" | ".join(["family | scene, entity", *COLUMNS]), rows)
+    )
 
 
 def scene_table() -> str:
     """A table with a line for each scene: cells, shares of the thesis' device, and clock."""
-    lines = [
-        "| scene | LUT, entity by entity | LUT, in one piece | flip-flop | multiplier | block RAM "
-        "| depth | % LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us "
-        "| frames a second |",
-        "|" + "---|" * 13,
-    ]
+    heads = (
+        "scene | LUT, entity by entity | LUT, in one piece | flip-flop | multiplier | block RAM | "
+        "depth | % LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us | "
+        "frames a second"
+    )
+    rows = []
     for scene, cells in recorded():
         design = scene.twin()
         top = cells["xc2v"][design.entity]
@@ -76,7 +78,7 @@ def scene_table() -> str:
             for name in ("luts_percent", "mult18x18_percent")
         ]
         timing, _ = read_timing(scene.path)
-        row = [
+        row: list[object] = [
             scene.name,
             top["LUT"],
             cells[FLAT_FAMILY][flat_name(design.entity)]["LUT"],
@@ -87,5 +89,5 @@ def scene_table() -> str:
             f"{design.output_clocks[-1] / timing.clock_mhz:.2f}",
             f"{timing.clock_mhz * 1e6 / design.interval:,.0f}",
         ]
-        lines.append(f"| {' | '.join(map(str, row))} |")
-    return "\n".join(lines)
+        rows.append(row)
+    return markdown(heads, rows)

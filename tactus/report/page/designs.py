@@ -4,7 +4,7 @@ from functools import cache
 
 from tactus.report.draw.designs import picture_of
 from tactus.report.measure.designs import designs, refused_lines
-from tactus.report.measure.table import Cell, cell_text
+from tactus.report.measure.table import cell_text, markdown
 from tactus.scene import Scene, load_scene
 from tactus.scene.building import compared
 from tactus.sizing.candidates import Refused, Sized
@@ -25,26 +25,21 @@ def rows(name: str, family: str = "xc2v") -> str:
     """What each design of a scene costs, and those that cannot be built."""
     scene, found, refused = _compared(name)
     table = designs(scene, found, family)
-    lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
-    lines += [f"| {' | '.join(map(_shown, row))} |" for row in table.rows]
-    lines += ["", *(f"- {line}" for line in refused_lines(refused))] if refused else []
-    return "\n".join(lines)
+    lines = ["", *(f"- {line}" for line in refused_lines(refused))] if refused else []
+    cells = [["" if cell is None else cell_text(cell) for cell in row] for row in table.rows]
+    return "\n".join([markdown(" | ".join(table.columns), cells), *lines])
 
 
 def spreads() -> str:
     """Every recorded network, estimated by a model that does not know its weights."""
-    lines = ["| network | design | LUTs | estimated | error % |", "|---|---|---|---|---|"]
-    for one in held_out():
-        cells = [f"`{one.network}`", one.design, str(one.luts)]
-        lines.append(f"| {' | '.join(cells)} | {one.estimated:.0f} | {one.percent:+.1f} |")
-    return "\n".join(lines)
+    rows = [
+        [f"`{one.network}`", one.design, one.luts, f"{one.estimated:.0f}", f"{one.percent:+.1f}"]
+        for one in held_out()
+    ]
+    return markdown("network | design | LUTs | estimated | error %", rows)
 
 
 def picture() -> str:
     """LUTs against clocks of the scene that every design of tanh neurons takes."""
     scene, found, _ = _compared(SINGLE)
     return picture_of(scene, found, "xc2v")
-
-
-def _shown(cell: Cell) -> str:
-    return "" if cell in (None, "") else cell_text(cell)

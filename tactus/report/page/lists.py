@@ -7,7 +7,7 @@ program knows is written as the site is built (``made``).
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,15 +21,21 @@ from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
 from tactus.errors.scene_errors import held_out_means, scene_errors
-from tactus.report.draw.area import area
 from tactus.report.draw.overview import overview
 from tactus.report.draw.overview import wishes as draw_wishes
-from tactus.report.draw.run_time import AFTER, PRINTED, SCAN_CLOCKS, WORST, network_rows, scene_of
+from tactus.report.draw.run_time import (
+    AFTER,
+    PRINTED,
+    SCAN_CLOCKS,
+    WORST,
+    area,
+    network_rows,
+    scene_of,
+)
 from tactus.report.draw.run_time import networks as draw_networks
-from tactus.report.measure.costs import with_network_cells
 from tactus.report.measure.left_out import LEAN, WHOLE, left_out, words
 from tactus.report.measure.networks import clocks, clocks_per_frame
-from tactus.report.measure.table import SEED, Row, Table, number, read_csv, rows_of
+from tactus.report.measure.table import SEED, Row, Table, markdown, number, read_csv, rows_of
 from tactus.scene import load_scene, thesis_table
 from tactus.scene.reading import EDITOR_SCHEMA, SCENE
 from tactus.synth.budget import read_budget
@@ -85,9 +91,7 @@ def headline() -> str:
         ("block RAMs", "-", *(str(c["block RAM"]) for c in cells)),
         ("proved for", "-", *(f"all 2^{14 * len(s.sensors)} frames" for s in scenes)),
     ]
-    heads = ["", "thesis, printed", "thesis, rebuilt", "our own"]
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown(" | thesis, printed | thesis, rebuilt | our own", rows)
 
 
 def against_run_time(networks: Table) -> Iterator[str]:
@@ -109,32 +113,30 @@ def against_run_time(networks: Table) -> Iterator[str]:
         "both are much faster than the scan of the sensors, for which they wait."
     )
     yield ""
-    heads = (
-        *("", "error held out, %", "error on recorded rows, %", "clocks", f"µs at {clock:g} MHz"),
-        *("LUTs, entity by entity", "multipliers", "block RAMs"),
-    )
-    yield f"| {' | '.join(heads)} |"
-    yield f"|{'---|' * len(heads)}"
     device, printed = thesis_table("device"), thesis_table(PRINTED["cascade"][0])
-    for name, row in ((f"`{SHOWN}`", default), (f"`{REBUILT}`", rebuilt)):
-        cells = (
-            *(
-                f"{number(row, HELD_OUT):.2f}",
-                f"{number(row, WORST):.2f}",
-                f"{number(row, AFTER):,.0f}",
-                _us(row, clock),
-            ),
-            *(f"{number(row, 'LUT'):,.0f}", f"{number(row, 'multiplier'):.0f}"),
+    rows = [
+        [
+            name,
+            f"{number(row, HELD_OUT):.2f}",
+            f"{number(row, WORST):.2f}",
+            f"{number(row, AFTER):,.0f}",
+            _us(row, clock),
+            f"{number(row, 'LUT'):,.0f}",
+            f"{number(row, 'multiplier'):.0f}",
             f"{number(row, 'block RAM'):.0f}",
-        )
-        yield f"| {name} | {' | '.join(cells)} |"
+        ]
+        for name, row in ((f"`{SHOWN}`", default), (f"`{REBUILT}`", rebuilt))
+    ]
     shares = (
         f"about {printed[share] * device[count] / 100:,.0f}"
         for share, count in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18"))
     )
     error = f"{max(printed['simulation']):.2f}; {max(printed['real_time']):.2f} with real sensors"
-    yield f"| cascade, as printed | | {error} | | | {' | '.join(shares)} | |"
-    yield f"| scan of the sensors | | | {SCAN_CLOCKS:,} | {SCAN_CLOCKS / clock:g} | | | |"
+    rows.append(["cascade, as printed", "", error, "", "", *shares, ""])
+    scan = f"{SCAN_CLOCKS:,}", f"{SCAN_CLOCKS / clock:g}"
+    rows.append(["scan of the sensors", "", "", *scan, "", "", ""])
+    heads = f" | error held out, % | error on recorded rows, % | clocks | µs at {clock:g} MHz"
+    yield markdown(f"{heads} | LUTs, entity by entity | multipliers | block RAMs", rows)
     yield ""
     yield (
         "Held out is the mean error of the worst output on rows that no training had seen: for "
@@ -188,19 +190,15 @@ def program_rows() -> str:
     programs["a node of each network is dead: no output reads it"] = [
         replace(one, w2=np.where(np.arange(one.w2.shape[1]) == 0, 0.0, one.w2)) for one in networks
     ]
-    lines = [_row(["scene `digit` with", "words", "clocks"]), "|---|---|---|"]
+    rows = []
     for name, these in programs.items():
         engine = Engine.of(these, scene.settings(True, these), scene.arrangement)
-        lines.append(_row([name, str(words(engine)), str(clocks_per_frame(engine))]))
-    return "\n".join(lines)
+        rows.append([name, words(engine), clocks_per_frame(engine)])
+    return markdown("scene `digit` with | words | clocks", rows)
 
 
 def _pruned(weights: Real, part: float) -> Real:
     return np.where(np.abs(weights) < np.quantile(np.abs(weights), part), 0.0, weights)
-
-
-def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def wishes(found: dict[Path, str]) -> str:
@@ -230,7 +228,7 @@ def editor_schema() -> str:
 def pages() -> dict[Path, str]:
     """The text of every file that this command writes."""
     docs = ROOT / "docs"
-    networks = with_network_cells(clocks(SEED))
+    networks = clocks(SEED)
     lean = left_out(SEED)
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "headline", headline),
@@ -250,7 +248,7 @@ def pages() -> dict[Path, str]:
     found[docs / "overview.svg"] = overview(load_scene(SHOWN))
     found[docs / "area.svg"] = area(networks) + "\n"
     found[docs / "wishes.svg"] = draw_wishes(
-        [row for row in network_rows(networks) if row["outputs"] == 4],
+        network_rows(networks),
         (SHOWN, REBUILT),
         float(thesis_table("board")["clock_mhz"]),
         parts_of_bounds(),

@@ -4,49 +4,51 @@ It is written when the site is built and committed nowhere, so it cannot be out 
 """
 
 import re
+import tomllib
 from collections.abc import Callable
 from functools import cache, partial
+from itertools import zip_longest
 
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.pipeline import Pipeline
+from tactus.core.fingerprint import ROOT
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
 from tactus.report.activations import plot, plot_file
-from tactus.report.draw.floors import picture_of_floors
 from tactus.report.draw.network import network
-from tactus.report.measure.activation_errors import measure, table
+from tactus.report.measure.activation_errors import activation_table
 from tactus.report.measure.networks import clocks_per_frame
+from tactus.report.measure.table import markdown
 from tactus.report.page import blocks, boards, datasheets, designs, sign_off
 from tactus.report.page.side_by_side import side_by_side
 from tactus.scene import DEFAULT_SCENES, class_names, load_scene, scene_names
 from tactus.scene.reading import SCENE
 from tactus.synth.budget import read_budget
 
+ROOMS = ("golden", "hdl", "tb", "tactus")
+
 
 def scenes() -> str:
     """Every shipped scene, with the first paragraph of its file and its parts."""
-    lines = [
-        "| shipped scene | what it is | design | activation | precision |",
-        "|---|---|---|---|---|",
-    ]
+    rows = []
     for name in sorted([*scene_names(), *class_names()]):
         scene = load_scene(name)
         head = re.split(r"\n#?\n", scene.path.read_text(encoding="utf-8"), maxsplit=1)[0]
         text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
-        row = [f"`{name}`", text, *(f"`{word}`" for word in (scene.design, scene.activation))]
-        lines.append(f"| {' | '.join(row)} | `{scene.precision.name}` |")
-    return "\n".join(lines)
+        parts = scene.design, scene.activation, scene.precision.name
+        rows.append([f"`{name}`", text, *(f"`{word}`" for word in parts)])
+    return markdown("shipped scene | what it is | design | activation | precision", rows)
 
 
 def classes() -> str:
     """What every shipped scene of classes costs, and how often it is wrong on held-out rows."""
-    lines = [
-        "| scene | network | LUT | multiplier | block RAM | clocks of a frame | held-out rows | "
-        "wrong | wrong in floating point |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    heads = (
+        "scene | network | LUT | multiplier | block RAM | clocks of a frame | held-out rows | "
+        "wrong | wrong in floating point"
+    )
+    table = []
     for name in class_names():
         scene = load_scene(name)
         top = read_budget(scene.path)["xc2v"][scene.twin().entity]
@@ -61,8 +63,8 @@ def classes() -> str:
             rows - held_out.right,
             rows - held_out.right_real,
         ]
-        lines.append(f"| {' | '.join(map(str, cells))} |")
-    return "\n".join(lines)
+        table.append(cells)
+    return markdown(heads, table)
 
 
 def keys(section: str) -> str:
@@ -72,28 +74,41 @@ def keys(section: str) -> str:
     return key_rows(table)
 
 
+def floors() -> str:
+    """The packages of the four rooms, from the top floor down: contracts of import-linter."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    rooms = [
+        [layer.replace(" |", ",") for layer in reversed(contract["layers"])]
+        for room in ROOMS
+        for contract in contracts
+        if contract.get("containers") == [room]
+    ]
+    rows = [*zip_longest(*rooms, fillvalue="")][::-1]
+    return markdown(" | ".join(f"{room}/" for room in ROOMS), rows)
+
+
 def segments() -> str:
     """The segments of Table 4.1 of the thesis."""
-    lines = ["| n | up to q_n | g_n | i_n |", "|---|---|---|---|"]
-    rows = zip(UPPER, GRADIENT, INTERCEPT, strict=True)
-    lines += [f"| {n} | {' | '.join(map(str, row))} |" for n, row in enumerate(rows, 1)]
-    return "\n".join(lines)
+    rows = zip(range(1, len(UPPER) + 1), UPPER, GRADIENT, INTERCEPT, strict=True)
+    return markdown("n | up to q_n | g_n | i_n", rows)
 
 
 def pipeline() -> str:
     """Every clock of an engine's pipeline, and what happens in it."""
-    lines = ["| name | clocks | with registers | what is there |", "|---|---|---|---|"]
+    rows = []
     forms = [LanePipeline(), LanePipeline(memory_registers=1)]
     for name, value in (vars(LanePipeline) | vars(Pipeline) | vars(LanePipeline)).items():
         if isinstance(value, property) and name != "table":
-            clocks = " | ".join(str(getattr(form, name)) for form in forms)
-            lines.append(f"| `{name}` | {clocks} | {' '.join((value.__doc__ or '').split())} |")
-    return "\n".join(lines)
+            clocks = [getattr(form, name) for form in forms]
+            rows.append([f"`{name}`", *clocks, " ".join((value.__doc__ or "").split())])
+    return markdown("name | clocks | with registers | what is there", rows)
 
 
 def activation_errors() -> str:
-    """What make activations prints."""
-    return "\n".join(f"    {line}".rstrip() for line in table(measure()))
+    """The table of make activations."""
+    table = activation_table()
+    return f"{markdown(' | '.join(table.columns), table.shown)}\n\n{table.note}"
 
 
 def demo() -> str:
@@ -125,7 +140,7 @@ MADE: dict[str, Callable[[], str]] = {
     "learned": partial(designs.rows, designs.LEARNED),
     "held-out": designs.spreads,
     "picture-of-designs": partial(picture, designs.picture),
-    "floors": partial(picture, picture_of_floors),
+    "floors": floors,
     "networks": partial(picture, lambda: network(load_scene("digit"))),
     "segments": segments,
     "activation-errors": activation_errors,

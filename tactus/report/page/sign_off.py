@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+from tactus.report.measure.table import markdown
 from tactus.verify.benches.collected import BENCHES
 from tactus.verify.sign_off.mutate.score import COUNT
 from tactus.verify.sign_off.record import recorded
@@ -62,7 +63,7 @@ def undetected_mutants(record: Record) -> list[str]:
         mutants.setdefault(one["explained"] or "not explained", []).append(place)
     rows = [[reason, "; ".join(found)] for reason, found in mutants.items()]
     return _table(
-        "Undetected mutants, and the reason why each is accepted:", ["reason", "mutants"], rows
+        "Undetected mutants, and the reason why each is accepted:", "reason | mutants", rows
     ) + undetected_bits(record)
 
 
@@ -75,7 +76,7 @@ def undetected_bits(record: Record) -> list[str]:
     return _table(
         "Bits of words whose faults the bench does not detect. The proof for every frame computes "
         "with each of them:",
-        ["memory", "bit", "addresses"],
+        "memory | bit | addresses",
         [[f"`{memory}`", bit, ", ".join(at)] for (memory, bit), at in sorted(found.items())],
     )
 
@@ -104,7 +105,7 @@ def proved_properties(record: Record) -> list[str]:
     ]
     return _table(
         "Proved properties. A free signal may take any value in any clock:",
-        ["property", "entity", "method", "assumptions", "free signals"],
+        "property | entity | method | assumptions | free signals",
         rows,
     )
 
@@ -121,7 +122,7 @@ def unreachable(record: Record) -> list[str]:
     """A row for each border or value that no stimulus reaches."""
     return _table(
         "No stimulus can reach the following:",
-        ["border or value", "reason"],
+        "border or value | reason",
         [[name, reason] for name, reason in record.get("unreachable", {}).items()],
     )
 
@@ -153,7 +154,7 @@ def netlist_runs(record: Record) -> list[str]:
     ]
     return _table(
         "Runs on netlists:",
-        ["scene", "entity", "families", "values compared", "frames", "tests"],
+        "scene | entity | families | values compared | frames | tests",
         rows,
     )
 
@@ -191,12 +192,11 @@ def _count(count: int, one: str, several: str = "") -> str:
     return f"{count} {one if count == 1 else several or one + 's'}"
 
 
-def _table(title: str, heads: list[str], rows: list[list[str]]) -> list[str]:
+def _table(title: str, heads: str, rows: list[list[str]]) -> list[str]:
     """The lines of a title and a table below it; none if the table has no rows."""
     if not rows:
         return []
-    lines = [heads, ["---"] * len(heads), *([c.replace("|", r"\|") for c in row] for row in rows)]
-    return ["", title, "", *(f"| {' | '.join(line)} |" for line in lines)]
+    return ["", title, "", markdown(heads, rows)]
 
 
 # By kind of record: what a datasheet calls it, the command, and what it says.
@@ -225,15 +225,15 @@ def sheet(block: str) -> str:
         kind: [found for name in recorded_cases(block) if (found := recorded(kind, name))]
         for kind in KINDS
     }
-    lines = [
-        f"| {title} | `{command.format(block)}` | {_entity(record)} | {text(record)} |"
+    rows = [
+        [title, f"`{command.format(block)}`", _entity(record), text(record)]
         for kind, (title, command, text) in KINDS.items()
         for record in records[kind]
     ]
-    if not lines:
+    if not rows:
         return "Nothing is recorded."
-    heads = ["| check | command | entity | result |", "|---|---|---|---|"]
-    lines = ["[Verification](../verification.md) explains these checks.", "", *heads, *lines]
+    table = markdown("check | command | entity | result", rows)
+    lines = ["[Verification](../verification.md) explains these checks.", "", table]
     for kind, details in DETAILS.items():
         for record in records[kind]:
             lines += details(record)
@@ -250,17 +250,13 @@ def _entity(record: Record) -> str:
 
 def overview() -> str:
     """The table of verification.md, with a line for each block."""
-    lines = [
-        "| block | mutants | detected | equivalent | score | properties | borders "
-        "| VHDL equals Verilog by | netlists | registers without reset |",
-        "|" + "---|" * 10,
-    ]
+    rows = []
     for block in sorted(BENCHES):
         mutants, proofs, met, equal, mapped, unreset = (
             recorded(kind, block)
             for kind in ("mutation", "proof", "coverage", "equivalence", "netlist", "unknown")
         )
-        row = [
+        row: list[object] = [
             f"[{block}](blocks/{block}.md#sign-off)",
             *(mutants.get(key, "") for key in ("mutants", "killed", "same")),
             percent(mutants) if mutants else "",
@@ -270,5 +266,9 @@ def overview() -> str:
             ", ".join(sorted({one["family"] for one in mapped.get("runs", [])})),
             unreset.get("not reset", ""),
         ]
-        lines.append(f"| {' | '.join(map(str, row))} |")
-    return "\n".join(lines)
+        rows.append(row)
+    return markdown(
+        "block | mutants | detected | equivalent | score | properties | borders | "
+        "VHDL equals Verilog by | netlists | registers without reset",
+        rows,
+    )
