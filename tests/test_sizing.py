@@ -18,16 +18,16 @@ from tactus.scene import Scene, load_scene
 from tactus.scene.building import compared
 from tactus.sizing.candidates import Sized
 from tactus.sizing.exact import block_rams, multipliers
-from tactus.sizing.model import Held, held_out, recorded, size_of
-from tactus.sizing.routed import clock_of, placed
+from tactus.sizing.features import features_of
+from tactus.sizing.model import Held, clock_of, held_out, placed, recorded
 from tactus.sizing.table_luts import luts_of
-from tactus.synth.sizing import EXTRAS, networks, rows_of
+from tactus.synth.sizing import EXTRAS, networks, row_of
 from tactus.synth.timing import read_timing
 from tactus.verify.benches.written import write_scene
 from tb.common.case_library import TABLE_GRAPHS
 from tb.common.cases import random_mlp
 
-# What an estimate of LUTs may be off, in per cent, on networks that it was not fitted to.
+# What an estimate may be off, in per cent, on networks that it was not fitted to.
 MOST = 10.0
 
 
@@ -57,14 +57,14 @@ def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> N
         # A block without a model, or whose products nobody counts, is refused; see below.
         for block in walk(core):
             with suppress(InputError):
-                size_of(block)
+                features_of(block)
                 counts = multipliers(block), block_rams(block, "xc2v")
                 entity = cells["xc2v"][block.entity]
                 assert counts == (entity["multiplier"], entity["block RAM"]), (name, block.entity)
                 entities += 1
         if scene.twin() == core and not scene.argmax:
             with suppress(InputError):
-                size_of(core)
+                features_of(core)
                 counts = multipliers(core), block_rams(core, "ecp5")
                 timing = read_timing(scene.path)[0]
                 assert counts == (timing.multipliers, timing.block_rams), name
@@ -74,18 +74,19 @@ def test_multipliers_and_block_rams_are_those_of_every_recorded_synthesis() -> N
 
 
 def test_the_cells_that_are_fitted_are_those_of_the_budgets() -> None:
-    kept = {row.network: [] for row in recorded()}
-    for row in recorded():
-        kept[row.network].append(row)
+    kept = {row.network: row for row in recorded()}
+    assert len(kept) == len(recorded())
     for name, scene, core, cells in networks():
         if name in kept:
-            assert rows_of(name, scene, core, cells) == kept.pop(name), name
+            assert row_of(name, scene, core, cells) == kept.pop(name), name
     assert set(kept) == {extra.name for extra in EXTRAS} | {"studies/beans"}
 
 
 @pytest.mark.parametrize("one", held_out(), ids=lambda one: one.network)
 def test_estimates_of_networks_that_were_held_out(one: Held) -> None:
     assert abs(one.percent) <= MOST, one
+    flip_flops = one.recorded.flip_flops
+    assert one.estimated.flip_flops == pytest.approx(flip_flops, rel=MOST / 100), one
 
 
 def column_of(function: Callable[..., int], inputs: int) -> tuple[int, ...]:
@@ -139,14 +140,14 @@ def test_the_table_has_a_line_for_each_design(
 
 
 def test_a_clock_is_estimated_between_recorded_ones_alone() -> None:
-    rows = [row for row in placed() if row.design == "adder_graph"]
-    met = [row.clock_mhz for row in rows]
+    rows = placed("adder_graph")
+    met = [row.routed.clock_mhz for row in rows]
     clocks = [clock_of(rows, path) for path in range(1, 6)]
     assert clocks == sorted(clocks, reverse=True)
     assert min(met) < clocks[-1] < clocks[0] < 1.01 * max(met)
     assert clock_of(rows, 6) is None
     one = [row for row in rows if row.network == "digit-fast"]
-    assert clock_of(one, 5) == pytest.approx(one[0].clock_mhz)
+    assert clock_of(one, 5) == pytest.approx(one[0].routed.clock_mhz)
     assert clock_of(one, 1) is None
 
 

@@ -20,8 +20,8 @@ from golden.numbers.precision import SIGNAL, Precision
 from golden.trained.dense import Trained
 from golden.trained.mlp import tanh
 from tactus.sizing.exact import block_rams, multipliers
-from tactus.sizing.model import Size, size_of, spread
-from tactus.sizing.routed import Routed, routed_size
+from tactus.sizing.features import features_of
+from tactus.sizing.model import Size, path_of, routed_size, routed_spread, size_of, spread
 
 
 @dataclass(frozen=True)
@@ -149,24 +149,16 @@ class Sized:
         """The name under which recorded networks of the same design stand."""
         return kind_of(self.candidate.design, self.options)
 
-    @property
-    def spread(self) -> float | None:
-        """See ``tactus.sizing.model.spread``."""
-        return spread(self.kind)
-
-    def routed(self) -> Routed | None:
-        """The same on an ECP5; None where no network of the kind was placed and routed."""
-        return routed_size(self.kind, self.options, self.size)
-
     def cells(self, family: str) -> Cells | None:
         """What it takes of a family; None where nothing is known of it."""
         if family == "xc2v":
-            return Cells(self.size, self.multipliers, self.block_rams, self.spread, None)
-        found = self.routed()
+            return Cells(self.size, self.multipliers, self.block_rams, spread(self.kind), None)
+        found = routed_size(self.kind, path_of(self.kind, self.options), self.size)
         if found is None:
             return None
         rams = block_rams(self.network, family)
-        return Cells(found.size, self.multipliers, rams, found.spread, found.clock_mhz)
+        most = routed_spread(self.kind)
+        return Cells(found.size, self.multipliers, rams, most, found.clock_mhz)
 
 
 @dataclass(frozen=True)
@@ -251,12 +243,11 @@ def sized(task: SizingTask, candidate: Candidate) -> Sized | Refused:
     try:
         network = build(task, candidate)
         candidate = replace(candidate, options={**candidate.options, **network.options_built})
-        found = size_of(network)
         return Sized(
             candidate,
             settings_for(task, candidate).options,
             network,
-            found,
+            size_of(features_of(network)),
             multipliers(network),
             block_rams(network, "xc2v"),
             *errors(task, network),

@@ -8,9 +8,13 @@ from collections.abc import Callable
 from typing import Any
 
 from golden.common.block import Block
+from golden.engine.program_memory import ProgramMemory
 from golden.input_error import InputError
-from tactus.sizing.features import HALF_BLOCK, in_logic
 
+# Words of 18 bits in a block RAM of a Virtex-II.
+HALF_BLOCK = 1024
+# Up to so many bits of its address, the memory of a program is built of LUTs.
+LOGIC_ADDR_WIDTH = 6
 # Words of 36 bits in a block RAM of a Virtex-II, and in the two of an ECP5 that have two read ports
 # of 36 bits; and up to how many bits of its address a memory of operands is built of LUTs.
 WORDS = {"xc2v": (512, 1, 4), "ecp5": (1024, 2, 6)}
@@ -26,6 +30,11 @@ def block_rams(top: Block, family: str) -> int:
     """Block RAMs in a block and its parts."""
     own = _MEMORIES[top.block](top, *WORDS[family]) if top.block in _MEMORIES else 0
     return own + sum(block_rams(part, family) for part in top.parts())
+
+
+def in_logic(program: ProgramMemory) -> bool:
+    """Whether a program is so short, and without a table, that its memory is made of LUTs."""
+    return program.addr_width <= LOGIC_ADDR_WIDTH
 
 
 def product(constant: int) -> int:

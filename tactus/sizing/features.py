@@ -1,15 +1,15 @@
-"""What the LUTs and the flip-flops of a block depend on, as its twin knows it.
+"""What the LUTs and the flip-flops of a network depend on, as its twin knows it.
 
-Each function here describes one kind of block by a few numbers: sums of widths of adders, of
-registers, of words in LUTs. ``tactus.sizing.model`` fits how many cells each of them costs.
+Each function here describes one kind of block by a few numbers, and a network has the sums of those
+of its blocks. ``tactus.sizing.model`` fits how many cells each of them costs. What is so small that
+no figure of a network shows it, such as a controller, has no number.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from golden.common.block import Block
-from golden.engine.program_memory import ProgramMemory
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_integral import InputIntegral
@@ -17,74 +17,40 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.layers.shift_add import Constant, Sum
-from tactus.sizing.table_luts import bit_columns, luts_of
+from tactus.sizing.exact import in_logic
+from tactus.sizing.table_luts import INPUTS, bit_columns, luts_of
 
-# The words of 9 bits that a block RAM holds.
-NARROW_WORDS = 2048
-# Up to so many bits of its address, a memory is built of LUTs.
-LOGIC_ADDR_WIDTH = 6
-# The cells of these blocks are measured flattened. Entity by entity, Yosys packs the choice of the
+# Numbers by name. Those on which both kinds of cells depend: how many nodes have an activation, and
+# how many networks a cascade has, engines there are, and multipliers they have.
+BOTH = ("bipartite", "gradient", "lut", "precise", "cascade", "engine", "lanes")
+# What takes about a LUT each, as a bit of an adder does; bits that are rounded, those of a matrix
+# that saturate, those of an adder of three operands; what chooses between more than two LUTs of a
+# table; thresholds of activations; and of an engine: the lanes that look up, the words of a program
+# in logic, and the sums of other lanes and the parts of a long memory, between which is chosen.
+LUTS = (
+    *(*BOTH, "luts", "rounded", "saturated", "three", "choices", "thresholds"),
+    *("looked_up", "words", "partners", "parts"),
+)
+# Bits of registers, and the registers behind the memories of an engine.
+FLIP_FLOPS = (*BOTH, "registers", "deep")
+# These are described, and synthesised, as a whole. Entity by entity, Yosys packs the choice of the
 # sum that a lane adds into wide multiplexers, and takes up to twice the LUTs.
 IN_ONE_PIECE = ("engine",)
-# Blocks that differ only in how many nodes they serve have their costs together.
-ALIKE = {"bipartite_pair": "bipartite"}
-# A matrix that adds words up, without a product, has costs of its own: an adder that is not
-# shifted takes in more of what is before and behind it.
-PLAIN_SUMS = "constant_matrix of sums"
-
-Numbers = tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Features:
-    """What the own cells of a block depend on.
-
-    luts, flip_flops: The numbers for each, in an order of the block's kind.
-    """
-
-    luts: Numbers
-    flip_flops: Numbers
-
-
-def group_of(block: Block) -> str:
-    """The name under which the costs of a block are fitted."""
-    if isinstance(block, ConstantMatrix) and _adds_alone(block):
-        return PLAIN_SUMS
-    return ALIKE.get(block.block, block.block)
-
-
-def _adds_alone(matrix: ConstantMatrix) -> bool:
-    """Whether no sample is multiplied by anything, except by one power of two for all."""
-    weights = {weight for row in matrix.weights for weight in row if weight}
-    return len(weights) < 2 and all(weight > 0 and not weight & weight - 1 for weight in weights)
+# The words of 4 bits that a block RAM holds. Up to so many words of a memory, each block RAM has
+# some bits of every word, and nothing is chosen.
+NARROW_WORDS = 4096
+Features = Counter[str]
 
 
 def features_of(block: Block) -> Features:
-    """The numbers by which the own cells of a block, without its parts, are estimated."""
+    """The numbers by which the cells of a block and its parts are estimated; none of them is 0."""
     if block.block not in _FEATURES:
         raise InputError(f"{block.entity}: got a block {block.block!r}, whose cells have no model")
-    return _FEATURES[block.block](block)
-
-
-# Words of 18 bits in a block RAM.
-HALF_BLOCK = 1024
-
-
-def in_logic(program: ProgramMemory) -> bool:
-    """Whether a program is so short, and without a table, that its memory is made of LUTs."""
-    return program.addr_width <= LOGIC_ADDR_WIDTH
-
-
-def columns(words: Iterable[int], width: int, addr_width: int) -> int:
-    """How many LUTs a table of a few words takes: one for each column of bits that is its own.
-
-    A column that is constant, or that is a bit of the address, takes none.
-    """
-    known = list(words)
-    found = {tuple(word >> bit & 1 for word in known) for bit in range(width)}
-    for bit in range(addr_width):
-        found.discard(tuple(place >> bit & 1 for place in range(len(known))))
-    return sum(len(set(column)) > 1 for column in found)
+    found = Counter(_FEATURES[block.block](block))
+    if block.block not in IN_ONE_PIECE:
+        for part in block.parts():
+            found.update(features_of(part))
+    return +found
 
 
 def tree_bits(widths: Sequence[int], most: int, constant: bool) -> tuple[int, int]:
@@ -104,16 +70,7 @@ def tree_bits(widths: Sequence[int], most: int, constant: bool) -> tuple[int, in
     return adders, registers
 
 
-def _both(*numbers: float) -> Features:
-    """The same numbers for LUTs and for flip-flops."""
-    return Features(numbers, numbers)
-
-
-def _one(_: Block) -> Features:
-    return _both(1)
-
-
-def _neuron(block: Any) -> Features:
+def _neuron(block: Any) -> dict[str, int]:
     spec: Neuron = block
     # A product has no more bits than its largest value needs.
     widths = [
@@ -123,34 +80,48 @@ def _neuron(block: Any) -> Features:
     ]
     bias = spec.coeff_fmt.width + spec.bias_shift
     adders, registers = tree_bits([*widths, bias], spec.acc_width, constant=True)
-    rounded = spec.acc_width - spec.out_shift if spec.out_shift else 0
     scaled = spec.scaled_width if spec.factor is not None else 0
     held = sum(widths) + registers + scaled + spec.out_fmt.width
-    return Features((adders, rounded, scaled), (held,))
+    return {"luts": adders + scaled, "rounded": _rounded(spec), "registers": held}
 
 
-def _input_integral(block: Any) -> Features:
+def _rounded(spec: Any) -> int:
+    return spec.acc_width - spec.out_shift if spec.out_shift else 0
+
+
+def _input_integral(block: Any) -> dict[str, int]:
     spec: InputIntegral = block
     # All nodes have the same address, so equal columns are one.
     words = [
         sum(word << spec.coeff_fmt.width * j for j, word in enumerate(_unsigned(spec, column)))
         for column in zip(*spec.weights, strict=True)
     ]
-    return _both(columns(words, spec.coeff_fmt.width * spec.hidden, spec.addr_width))
+    return {"luts": _table(words, spec.coeff_fmt.width * spec.hidden, spec.addr_width)}
+
+
+def _table(words: Iterable[int], width: int, addr_width: int) -> int:
+    found = bit_columns(words, width)
+    # The bits of many weights are like random ones, for which no LUT can be left out.
+    if addr_width > INPUTS:
+        return len(found) << addr_width - INPUTS
+    return sum(luts_of(column)[0] for column in found)
 
 
 def _unsigned(spec: Any, words: Iterable[int]) -> list[int]:
     return [word & ((1 << spec.coeff_fmt.width) - 1) for word in words]
 
 
-def _input_node(block: Any) -> Features:
+def _input_node(block: Any) -> dict[str, int]:
     spec: InputNode = block
     product = spec.in_fmt.width + spec.coeff_fmt.width
+    # The LUTs of an adder choose between its sum and the bias as well, unless an exact product is
+    # as wide as the sum.
+    chosen = spec.acc_width * (not spec.product_shift and spec.acc_width <= product)
     held = product + product - spec.product_shift + spec.acc_width + spec.out_fmt.width
-    return Features((spec.acc_width, spec.out_shift > 0), (held,))
+    return {"luts": spec.acc_width + chosen, "rounded": _rounded(spec), "registers": held}
 
 
-def _output_integral(block: Any) -> Features:
+def _output_integral(block: Any) -> dict[str, int]:
     spec: OutputIntegral = block
     term = spec.in_fmt.width + spec.coeff_fmt.width - spec.product_shift
     bias = spec.coeff_fmt.width + spec.bias_shift
@@ -159,14 +130,13 @@ def _output_integral(block: Any) -> Features:
     adders, registers = tree_bits(terms, spec.acc_width, constant=alone)
     rows = [] if alone else [*zip(*spec.weights, strict=True), spec.biases]
     width = spec.coeff_fmt.width
-    words = sum(columns(_unsigned(spec, row), width, spec.addr_width) for row in rows)
+    words = sum(_table(_unsigned(spec, row), width, spec.addr_width) for row in rows)
     scaled = spec.scaled_width if spec.factors is not None else 0
-    rounded = spec.acc_width - spec.out_shift if spec.out_shift else 0
-    products = spec.hidden * (spec.in_fmt.width + term)
-    return Features((adders, words, rounded, scaled), (products, registers, words))
+    held = spec.hidden * (spec.in_fmt.width + term) + registers
+    return {"luts": adders + words + scaled, "rounded": _rounded(spec), "registers": held}
 
 
-def _constant_matrix(block: Any) -> Features:
+def _constant_matrix(block: Any) -> dict[str, int]:
     spec: ConstantMatrix = block
     graph, clocks = spec.graph, spec.clocks
     needed = list(clocks)
@@ -200,39 +170,43 @@ def _constant_matrix(block: Any) -> Features:
         )
         if width - below > kept and not kind.rectified
     )
-    return Features((two, three, saturated), (registers + sum(widths),))
+    # An adder that is not shifted takes in more of what is behind it.
+    finish = "rounded" if _adds_alone(spec) else "saturated"
+    return {"luts": two, "three": three, finish: saturated, "registers": registers + sum(widths)}
 
 
-def _bipartite(nodes: int) -> Callable[[Any], Features]:
-    def found(block: Any) -> Features:
-        activation = block if nodes == 1 else block.activation
-        logic = activation.memory != "block_ram"
-        words = len(activation.bases) + len(activation.corrections) if logic else 0
-        return _both(nodes, nodes * activation.reach_width, words)
-
-    return found
+def _adds_alone(matrix: ConstantMatrix) -> bool:
+    """Whether no sample is multiplied by anything, except by one power of two for all."""
+    weights = {weight for row in matrix.weights for weight in row if weight}
+    return len(weights) < 2 and all(weight > 0 and not weight & weight - 1 for weight in weights)
 
 
-def _precise(block: Any) -> Features:
-    logic = block.coefficients == "logic"
-    return Features((1, logic * block.words), (1,))
+def _bipartite(nodes: int, activation: Any) -> dict[str, int]:
+    if activation.memory == "block_ram":
+        return {"bipartite": nodes}
+    # A LUT holds 16 bits of a table.
+    table = activation.table
+    bits = len(activation.bases) * table.base_width
+    bits += len(activation.corrections) * table.correction_width
+    return {"bipartite": nodes, "luts": nodes * bits >> INPUTS}
 
 
-def _input_controller(block: Any) -> Features:
-    return _both(1, (block.inputs - 1).bit_length(), block.spacing.bit_length())
+def _engine(block: Any) -> dict[str, int]:
+    program, lanes = block.program_memory, block.lanes
+    # Between the parts of one memory for all there is a choice.
+    parts = (2 << block.program.row_bits) // NARROW_WORDS if block.alone else 1
+    return {
+        "engine": 1,
+        "lanes": lanes,
+        "looked_up": lanes * block.looks_up,
+        "words": len(program.words) * (not block.alone and in_logic(program)),
+        "partners": sum(max(0, one.partners - 1) for one in block.accumulators),
+        "parts": max(0, parts - 1),
+        "deep": block.program.pipeline.memory_registers,
+    }
 
 
-def _lanes(block: Any) -> Features:
-    program, lanes, looked_up = block.program_memory, block.lanes, block.lanes * block.looks_up
-    words = len(program.words) * (not block.alone and in_logic(program))
-    # What chooses between the sums of other lanes.
-    choices = sum(max(0, one.partners - 1) for one in block.accumulators)
-    # Between the block RAMs of one memory for all there is a choice.
-    more = (2 << block.program.row_bits) // HALF_BLOCK - 1 if block.alone else 0
-    return Features((1, lanes, looked_up, words, choices, max(0, more)), (1, lanes, words))
-
-
-def _table_graph(block: Any) -> Features:
+def _table_graph(block: Any) -> dict[str, int]:
     # No import of the design here: what reads a scene would depend on all that its twin imports.
     columns = [
         column
@@ -240,45 +214,39 @@ def _table_graph(block: Any) -> Features:
         for column in bit_columns(table.words, table.width)
     ]
     luts, choices = map(sum, zip(*map(luts_of, columns), strict=True))
-    return Features((luts, choices), (len(columns) + block.latency,))
+    return {"luts": luts, "choices": choices, "registers": len(columns) + block.latency}
 
 
-def _program_memory(block: Any) -> Features:
-    # Up to so many words, each block RAM has some bits of every word, and nothing is chosen.
-    chosen = max(0, (1 << block.addr_width) // NARROW_WORDS - 1)
-    return Features((1, chosen), (1, block.addr_width, block.registers))
+def _bits(width: int) -> dict[str, int]:
+    return {"luts": width, "registers": width}
 
 
-_FEATURES: dict[str, Callable[[Any], Features]] = {
-    "abs_unit": lambda block: _both(1, block.fmt.width),
-    "adder_graph": lambda block: _both(1, block.latency),
-    "bipartite": _bipartite(1),
-    "bipartite_pair": _bipartite(2),
-    "cascade": lambda block: _both(1, len(block.networks)),
-    "comparator_bank": lambda block: _both(1, len(block.thresholds)),
+def _nothing(_: Block) -> dict[str, int]:
+    return {}
+
+
+# The largest output is found beside the networks, which are compared without it.
+_SMALL = (
+    *("adder_graph", "argmax_tree", "g_memory", "grad_eqn", "hybrid", "i_memory", "multiple"),
+    *("input_controller", "output_controller", "parallel", "stream_multiplexer"),
+)
+_FEATURES: dict[str, Callable[[Any], dict[str, int]]] = {
+    **dict.fromkeys(_SMALL, _nothing),
+    "abs_unit": lambda block: _bits(block.fmt.width),
+    "bipartite": lambda block: _bipartite(1, block),
+    "bipartite_pair": lambda block: _bipartite(2, block.activation),
+    "cascade": lambda block: {"cascade": len(block.networks)},
+    "comparator_bank": lambda block: {"thresholds": len(block.thresholds)},
     "constant_matrix": _constant_matrix,
-    "engine": _lanes,
-    "frame_check": lambda block: _both(1, block.pipeline.memory_registers, block.addr_width),
-    "g_memory": lambda block: _both(1, len(block.words)),
-    "grad_eqn": _one,
-    "gradient": _one,
-    "hybrid": _one,
-    "i_memory": lambda block: _both(1, len(block.words)),
-    "input_controller": _input_controller,
+    "engine": _engine,
+    "gradient": lambda _: {"gradient": 1},
     "input_integral": _input_integral,
     "input_node": _input_node,
-    "lut": _one,
-    "multiple": lambda block: _both(1, len(block.networks)),
+    "lut": lambda _: {"lut": 1},
     "neuron": _neuron,
-    "operand_memory": lambda block: _both(1, block.registers),
-    "output_collector": lambda block: _both(1, block.outputs),
-    "output_controller": lambda block: _both(1, block.outputs > 1),
+    "output_collector": lambda block: _bits(block.fmt.width * block.outputs),
     "output_integral": _output_integral,
-    "parallel": lambda block: _both(1, block.latency),
-    "polynomial": _one,
-    "precise": _precise,
-    "program_memory": _program_memory,
-    "sign_retriever": _one,
-    "stream_multiplexer": _one,
+    "precise": lambda _: {"precise": 1},
+    "sign_retriever": lambda block: _bits(block.fmt.width),
     "table_graph": _table_graph,
 }

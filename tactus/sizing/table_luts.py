@@ -21,8 +21,13 @@ Column = tuple[int, ...]
 
 
 def bit_columns(words: Iterable[int], width: int) -> list[Column]:
-    """The different bits of the words of a table as functions of its address, none constant."""
-    found = np.array(list(words))
+    """The different bits of the words of a table as functions of its address, none constant.
+
+    At addresses without a word the last one stands.
+    """
+    known = list(words)
+    known += known[-1:] * ((1 << (len(known) - 1).bit_length()) - len(known))
+    found = np.array(known, dtype=object)
     columns = {tuple((found >> bit & 1).tolist()) for bit in range(width)}
     return [one for one in sorted(columns) if len(set(one)) > 1]
 

@@ -1,8 +1,7 @@
 """``python -m tactus.synth.sizing``: compare estimated cells with recorded ones.
 
-``tactus/sizing/cells.csv`` holds the cells of every block of the networks that ``make synth``
-recorded, beside the numbers from which ``tactus.sizing.model`` estimates them; ``--record`` writes
-it anew.
+``tactus/sizing/cells.csv`` holds the cells of the networks that ``make synth`` recorded, beside the
+numbers from which ``tactus.sizing.model`` estimates them; ``--record`` writes it anew.
 """
 
 import argparse
@@ -11,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from golden.common.block import Block
 from golden.input_error import InputError
 from golden.networks.adder_graph import OPTIONS as DEFAULTS
 from golden.networks.network import Network
@@ -34,10 +32,8 @@ from tactus.sizing.candidates import (
     lanes,
     tables,
 )
-from tactus.sizing.features import IN_ONE_PIECE, Features, features_of, group_of
-from tactus.sizing.model import CELLS, COLUMNS, Recorded, held_out, instances, recorded
-from tactus.sizing.routed import COLUMNS as PLACED_COLUMNS
-from tactus.sizing.routed import ROUTED, Placed, path_of
+from tactus.sizing.features import IN_ONE_PIECE, features_of
+from tactus.sizing.model import CELLS, COLUMNS, Recorded, Routed, Size, held_out, path_of, recorded
 from tactus.synth.budget import Cells, read_budget
 from tactus.synth.cells import flat_name, synthesise, synthesise_flat
 from tactus.synth.recorded import is_recorded
@@ -114,90 +110,58 @@ def networks() -> Iterator[tuple[str, Scene, Network, Cells]]:
             yield name, scene, core, read_budget(scene.path)
 
 
-def rows_of(name: str, scene: Scene, core: Network, cells: Cells, kind: str = "") -> list[Recorded]:
-    """The own cells of each entity of a network, beside what its twin says of it.
+def row_of(
+    name: str, scene: Scene, core: Network, cells: Cells, candidate: Candidate | None = None
+) -> Recorded:
+    """The cells of a network, beside what its twin says of it.
 
-    ``kind`` is that of the design; without it, that of the scene's.
+    ``candidate`` is its design; without it, the scene's, and the scene may have been routed.
     """
-    found = cells[FAMILY]
-    rows = []
-    for block, count in instances(core):
-        if block.block in LEFT_OUT:
-            continue
-        luts, flip_flops = (own_cells(found, block, cell) for cell in ("LUT", "flip-flop"))
-        rows.append(
-            Recorded(
-                name,
-                scene.weights_paths[0].stem,
-                kind or kind_of(scene.design, scene.design_options),
-                block.entity,
-                group_of(block),
-                count,
-                luts,
-                flip_flops,
-                features_of(block),
-            )
-        )
-    return rows
+    design = candidate.design if candidate else scene.design
+    options = candidate.options if candidate else {**DEFAULTS, **scene.design_options}
+    kind, routed = kind_of(design, options), None
+    if not candidate and scene.twin() == core and not scene.argmax:
+        timing, _ = read_timing(scene.path)
+        routed = Routed(Size(timing.luts, timing.flip_flops), timing.clock_mhz)
+    features = features_of(core)
+    own = (whole_cells(cells[FAMILY], core, cell) for cell in ("LUT", "flip-flop"))
+    weights = scene.weights_paths[0].stem
+    return Recorded(name, weights, kind, path_of(kind, options), Size(*own), routed, features)
 
 
-def own_cells(found: dict[str, dict[str, int]], block: Block, cell: str) -> int:
-    """How many cells of a kind an entity has without its parts, or as a whole in one piece."""
-    if block.block in IN_ONE_PIECE:
-        whole = flat_name(block.entity)
+def whole_cells(found: dict[str, dict[str, int]], core: Network, cell: str) -> int:
+    """How many cells of a kind a network has, without what finds the largest output."""
+    if core.block in IN_ONE_PIECE:
+        whole = flat_name(core.entity)
         if whole not in found:
-            raise InputError(f"{block.entity}: got no synthesis in one piece, as inside of others")
+            raise InputError(f"{core.entity}: got no synthesis in one piece, as inside of others")
         return found[whole][cell]
-    return found[block.entity][cell] - sum(found[part.entity][cell] for part in block.parts())
+    beside = [part.entity for part in core.parts() if part.block in LEFT_OUT]
+    return found[core.entity][cell] - sum(found[entity][cell] for entity in beside)
 
 
-def placed_row(name: str, scene: Scene) -> Placed:
-    """What ``make synth`` recorded of a network that was placed and routed."""
-    timing, _ = read_timing(scene.path)
-    return Placed(
-        name,
-        kind_of(scene.design, scene.design_options),
-        path_of(scene.design, {**DEFAULTS, **scene.design_options}),
-        timing.luts,
-        timing.flip_flops,
-        timing.multipliers,
-        timing.block_rams,
-        timing.clock_mhz,
-    )
-
-
-def record() -> tuple[list[Recorded], list[Placed]]:
-    """The rows of both files. A network with a block that has no model is left out."""
-    rows: list[Recorded] = []
-    placed: list[Placed] = []
+def record() -> list[Recorded]:
+    """The rows of the file. A network with a block that has no model is left out."""
+    rows = []
     for name, scene, core, cells in networks():
         try:
-            rows += rows_of(name, scene, core, cells)
+            rows.append(row_of(name, scene, core, cells))
         except InputError as error:
             print(f"{name}: left out: {error}")
-            continue
-        if scene.twin() == core and not scene.argmax:
-            placed.append(placed_row(name, scene))
     for extra in EXTRAS:
         print(extra.name, flush=True)
-        scene, core, cells = synthesised(extra)
-        kind = kind_of(extra.candidate.design, extra.candidate.options)
-        rows += rows_of(extra.name, scene, core, cells, kind)
+        rows.append(row_of(extra.name, *synthesised(extra), extra.candidate))
     # A scene of a study may have no data here.
-    rows += [row for row in recorded() if row.network.startswith("studies/")]
-    return rows, placed
+    return rows + [row for row in recorded() if row.network.startswith("studies/")]
 
 
-def cells_of(row: Recorded | Placed) -> list[str]:
-    """A row of a CSV."""
-    return [cell for value in vars(row).values() for cell in written(value)]
-
-
-def written(value: object) -> list[str]:
-    """The cells of a value: numbers that belong together stand in one."""
-    if isinstance(value, Features):
-        return [" ".join(map(str, map(int, one))) for one in (value.luts, value.flip_flops)]
-    return [str(value)]
+def written(row: Recorded) -> list[object]:
+    """A row of the CSV."""
+    routed = row.routed
+    placed = (*vars(routed.size).values(), routed.clock_mhz) if routed else ("", "", "")
+    features = " ".join(f"{name}={number}" for name, number in sorted(row.features.items()))
+    size = vars(row.size).values()
+    return [row.network, row.weights, row.design, row.path, *size, *placed, features]
 
 
 def main() -> None:
@@ -208,15 +172,12 @@ def main() -> None:
         "synthesise networks and record their cells" if asked else "compare estimated cells"
     )
     if asked:
-        rows, placed = record()
-        write_csv_file(CELLS, [COLUMNS, *map(cells_of, rows)])
-        write_csv_file(ROUTED, [PLACED_COLUMNS, *map(cells_of, placed)])
-        print(f"wrote {CELLS} and {ROUTED}")
+        write_csv_file(CELLS, [COLUMNS, *map(written, record())])
+        print(f"wrote {CELLS}")
     print("LUTs of a Virtex-II: recorded, and estimated from networks of other weights")
     for one in held_out():
-        print(
-            f"{one.network:40}{one.design:16}{one.luts:8}{one.estimated:10.0f}{one.percent:+8.1f} %"
-        )
+        luts = f"{one.recorded.luts:8}{one.estimated.luts:10.0f}{one.percent:+8.1f} %"
+        print(f"{one.network:40}{one.design:16}{luts}")
 
 
 if __name__ == "__main__":

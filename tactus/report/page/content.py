@@ -39,7 +39,6 @@ from tactus.report.page.page import Page, Section
 from tactus.scene import Scene
 from tactus.scene.building import compared
 from tactus.sizing.model import CELLS
-from tactus.sizing.routed import ROUTED
 from tactus.verify.benches.results import left_texts, stored_results
 from tactus.verify.benches.runner import scene_variable
 from tactus.verify.benches.tools import SIMULATORS, version
@@ -92,7 +91,7 @@ def content(scene: Scene, tell: Progress) -> Page:
         _resources(scene, design, cost),
         _designs(
             scene,
-            asked("designs", designs.__module__, picture_of.__module__, records=[CELLS, ROUTED]),
+            asked("designs", designs.__module__, picture_of.__module__, records=[CELLS]),
             tell,
         ),
     ]
