@@ -35,12 +35,12 @@ from tactus.scene import load_scene
 from tactus.synth.tools import run_tool
 from tactus.verify.benches.runner import export
 from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
-from tactus.verify.every_frame.kept import read_export as hardware
 from tactus.verify.every_frame.netlist import NotReadableError
 from tactus.verify.every_frame.network import Network
 from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tactus.verify.every_frame.specify import description
 from tactus.verify.every_frame.sums import Space, UnsupportedError
+from tactus.verify.kept import read_export as hardware
 from tactus.verify.prove import play
 from tactus.verify.sign_off.equal_proof import EQUAL, compare
 from tactus.verify.sign_off.mutate.same import SAME, STEPS, ask

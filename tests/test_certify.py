@@ -24,7 +24,15 @@ from golden.networks.designs import DESIGNS
 from tactus.certify.__main__ import certify, room_in
 from tactus.certify.benches import STEP as BENCHES
 from tactus.certify.benches import BenchResult, bench_result, bench_table
-from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, CertifyOptions, check, given_text
+from tactus.certify.delivered import (
+    CELLS,
+    EVERY_FRAME,
+    STEPS,
+    CertifyOptions,
+    check,
+    given_text,
+    write_cells,
+)
 from tactus.certify.formulas import write_formulas
 from tactus.certify.recordings import frames_of
 from tactus.certify.results import OUTPUT, StepResult, read_results
@@ -231,6 +239,20 @@ def test_a_certificate_on_a_full_disk_is_none(monkeypatch: pytest.MonkeyPatch) -
     said = re.escape(f"{Path.cwd().parent}: the disk is full")
     with pytest.raises(InputError, match=said), room_in(Path.cwd()):
         raise RuntimeError("a tool failed")
+
+
+@pytest.mark.all_only
+def test_cells_with_another_function_are_red(copied: Path, shared: Shared) -> None:
+    top = shared.jobs(SCENE, "icarus")[0]
+    write_cells(top, "virtex-2", copied)
+    assert check(copied, CELLS) == 0
+    netlist = copied / "cells" / "virtex-2" / f"{top.entity}.v"
+    text, count = re.subn(r"INIT\(4'h8\)", "INIT(4'h7)", netlist.read_text(encoding="utf-8"))
+    assert count
+    netlist.write_text(text, encoding="utf-8")
+    assert check(copied, CELLS) == 1
+    (result,) = read_results(copied)
+    assert result.figure.startswith("frames differ on the cells of virtex-2")
 
 
 def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> None:

@@ -19,7 +19,7 @@ from tactus.errors.scene_errors import scene_errors
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
 from tactus.scene.codes import hidden_saturations, saturating
-from tactus.verify.every_frame.distance import bounds, up
+from tactus.verify.distance import bounds, up
 from tactus.verify.every_frame.specify import description
 
 

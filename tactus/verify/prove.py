@@ -30,12 +30,12 @@ from tactus.export.exporter import compile_order
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator
-from tactus.verify.every_frame.counterexample import bench
-from tactus.verify.every_frame.distance import bounds, farthest, up
-from tactus.verify.every_frame.kept import keep, read_export, yosys
+from tactus.verify.distance import bounds, farthest, up
 from tactus.verify.every_frame.netlist import Netlist, NotReadableError, read_verilog
+from tactus.verify.every_frame.sequences import before
 from tactus.verify.every_frame.specify import description
 from tactus.verify.every_frame.verdict import PROVED, Verdict, judge
+from tactus.verify.kept import keep, read_export, yosys
 from tactus.verify.sign_off import prove as blocks
 from tactus.verify.sign_off.equal_gates import dump, read_dump
 from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
@@ -115,6 +115,48 @@ def printed(test: str, frames: Any, folder: Path) -> str:
         for command in (["iverilog", "-g2001", "-o", "run", "bench.v", *files], ["vvp", "run"]):
             said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=made)
     return said.stdout
+
+
+def bench(given: dict[str, Any], frames: int) -> str:
+    """A Verilog bench that plays frames, whose samples are numbers in frames.txt, one after
+    another, and prints the outputs of each."""
+    words, count = given["stream"] == "words", given["samples"]
+    number = f"signed [{given['bits'] - 1}:0]"
+    ins = [f"in_data_{k}" for k in range(count)] if words else ["in_data"]
+    outs = [f"out_data_{k}" for k in range(len(given["outputs"]))] if words else ["out_data"]
+    named = ["clk", "rst", "in_valid", "out_valid", *ins, *outs, *given["ports"]]
+    named += [] if words else ["in_last", "out_last"]
+    silent = dict.fromkeys(["in_valid", "in_last", *given["ports"]], 0)
+    begins = [{**silent, **one} for one in (*before(given), {})]
+    drive = [f"{p} = samples[f * {count} + {k if words else 'k'}];" for k, p in enumerate(ins)]
+    wait = max(max(given["output_clocks"]) + 3, given["interval"])
+    lines = [
+        "module bench;",
+        "reg clk = 0, rst = 1, in_valid = 0, in_last = 0, begun = 0;",
+        "wire out_valid, out_last;",
+        "integer f, k;",
+        f"reg {number} samples [0:{frames * count - 1}];",
+        *[f"reg {number} {port} = 0;" for port in ins],
+        *[f"wire {number} {port};" for port in outs],
+        *[f"reg [{max(width, 1) - 1}:0] {port} = 0;" for port, width in given["ports"].items()],
+        f"{given['entity']} dut ({', '.join(f'.{port}({port})' for port in named)});",
+        "always #1 clk = !clk;",
+        "always @(negedge clk) if (out_valid && begun)",
+        f'$display("{"%0d " * len(outs)}", {", ".join(outs)});',
+        'initial begin $readmemh("frames.txt", samples);',
+        "repeat (4) @(negedge clk); rst = 0;",
+        *[" ".join(f"{p} = {v};" for p, v in one.items()) + " @(negedge clk);" for one in begins],
+        "begun = 1;",
+        f"for (f = 0; f < {frames}; f = f + 1) begin",
+        f"for (k = 0; k < {given['elements']}; k = k + 1) begin",
+        f"in_valid = 1; in_last = k == {given['elements'] - 1};",
+        *(drive if words else [f"if (k < {count})", *drive]),
+        "@(negedge clk); end",
+        f"in_valid = 0; repeat ({wait}) @(negedge clk);",
+        "end $finish; end",
+        "endmodule",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def prove_scenes(asked: Sequence[tuple[Scene, dict[str, Any], Scene]]) -> int:

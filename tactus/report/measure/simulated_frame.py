@@ -19,8 +19,7 @@ from tactus.export.handover.ports import read_ports
 from tactus.scene import Scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.tools import check_simulator
-from tactus.verify.every_frame.counterexample import bench
-from tactus.verify.prove import printed
+from tactus.verify.prove import bench, printed
 
 MEMBER = ("in_valid", "in_data", "in_last", "out_valid", "out_data")
 

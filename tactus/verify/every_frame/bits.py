@@ -123,13 +123,3 @@ def agreed(a: Bits, b: Bits, width: int) -> Bits:
         return Words(agreed(x, y, width) for x, y in zip(a, b, strict=True))
     pairs = zip(_bit_by_bit(a, width), _bit_by_bit(b, width), strict=True)
     return join(p if p == q else (X, 0, 1) for p, q in pairs)
-
-
-def apart(a: Bits, b: Bits, width: int) -> bool:
-    """Whether a bit that is known in both differs."""
-    if a is X or b is X or a is b or a == b:
-        return False
-    if isinstance(a, Words):
-        return any(apart(x, y, width) for x, y in zip(a, b, strict=True))
-    pairs = zip(_bit_by_bit(a, width), _bit_by_bit(b, width), strict=True)
-    return any(p != q and p[0] is not X and q[0] is not X for p, q in pairs)

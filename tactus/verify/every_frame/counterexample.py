@@ -1,11 +1,12 @@
-"""From "differs" to a frame: samples at which two values differ, and the bench that plays them."""
+"""From "differs" to a frame: samples at which two values differ."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tactus.verify.every_frame.sequences import Sequences, before
+from tactus.verify.every_frame.operators import signed
+from tactus.verify.every_frame.sequences import Sequences
 from tactus.verify.every_frame.sums import Sum, Value, Word
 
 BATCH = 4096
@@ -88,75 +89,14 @@ def first_apart(proof: Sequences, frame: Sequence[int]) -> str:
     held = set()
     for e in proof.run.made.values():
         if e.result is not None and e.width < WIDEST:
-            held.add(_signed(now.value(e.result), e.width).tobytes())
+            held.add(signed(now.value(e.result), e.width).tobytes())
     given, sound = proof.given["words"], set[int]()
     for k in reversed(range(len(given))):
         code = now.value(proof.inner[len(words) + k])
-        if k in sound or held & {code.tobytes(), _signed(code, BELOW_SIGN).tobytes()}:
+        if k in sound or held & {code.tobytes(), signed(code, BELOW_SIGN).tobytes()}:
             used = [i for i, _ in given[k].get("sum", [])] + [given[k].get("of", 0)]
             sound |= {k, *(i - len(words) for i in used)}
     apart = next((k for k in range(len(given)) if k not in sound), None)
     if apart is None:
         return "an output"
     return "network {}, layer {}, node {}".format(*given[apart]["place"])
-
-
-def _signed(code: Any, bits: int) -> Any:
-    """The lowest bits as a signed number."""
-    half = 1 << bits - 1
-    return (code + half) % (2 * half) - half
-
-
-def bench(description: dict[str, Any], frames: int) -> str:
-    """A Verilog bench that plays frames, whose samples are numbers in frames.txt, one after
-    another, and prints the outputs of each."""
-    words, bits, count = (
-        description["stream"] == "words",
-        description["bits"],
-        description["samples"],
-    )
-    ports = [f"in_data_{k}" for k in range(count)] if words else ["in_data"]
-    outs = [f"out_data_{k}" for k in range(len(description["outputs"]))] if words else ["out_data"]
-    named = ["clk", "rst", "in_valid", "out_valid", *ports, *outs]
-    named += [] if words else ["in_last", "out_last"]
-    others = description["ports"]
-    silent = dict.fromkeys(["in_valid", "in_last", *others], 0)
-    begins = [
-        " ".join(f"{port} = {value};" for port, value in {**silent, **one}.items())
-        for one in [*before(description), {}]
-    ]
-    shown = f'$display("{"%0d " * len(outs)}", {", ".join(outs)})'
-    drive = [f"{p} = samples[f * {count} + {k if words else 'k'}];" for k, p in enumerate(ports)]
-    wait = max(max(description["output_clocks"]) + 3, description["interval"])
-    return (
-        "\n".join(
-            [
-                "module bench;",
-                "reg clk = 0, rst = 1, in_valid = 0, in_last = 0, begun = 0;",
-                "wire out_valid, out_last;",
-                "integer f, k;",
-                f"reg signed [{bits - 1}:0] samples [0:{frames * count - 1}];",
-                *[f"reg signed [{bits - 1}:0] {p} = 0;" for p in ports],
-                *[f"wire signed [{bits - 1}:0] {p};" for p in outs],
-                *[f"reg [{max(width, 1) - 1}:0] {port} = 0;" for port, width in others.items()],
-                f"{description['entity']} dut ("
-                + ", ".join(f".{n}({n})" for n in [*named, *others])
-                + ");",
-                "always #1 clk = !clk;",
-                f"always @(negedge clk) if (out_valid && begun) {shown};",
-                'initial begin $readmemh("frames.txt", samples);',
-                "repeat (4) @(negedge clk); rst = 0;",
-                *[f"{clock} @(negedge clk);" for clock in begins],
-                "begun = 1;",
-                f"for (f = 0; f < {frames}; f = f + 1) begin",
-                f"for (k = 0; k < {description['elements']}; k = k + 1) begin",
-                f"in_valid = 1; in_last = k == {description['elements'] - 1};",
-                *(drive if words else [f"if (k < {count})", *drive]),
-                "@(negedge clk); end",
-                f"in_valid = 0; repeat ({wait}) @(negedge clk);",
-                "end $finish; end",
-                "endmodule",
-            ]
-        )
-        + "\n"
-    )

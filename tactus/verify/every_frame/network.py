@@ -4,8 +4,7 @@
 
 - a sum: `sum` holds pairs of a word and a weight, `start` what the sum begins with. Its lowest
   `shift` bits are dropped (`round`: "down", "up" for the nearest and halves up, or "even"), the
-  code
-  is clipped to `clip`, and shifted left by `left`;
+  code is clipped to `clip`, and shifted left by `left`;
 - a look-up: `table` names one of `tables`, `of` the word.
 
 `place` names network, layer and node to which a word belongs, for messages alone.
@@ -21,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from tactus.verify.every_frame.sums import Space, UnsupportedError, Value, plus, times
+from tactus.verify.every_frame.sums import Space, UnsupportedError, Value
 
 
 class Network:
@@ -49,22 +48,20 @@ def _summed(space: Space, word: dict[str, Any], words: Sequence[Value]) -> Value
     total: Value = word.get("start", 0)
     # Of a sum whose low bits pass beside the adder, the hardware takes floors part by part.
     for k, weight in sorted(word["sum"], key=lambda term: term[1] & -term[1]):
-        before, added = total, times(words[k], weight)
-        total = plus(before, added)
         if "shift" not in word:
-            space.cut(before, added)
+            space.cut(total, words[k] * weight)
+        total = total + words[k] * weight
     shift, rounding = word.get("shift", 0), word.get("round", "down")
     if shift and rounding == "even":
         odd = space.of(lambda a: a & 1, space.floor(total, shift))
         half = 1 << shift - 1
-        code = space.choose(
-            odd, space.floor(plus(total, half), shift), space.floor(plus(total, half - 1), shift)
-        )
+        up, down = space.floor(total + half, shift), space.floor(total + (half - 1), shift)
+        code = space.choose(odd, up, down)
     else:
-        code = space.floor(plus(total, 1 << shift - 1 if shift and rounding == "up" else 0), shift)
+        code = space.floor(total + (1 << shift - 1 if shift and rounding == "up" else 0), shift)
     if "clip" in word:
         code = space.clip(code, *word["clip"])
-    return times(code, 1 << word.get("left", 0))
+    return code * (1 << word.get("left", 0))
 
 
 def looked_up(table: dict[str, Any]) -> Callable[[Any], Any]:
@@ -86,7 +83,7 @@ def looked_up(table: dict[str, Any]) -> Callable[[Any], Any]:
     def line(q: Any) -> Any:
         segment = np.minimum(np.where(q >= 0, q, -q - 1) // span, segments - 1)
         segment = segment + np.where(q < 0, segments, 0) if both else segment
-        one = np.where(q >= 0, 1 << table["one"], -(1 << table["one"]))
+        one = np.where(q >= 0, 1 << shift, -(1 << shift))
         total = intercepts[segment] * one + slopes[segment] * (q % span - span // 2)
         return (
             np.clip(total + (1 << shift >> 1) >> shift, *table["clip"])

@@ -1,57 +1,57 @@
-"""The cells of Yosys' netlist as functions of whole numbers. The same text serves numbers and
-arrays."""
+"""The cells of Yosys' netlist as functions of whole numbers.
 
+The same text serves numbers, arrays, and what is linear of sums.
+"""
+
+import operator
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 
-
-def parity(a: Any) -> Any:
+def _parity(a: Any) -> Any:
     for shift in (32, 16, 8, 4, 2, 1):
         a = a ^ (a >> shift)
     return a & 1
 
 
-# Of one operand: its value a and its width n.
-ONE: dict[str, Callable[[Any, int], Any]] = {
-    "$not": lambda a, n: ~a,
-    "$neg": lambda a, n: -a,
-    "$logic_not": lambda a, n: a == 0,
-    "$reduce_or": lambda a, n: a != 0,
-    "$reduce_bool": lambda a, n: a != 0,
-    "$reduce_and": lambda a, n: a == (1 << n) - 1,
-    "$reduce_xor": lambda a, n: parity(a),
-    "$reduce_xnor": lambda a, n: 1 - parity(a),
-}
-TWO: dict[str, Callable[[Any, Any], Any]] = {
-    "$add": lambda a, b: a + b,
-    "$sub": lambda a, b: a - b,
-    "$mul": lambda a, b: a * b,
-    "$and": lambda a, b: a & b,
-    "$or": lambda a, b: a | b,
-    "$xor": lambda a, b: a ^ b,
+CELLS: dict[str, Callable[..., Any]] = {
+    "$not": operator.invert,
+    "$neg": operator.neg,
+    "$add": operator.add,
+    "$sub": operator.sub,
+    "$mul": operator.mul,
+    "$and": operator.and_,
+    "$or": operator.or_,
+    "$xor": operator.xor,
     "$xnor": lambda a, b: ~(a ^ b),
-    "$eq": lambda a, b: a == b,
-    "$ne": lambda a, b: a != b,
-    "$lt": lambda a, b: a < b,
-    "$le": lambda a, b: a <= b,
-    "$gt": lambda a, b: a > b,
-    "$ge": lambda a, b: a >= b,
+    "$eq": operator.eq,
+    "$ne": operator.ne,
+    "$lt": operator.lt,
+    "$le": operator.le,
+    "$gt": operator.gt,
+    "$ge": operator.ge,
+    "$logic_not": lambda a: a == 0,
     "$logic_and": lambda a, b: (a != 0) & (b != 0),
     "$logic_or": lambda a, b: (a != 0) | (b != 0),
+    "$reduce_or": lambda a: a != 0,
+    "$reduce_bool": lambda a: a != 0,
+    # Of an operand that is read with a sign.
+    "$reduce_and": lambda a: a == -1,
+    "$reduce_xor": _parity,
+    "$reduce_xnor": lambda a: 1 - _parity(a),
 }
+LINEAR = "$add", "$sub", "$neg", "$not"
 # Operands of these count modulo 2^n, n the width of the result; the others need the number itself.
-MODULAR = "$add", "$sub", "$mul", "$neg", "$not", "$and", "$or", "$xor", "$xnor"
+MODULAR = *LINEAR, "$mul", "$and", "$or", "$xor", "$xnor"
 COMPARISONS = "$eq", "$ne", "$lt", "$le", "$gt", "$ge"
-# An operand that is read without its sign, whatever the other is.
-UNSIGNED = (*(kind for kind in ONE if kind not in MODULAR), "$logic_and", "$logic_or")
 
 
-def signed(v: int, width: int) -> int:
-    return v - (1 << width) if v >> width - 1 & 1 else v
+def read_signed(kind: str, declared: bool) -> bool:
+    """Whether operands are read with a sign, if all of them are declared so or not."""
+    return kind == "$reduce_and" or (declared and kind in (*MODULAR, *COMPARISONS))
 
 
-def array(v: Any) -> Any:
-    """A result as whole numbers: True is 1."""
-    return v.astype(np.int64) if isinstance(v, np.ndarray | np.generic) else int(v)
+def signed(v: Any, width: int) -> Any:
+    """The lowest bits as a number with a sign."""
+    half = 1 << width - 1
+    return (v + half) % (2 * half) - half

@@ -5,28 +5,30 @@ value, so what is shown with it holds whatever a register held before.
 """
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
 from itertools import count
 from typing import Any
 
-from tactus.verify.every_frame.bits import Bits, X, abstract, agreed, apart
+from tactus.verify.every_frame.bits import Bits, X, abstract, agreed
 from tactus.verify.every_frame.netlist import Netlist
 from tactus.verify.every_frame.network import Network
 from tactus.verify.every_frame.sums import Space, UnsupportedError, Value
 from tactus.verify.every_frame.unrolled import State, Unrolled
 from tactus.verify.every_frame.values import Values
 
-# Rounds in which the state between frames must have settled, and behind which any two are joined.
-ROUNDS, LATE = 30, 6
-IDLE: dict[str, Bits] = {"in_valid": 0}
+# The inputs or the outputs of a clock.
+Clock = dict[str, Bits]
+# Rounds in which the state between frames must have settled.
+ROUNDS = 30
+IDLE: Clock = {"in_valid": 0}
+# Clocks behind a sample in which it is written, and the most states between two samples.
+WRITTEN, STATES = 2, 150
 # Idle clocks that are tried where no number of them can be shown to change nothing.
 TRIED = 8
-# The most states between two samples of a frame, after gaps of all lengths, and idle clocks behind
-# which these may be joined, because what a sample wrote is written.
-MOST_STATES, SETTLED = 150, 2
 
 
 class RefusedError(Exception):
@@ -89,7 +91,7 @@ class Sequences:
 
     # Driving.
 
-    def _frame(self, data: Sequence[Bits]) -> list[dict[str, Bits]]:
+    def _frame(self, data: Sequence[Bits]) -> list[Clock]:
         """The inputs of the clocks of a frame; slots behind its samples hold nothing."""
         if self.words:
             return [{"in_valid": 1, **{f"in_data_{k}": v for k, v in enumerate(data)}}]
@@ -99,15 +101,15 @@ class Sequences:
             {"in_valid": 1, "in_data": v, "in_last": int(k == last)} for k, v in enumerate(elements)
         ]
 
-    def _clock(self, inputs: dict[str, Bits]) -> None:
+    def _clock(self, inputs: Clock) -> None:
         """A clock with these inputs. Of the others nothing is known, but for those that stay 0."""
         others = dict.fromkeys(self.run.hardware.inputs, X)
         self.run.step({**others, "clk": 0, "rst": 0, **self.still, **inputs})
 
-    def _outputs(self) -> dict[str, Bits]:
+    def _outputs(self) -> Clock:
         return {name: self.run.out(name) for name in self.run.hardware.outputs}
 
-    def _play(self, inputs: Sequence[dict[str, Bits]]) -> list[dict[str, Bits]]:
+    def _play(self, inputs: Sequence[Clock]) -> list[Clock]:
         """The outputs of these clocks; control must be known in each."""
         found = []
         for one in inputs:
@@ -126,13 +128,10 @@ class Sequences:
 
     # Checking.
 
-    def _check(
-        self, found: list[dict[str, Bits]], ended: Sequence[int], watched: int | None
-    ) -> None:
+    def _check(self, found: list[Clock], ended: Sequence[int] = (), watched: int = 0) -> None:
         """The outputs of frames whose last elements came in these clocks; `watched` has the
         symbols."""
-        due: dict[int, list[tuple[int, int]]]
-        due = {clock + after: [] for clock in ended for after in self.clocks}
+        due: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for number, clock in enumerate(ended):
             for k, after in enumerate(self.clocks):
                 due[clock + after].append((number, k))
@@ -142,13 +141,13 @@ class Sequences:
             valid, expected = out["out_valid"], int(clock in due)
             if valid != expected:
                 raise WrongError(f"out_valid is {valid} in clock {clock}, expected {expected}")
-            for number, k in due.get(clock, []):
+            for number, k in due.get(clock, ()):
                 if "out_last" in out and out["out_last"] != int(k == len(self.clocks) - 1):
                     raise WrongError(f"out_last is {out['out_last']} at output {k}")
                 if number == watched:
                     self._compare(k, clock - ended[number], out)
 
-    def _compare(self, k: int, clock: int, out: dict[str, Bits]) -> None:
+    def _compare(self, k: int, clock: int, out: Clock) -> None:
         bits = out[f"out_data_{k}" if self.words else "out_data"]
         if self.expected is None:
             self.inner = self.network.words(self.space, self.samples)
@@ -157,149 +156,119 @@ class Sequences:
             got = self.values.number(bits, self.bits, True)
         except UnsupportedError as reason:
             raise RefusedError(f"output {k}: {reason}, {getattr(reason, 'place', '')}") from None
-        if not self.space.equal(got, self.expected[k]):
+        if got - self.expected[k] != 0:
             raise DiffersError(k, clock, got, self.expected[k])
 
     # States.
 
-    def _joined(self, a: State, b: State) -> State:
+    def _joined(self, a: State, b: Iterable[Bits]) -> State:
         """What two states have in common; the rest is unknown."""
         return [agreed(*one) for one in zip(a, b, self.sizes, strict=True)]
 
-    def _apart(self, a: State, b: State) -> bool:
-        """Whether the states differ in a bit that both know."""
-        return any(apart(*one) for one in zip(a, b, self.sizes, strict=True))
+    def _after(self, state: State, inputs: Sequence[Clock]) -> tuple[State, list[Clock]]:
+        """The state behind these clocks, with X for what hangs on samples, and the outputs."""
+        self.run.restore(state)
+        found = self._play(inputs)
+        return self.run.abstracted(), found
 
     # The claims.
 
     def prove(self) -> Iterator[tuple[str, bool]]:
         """The claims in their order; an error where one fails."""
-        run = self.run
+        run, distance = self.run, self.given["interval"]
         self._clock({"rst": 1, **dict.fromkeys(self.still, X)})
         run.clock()
         reset, begins = run.state(), [{**IDLE, **one} for one in before(self.given)]
         self._play(begins)
-        first = run.abstracted()
+        state = run.abstracted()
         tail, ends = max(self.clocks) + 1, self.given["elements"] - 1
-        overlap = self.given["interval"] < ends + tail
-        wait = max(max(self.clocks), self.given["interval"] - self.given["elements"])
-        # States between frames, and the outputs of the next frame. What two states that do not
-        # contradict each other have in common stands for both.
-        reached: list[tuple[State, list[dict[str, Bits]]]] = []
-        waiting, rounds = [first], 0
-        while waiting:
-            state = waiting.pop()
-            # A counter that nothing resets has too many states, so they are joined at last.
-            late = rounds > LATE
-            alike = [r for r in reached if late or not self._apart(r[0], state)]
-            alike = alike if late else alike[:1]
-            state = reduce(self._joined, [one for one, _ in alike], state)
-            if any(one == state for one, _ in alike):
-                continue
-            for one in alike:
-                reached.remove(one)
-            if (rounds := rounds + 1) > ROUNDS:
-                raise RefusedError(
-                    f"the state between frames has not settled after {ROUNDS} rounds: something "
-                    "counts frames or idle clocks"
-                )
-            run.restore(state)
-            self._check(self._play([IDLE]), [], None)
-            waiting.append(run.abstracted())
-            run.restore(state)
-            found = self._play([*self._frame(self.symbols), *[IDLE] * wait])
-            # A loop of a program is run to its end.
-            for _ in range(2 * self.given["interval"] if overlap else 0):
-                last = run.abstracted()
-                found += self._play([IDLE])
-                if last == run.abstracted():
-                    break
-            waiting.append(run.abstracted())
-            reached.append((state, found))
+        pause = [IDLE] * max(tail - 1, distance - self.given["elements"])
+        for _ in range(ROUNDS):
+            idle, nothing = self._after(state, [IDLE])
+            self._check(nothing)
+            behind, found = self._after(state, [*self._frame(self.symbols), *pause])
+            following = [idle, behind]
             if "load_valid" in self.still:
                 # What the memory holds of another image is not known.
-                run.restore(self._joined(reset, state))
-                self._play(begins)
-                waiting.append(run.abstracted())
-        states = [state for state, _ in reached]
-        quiet = max(len(found) for _, found in reached) - ends
-        for _, found in reached:
-            self._check(found, [ends], 0)
+                following.append(self._after(self._joined(reset, state), begins)[0])
+            # What all of them have in common stands for each.
+            earlier, state = state, reduce(self._joined, following, state)
+            if state == earlier:
+                break
+        else:
+            raise RefusedError(
+                f"the state between frames has not settled after {ROUNDS} rounds: something "
+                "counts frames or idle clocks"
+            )
+        self._check(found, [ends])
         known = "after one clock of reset, control is known in every clock"
         yield f"{known}, and no bit of data reaches it", True
         yield "no value that a register or a memory held before reaches an output", True
         shown = [*dict.fromkeys(self.clocks)]
         listed = ", ".join(map(str, shown)) if len(shown) < 5 else f"{shown[0]} to {shown[-1]}"
         yield f"the outputs are those of the network, {listed} clocks after the last sample", True
-        many = f", or in one of {len(states)} such states" if len(states) > 1 else ""
-        text = (
-            f"{quiet} clocks after a last sample, and after an idle clock, control is where it was"
-        )
-        yield f"{text}{many}, so this holds for any number of frames", True
+        text = f"{len(pause) + 1} clocks after a last sample, and after an idle clock,"
+        yield f"{text} control is where it was, so this holds for any number of frames", True
         if not self.words and self.count > 1:
-            if min(self._gaps(state, wait) for state in states):
+            if self._any_gaps(state, pause):
                 yield "any number of idle clocks between samples changes nothing", True
             else:
                 tried = f"(1 to {TRIED} were tried, at each place and at all)"
                 yield f"idle clocks between samples change nothing {tried}", False
-        if overlap:
-            distance = self.given["interval"]
+        if distance < ends + tail:
             if distance == 1:
-                self._alone(first)
+                self._alone(state)
             else:
-                for state in states:
-                    self._close(state, tail, ends)
+                self._close(state, tail, ends)
             text = f"frames {distance if distance > 1 else 'any number of'} clocks apart"
             yield f"{text} do not disturb each other, in any number", True
 
-    def _gaps(self, start: State, wait: int) -> bool:
+    def _any_gaps(self, start: State, pause: list[Clock]) -> bool:
         """Whether any gaps give the outputs; else some are tried."""
-        for exact in (SETTLED, MOST_STATES):
+        run, (*frame, last) = self.run, self._frame(self.symbols)
+        for exact in (WRITTEN, STATES):
             with suppress(RefusedError):
-                if self._any_gaps(start, wait, exact):
-                    return True
-        frame = self._frame(self.symbols)
-        many = len(frame) - 1
+                states = [start]
+                for inputs in frame:
+                    states = self._idle(states, inputs, exact)
+                for state in states:
+                    run.restore(state)
+                    self._check(self._play([last, *pause]), [0])
+                return True
+        many = len(frame)
         plans = [[g * (j == k) for j in range(many)] for k in range(many) for g in (1, TRIED)]
         for gaps in [*plans, *([g] * many for g in range(1, TRIED + 1))]:
-            self.run.restore(start)
-            spaced = [i for f, g in zip(frame, [*gaps, 0], strict=True) for i in (f, *[IDLE] * g)]
-            self._check(self._play([*spaced, *[IDLE] * wait]), [len(spaced) - 1], 0)
+            run.restore(start)
+            spaced = [i for f, g in zip(frame, gaps, strict=True) for i in (f, *[IDLE] * g)]
+            self._check(self._play([*spaced, last, *pause]), [len(spaced)])
         return False
 
-    def _any_gaps(self, start: State, wait: int, exact: int) -> bool:
-        """Whether few states come of gaps of all lengths, and all give the outputs. Those behind
-        more than so many idle clocks are joined."""
-        run, frame = self.run, self._frame(self.symbols)
-        states = [start]
-        for inputs in frame[:-1]:
-            following: list[State] = []
-            for state in states:
-                run.restore(state)
-                self._check(self._play([inputs]), [], None)
-                for gap in count():
-                    state = run.state()
-                    if state in following:
-                        break
-                    # A joined state has the one before it within.
-                    following[len(following) - (gap > exact) :] = [state]
-                    if len(following) > MOST_STATES:
-                        return False
-                    self._check(self._play([IDLE]), [], None)
-                    if gap >= exact:
-                        run.restore(self._joined(state, run.state()))
-            states = following
+    def _idle(self, states: list[State], inputs: Clock, exact: int) -> list[State]:
+        """The states that these inputs lead to with idle clocks behind them. Behind so many, what
+        any numbers of them have in common stands for each."""
+        found: list[State] = []
         for state in states:
-            run.restore(state)
-            self._check(self._play([frame[-1], *[IDLE] * wait]), [0], 0)
-        return True
+            self.run.restore(state)
+            self._check(self._play([inputs]))
+            for gap in count():
+                state = self.run.state()
+                if state in found:
+                    break
+                # A joined state has the one before it within.
+                found[len(found) - (gap > exact) :] = [state]
+                if len(found) > STATES:
+                    raise RefusedError("too many states")
+                self._check(self._play([IDLE]))
+                if gap >= exact:
+                    self.run.restore(self._joined(state, self.run.state()))
+        return found
 
     def _alone(self, start: State) -> None:
         """A frame in one clock, or an idle one. Before it and behind it stands in each clock what
         frames of unknown samples and idle clocks have in common, so neither matters."""
         run, either = self.run, [*self._frame([X] * self.count), IDLE]
 
-        def after(state: State, inputs: list[dict[str, Bits]]) -> tuple[State, list[Any]]:
+        def after(state: State, inputs: list[Clock]) -> tuple[State, list[Any]]:
             """What the states have in common that these inputs lead to, and the outputs."""
             states, found = [], []
             for one in inputs:
@@ -311,11 +280,8 @@ class Sequences:
             return reduce(self._joined, states), found
 
         always: State | None = None
-        while always is None or always != start:
-            always, start = (
-                start,
-                self._joined(start, [abstract(v) for v in after(start, either)[0]]),
-            )
+        while always != start:
+            always, start = start, self._joined(start, map(abstract, after(start, either)[0]))
         for inputs in (*self._frame(self.symbols), IDLE):
             state, found = after(start, [inputs])
             seen = [found]
@@ -332,23 +298,16 @@ class Sequences:
     def _close(self, start: State, tail: int, ends: int) -> None:
         """Frames as close as they may be: what the others hold is unknown, so it does not
         matter."""
-        run, interval = self.run, self.given["interval"]
-        nothing, symbols = self._frame([X] * self.count), self._frame(self.symbols)
-        pause = [IDLE] * (interval - len(nothing))
-        around = -(-(ends + tail) // interval)
-        states: list[State] = []
-        run.restore(start)
-        while True:
-            state = run.abstracted()
-            if state in states:
-                break
-            states.append(state)
-            if len(states) > ROUNDS + around:
+        interval, around = self.given["interval"], -(-(ends + tail) // self.given["interval"])
+        nothing, pause = self._frame([X] * self.count), [IDLE] * (interval - self.given["elements"])
+        seen: list[State] = []
+        while start not in seen:
+            if len(seen) > ROUNDS + around:
                 raise RefusedError("close frames do not come to a state that repeats")
-            self._play([*nothing, *pause])
-        for before in range(len(states)):
-            run.restore(start)
-            frames = [nothing] * before + [symbols] + [nothing] * around
+            frames = [self._frame(self.symbols), *[nothing] * around]
             inputs = [one for frame in frames for one in (*frame, *pause)]
-            found = self._play([*inputs, *[IDLE] * tail])
-            self._check(found, [n * interval + ends for n in range(len(frames))], before)
+            _, found = self._after(start, [*inputs, *[IDLE] * tail])
+            ended = [n * interval + ends for n in range(-len(seen), len(frames))]
+            self._check(found, ended, len(seen))
+            seen.append(start)
+            start, _ = self._after(start, [*nothing, *pause])

@@ -5,8 +5,8 @@ scheduled. Of a graph of adders the sums themselves are taken, because they say 
 dropped.
 """
 
-from collections.abc import Iterable, Sequence
-from functools import singledispatch
+from collections.abc import Callable, Sequence
+from functools import partial, singledispatch
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from golden.networks.multiple import Multiple
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.networks.table_graph import TableGraph
-from golden.numbers.fixed import Fix
+from golden.numbers.fixed import Codes, Fix
 from golden.numbers.precision import SIGNAL
 from golden.trained.function import Function
 from tactus.scene.disturbance import expected_drift
@@ -57,28 +57,29 @@ class Words:
         self.words.append({**word, "place": self.place})
         return self.samples + len(self.words) - 1
 
-    def table(self, first: int, values: Iterable[Any]) -> str:
-        return self._named("table", {"first": first, "values": [int(v) for v in values]})
+    def values(self, fmt: Fix, function: Callable[[Codes], Codes], of: int) -> int:
+        """Look up the values of a function of the codes of a format."""
+        values = [int(v) for v in function(np.arange(fmt.low, fmt.high + 1))]
+        return self._look_up("table", {"first": fmt.low, "values": values}, of)
 
-    def _named(self, name: str, table: dict[str, Any]) -> str:
+    def _look_up(self, name: str, table: dict[str, Any], of: int) -> int:
         found = next((n for n, t in self.tables.items() if t == table), "")
         if not found:
             found = f"{len(self.tables)}: {name}"
             self.tables[found] = table
-        return found
+        return self.add(table=found, of=of)
 
-    def lines(self, function: Function, segment: int, clipped: bool) -> str:
+    def lines(self, function: Function, segment: int, clipped: bool, of: int) -> int:
         table, kind = table_of(function, segment), "result" if clipped else "line"
         made = {
             "intercepts": [int(v) for v in table.intercepts],
             "slopes": [int(v) for v in table.slopes],
             "both": bool(table.both),
             "segment": segment,
-            "one": DROPPED,
             "shift": DROPPED,
             **({"clip": [RESULT.low, RESULT.high]} if clipped else {}),
         }
-        return self._named(f"{function.name} {kind}", made)
+        return self._look_up(f"{function.name} {kind}", made, of)
 
 
 def description(
@@ -197,8 +198,7 @@ def _integer(network: IntegerNetwork, words: Words, now: list[int]) -> list[int]
             if layer.leaky:
                 following.append(words.add(sum=[[code, 1]], clip=[0, RESULT.high]))
             elif layer.functions:
-                lines = words.lines(layer.functions[j], network.segment_width, clipped=True)
-                following[-1] = words.add(table=lines, of=code)
+                following[-1] = words.lines(layer.functions[j], network.segment_width, True, code)
         now = following
     return now
 
@@ -208,8 +208,7 @@ def _node(
 ) -> int:
     terms = [[k, int(w)] for k, w in zip(now, layer.weights[j], strict=True) if w]
     for k, function in layer.added_to(j):
-        lines = words.lines(function, network.segment_width, clipped=False)
-        terms.append([words.add(table=lines, of=now[k]), 1])
+        terms.append([words.lines(function, network.segment_width, False, now[k]), 1])
     return words.add(
         sum=terms,
         start=int(layer.starts[j]),
@@ -224,12 +223,9 @@ def _sum(node: tuple[Any, ...], words: Words, now: list[int]) -> int:
     """A node of `golden.layers.weighted_sum`: products lose their lowest bits one by one, then
     factor and rounding."""
     layer, weights, bias, factor = node
-    products, shift = (
-        [[k, int(w)] for k, w in zip(now, weights, strict=True) if w],
-        layer.product_shift,
-    )
-    if shift:
-        products = [[words.add(sum=[product], shift=shift), 1] for product in products]
+    products = [[k, int(w)] for k, w in zip(now, weights, strict=True) if w]
+    if layer.product_shift:
+        products = [[words.add(sum=[one], shift=layer.product_shift), 1] for one in products]
     return words.add(
         sum=[[k, w * factor] for k, w in products],
         start=(int(bias) << layer.bias_shift) * factor,
@@ -237,11 +233,6 @@ def _sum(node: tuple[Any, ...], words: Words, now: list[int]) -> int:
         round="up",
         clip=[layer.out_fmt.low, layer.out_fmt.high],
     )
-
-
-def _activated(activation: Any, words: Words, code: int) -> int:
-    codes = np.arange(activation.in_fmt.low, activation.in_fmt.high + 1)
-    return words.add(table=words.table(activation.in_fmt.low, activation.process(codes)), of=code)
 
 
 @of.register(Hybrid)
@@ -261,7 +252,10 @@ def _(network: Any, words: Words, samples: list[int]) -> list[int]:
         ]
     words.begin()
     hidden = enumerate(zip(nodes[0], network.activations, strict=True))
-    now = [_activated(a, words, _sum(node, words.at(0, j), samples)) for j, (node, a) in hidden]
+    now = [
+        words.values(a.in_fmt, a.process, _sum(node, words.at(0, j), samples))
+        for j, (node, a) in hidden
+    ]
     return [_sum(node, words.at(1, j), now) for j, node in enumerate(nodes[1])]
 
 
@@ -287,7 +281,7 @@ def _(network: AdderGraph, words: Words, samples: list[int]) -> list[int]:
         tables = network.activations[n] if n < len(network.activations) else ()
         if tables:
             nodes = zip(tables, now, strict=True)
-            now = [_activated(table, words.at(n, j), q) for j, (table, q) in enumerate(nodes)]
+            now = [words.at(n, j).values(t.in_fmt, t.process, q) for j, (t, q) in enumerate(nodes)]
     return now
 
 
@@ -302,14 +296,7 @@ def _(network: TableGraph, words: Words, samples: list[int]) -> list[int]:
     )
     for n, (tables, matrix, form) in enumerate(parts):
         words.at(n, 0)
-        codes = np.arange(form.low, form.high + 1)
-        columns = np.repeat(codes[:, np.newaxis], 1 + max(t.source for t in tables), axis=1)
-        read = [
-            words.add(
-                table=words.table(form.low, t.process(columns[:, t.source], form)), of=now[t.source]
-            )
-            for t in tables
-        ]
+        read = [words.values(form, partial(t.process, fmt=form), now[t.source]) for t in tables]
         now = _matrix(matrix, words, read, n)
     return now
 

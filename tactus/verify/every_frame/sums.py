@@ -71,10 +71,6 @@ class Base:
             self.words[key] = Word(next(_numbers), "", low, high, self, offset, shift)
         return self.words[key]
 
-    @cached_property
-    def hull(self) -> "Hull | None":
-        return _hull(self.total)
-
 
 class Curve:
     """A function of one word: values at the codes from `first` on, straight lines of the given
@@ -122,11 +118,17 @@ class Curve:
         found.append(last + self.right * (self.word.high - self.last))
         return min(found), max(found)
 
-    def times(self, k: int) -> "Curve":
+    def __mul__(self, k: int) -> "Curve":
         if k == 1:
             return self
         _fits(*(end * k for end in self.ends))
         return Curve(self.word, self.first, self.values * k, self.left * k, self.right * k)
+
+    def __rshift__(self, k: int) -> "Curve":
+        """The function over 2^k, which divides it."""
+        if k == 0:
+            return self
+        return Curve(self.word, self.first, self.values >> k, self.left >> k, self.right >> k)
 
     def bits(self) -> int:
         """A number whose lowest set bit is the greatest power of two that divides every
@@ -142,17 +144,13 @@ class Curve:
         )
 
 
-def _common(words: Iterable[Word]) -> Word:
+def _common(words: Sequence[Word]) -> Word:
     """The coarsest grid of which the grids of all these words of one sum are parts."""
-    words = list(words)
     first = words[0]
-    if all(w is first for w in words):
+    if not first.base:
         return first
-    assert first.base is not None
-    shift = min(w.shift for w in words)
-    for w in words[1:]:
-        if (w.offset - first.offset) % (1 << shift):
-            shift = _twos(w.offset - first.offset)
+    apart = [w.offset - first.offset for w in words]
+    shift = min([w.shift for w in words] + [_twos(offset) for offset in apart if offset])
     return first.base.word(first.offset % (1 << shift), shift)
 
 
@@ -163,13 +161,6 @@ def _finer(a: Curve, b: Curve) -> Word | None:
     coarse = [c for c in (a, b) if c.word.shift > word.shift and (c.left or c.right)]
     short = all(c.word.high - c.word.low < FEW for c in coarse)
     return word if not coarse or (short and not (a.line and b.line)) else None
-
-
-def _divided(c: Curve, bits: int) -> Curve:
-    """The function over 2^bits, which divides it."""
-    if bits == 0:
-        return c
-    return Curve(c.word, c.first, c.values >> bits, c.left >> bits, c.right >> bits)
 
 
 def _straight(word: Word, slope: int) -> Curve:
@@ -259,46 +250,80 @@ class Sum:
     def ends(self) -> tuple[int, int]:
         """Bounds that hold for every frame; exact for terms that do not hang together."""
         if self._ends is None:
-            self._ends = low, high = self.bare
-            hull = _hull(self) if any(w.base for w in self.terms) else None
-            if hull:
-                total, scale, below, above = hull
+            low, high = self.bare
+            with suppress(UnsupportedError):
+                total, scale, below, above = self.spread
+                a, b = (total, total) if isinstance(total, int) else total.bare
                 # An integer, so its bounds are too.
-                self._ends = (
-                    max(low, -(-(total.bare[0] + below) >> scale)),
-                    min(high, total.bare[1] + above >> scale),
-                )
+                low, high = max(low, -(-(a + below) >> scale)), min(high, b + above >> scale)
+            self._ends = low, high
         return self._ends
 
-
-# 2^scale times a sum is the first, plus something from the third to the last.
-Hull = tuple[Sum, int, int, int]
-
-
-def _hull(v: Sum) -> Hull | None:
-    """v with each floor along a line written as its sum over 2^s, less 0 to 1 - 2^-s."""
-    parts = [
-        (w, c.right, inner)
-        for w, c in v.terms.items()
-        if w.base and c.line and (inner := w.base.hull)
-    ]
-    scale = max((w.shift + inner[1] for w, _, inner in parts), default=0)
-    rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w not in {p[0] for p in parts}})
-    try:
-        total = times(rest, 1 << scale)
-        below = above = 0
-        for word, slope, (sums, k, low, high) in parts:
-            # 2^(k + shift) * word = sums + 2^k * offset + low to high
-            # less 0 to 2^k * (2^shift - 1)
+    @cached_property
+    def spread(self) -> "tuple[Value, int, int, int]":
+        """2^scale times the sum is the first, plus something from the third to the last: each floor
+        along a line is written as its sum over 2^s, less 0 to 1 - 2^-s."""
+        floors = [
+            (w, c.right, w.base.total.spread) for w, c in self.terms.items() if w.base and c.line
+        ]
+        scale = max((w.shift + inner[1] for w, _, inner in floors), default=0)
+        rest = {w: c for w, c in self.terms.items() if not (w.base and c.line)}
+        total, below, above = Sum(self.constant, rest) * (1 << scale), 0, 0
+        for word, slope, (sums, k, low, high) in floors:
             up = slope << scale - k - word.shift
             low -= (1 << k + word.shift) - (1 << k)
-            below += min(up * low, up * high)
-            above += max(up * low, up * high)
-            start = (word.offset << k) - (word.low << k + word.shift)
-            total = plus(total, times(plus(sums, start), up))
-    except UnsupportedError:
-        return None
-    return (Sum(total, {}) if isinstance(total, int) else total), scale, below, above
+            below, above = below + min(up * low, up * high), above + max(up * low, up * high)
+            total += (sums + ((word.offset << k) - (word.low << k + word.shift))) * up
+        return total, scale, below, above
+
+    def __add__(self, other: "Value") -> "Value":
+        if isinstance(other, int):
+            moved = self._ends and (self._ends[0] + other, self._ends[1] + other)
+            return Sum(self.constant + other, self.terms, moved)
+        more, fewer = sorted((self, other), key=lambda v: -len(v.terms))
+        terms, constant, new = dict(more.terms), more.constant + fewer.constant, False
+        waiting = [*fewer.terms.values()]
+        while waiting:
+            term = waiting.pop()
+            base, beside = term.word.base, terms.get(term.word)
+            if base and not beside:
+                beside = next((c for c in terms.values() if c.word.base is base), None)
+            word = beside and _finer(term, beside)
+            if not beside or not word:
+                terms[term.word] = term
+                continue
+            # Two functions of one sum become one, so that equal functions have equal terms.
+            del terms[beside.word]
+            both = Function(word, 0, [term, beside])
+            low, high, left, right = both.span()
+            made, start = curve(word, low, both.at(low, high), left, right)
+            constant, new = constant + start, True
+            if made:
+                waiting.append(made)
+        return value(constant, terms) if new else Sum(constant, terms)
+
+    def __mul__(self, factor: int) -> "Value":
+        if factor == 0:
+            return 0
+        if factor == 1:
+            return self
+        low, high = sorted(end * factor for end in self._ends or (0, 0))
+        terms = {w: c * factor for w, c in self.terms.items()}
+        return Sum(self.constant * factor, terms, (low, high) if self._ends else None)
+
+    def __neg__(self) -> "Value":
+        return self * -1
+
+    def __invert__(self) -> "Value":
+        return -self + -1
+
+    def __sub__(self, other: "Value") -> "Value":
+        return self + -other
+
+    def __rsub__(self, other: int) -> "Value":
+        return -self + other
+
+    __radd__, __rmul__ = __add__, __mul__
 
 
 Value = int | Sum
@@ -309,44 +334,34 @@ def ends(v: Value) -> tuple[int, int]:
 
 
 class Function:
-    """Something that depends on floors of one sum alone: `codes` of a grid on which all its parts
+    """A constant and functions of floors of one sum, at the codes of a grid on which all of them
     are known."""
 
     def __init__(self, word: Word, constant: int, terms: Iterable[Curve]):
         self.word, self.constant = word, constant
-        self.terms = [_stairs(t) if t.word.shift > word.shift else t for t in terms]
         # Each with the bits that its grid is coarser, and how far it is shifted.
         self.parts = [
             (t, t.word.shift - word.shift, (t.word.offset - word.offset) >> word.shift)
-            for t in self.terms
+            for t in terms
         ]
-        _fits(abs(constant) + sum(max(map(abs, t.ends)) for t in self.terms))
+        _fits(abs(constant) + sum(max(map(abs, t.ends)) for t, _, _ in self.parts))
 
-    def on(self, word: Word) -> "Function":
-        return Function(word, self.constant, self.terms)
-
-    def window(self) -> tuple[int, int]:
-        """Codes outside of which every part is a straight line over its own grid."""
-        low, high = self.word.high, self.word.low
+    def span(self) -> tuple[int, int, int, int]:
+        """Codes low to high outside of which it is a straight line, and the slopes there."""
+        low, high, left, right = self.word.high, self.word.low, 0, 0
         for t, k, s in self.parts:
-            # Of a constant end, the code next to the first change is enough.
-            low = min(low, (t.first << k if t.left else (t.first + 1 << k) - 1) - s)
-            high = max(high, ((t.last + 1 << k) - 1 if t.right else t.last << k) - s)
-        return max(low, self.word.low), min(high, self.word.high)
-
-    def slopes(self) -> tuple[int | None, int | None]:
-        """Slopes outside the window; None where it is no line on this grid."""
-        sides: list[int | None] = []
-        for side in ("left", "right"):
-            found = [(getattr(t, side), k) for t, k, _ in self.parts]
-            sides.append(None if any(m and k for m, k in found) else sum(m for m, _ in found))
-        return sides[0], sides[1]
+            # On a finer grid a line is a staircase, from end to end of its word.
+            first = t.word.low if k and t.left else t.first
+            last = t.word.high if k and t.right else t.last
+            low, high = min(low, (first + 1 << k) - 1 - s), max(high, (last << k) - s)
+            if not k:
+                left, right = left + t.left, right + t.right
+        return max(low - 1, self.word.low), min(high + 1, self.word.high), left, right
 
     def changes(self) -> tuple[int, int]:
         """Codes outside of which it is constant."""
-        (low, high), (left, right) = self.window(), self.slopes()
-        low = self.word.low if left != 0 else max(low - 1, self.word.low)
-        return low, self.word.high if right != 0 else min(high + 1, self.word.high)
+        low, high, left, right = self.span()
+        return self.word.low if left else low, self.word.high if right else high
 
     def at(self, low: int, high: int) -> np.ndarray:
         if high - low >= LONGEST:
@@ -364,10 +379,7 @@ def value(constant: int, terms: dict[Word, Curve]) -> Value:
     for word, term in terms.items():
         if word.base and word.shift == 0 and term.line:
             rest = {w: c for w, c in terms.items() if w is not word}
-            return plus(
-                value(constant, rest),
-                times(plus(word.base.total, word.offset - word.low), term.right),
-            )
+            return value(constant, rest) + (word.base.total + word.offset - word.low) * term.right
     return Sum(constant, terms) if terms else constant
 
 
@@ -375,54 +387,6 @@ def _drawn(word: Word, first: int, values: np.ndarray, left: int, right: int) ->
     """The function as `curve` takes it."""
     made, start = curve(word, first, values, left, right)
     return value(start, {made.word: made} if made else {})
-
-
-def plus(a: Value, b: Value) -> Value:
-    if isinstance(a, int):
-        a, b = b, a
-    if isinstance(a, int):
-        return a + int(b)  # type: ignore[arg-type]
-    if isinstance(b, int):
-        return Sum(a.constant + b, a.terms, a._ends and (a._ends[0] + b, a._ends[1] + b))
-    if len(b.terms) > len(a.terms):
-        a, b = b, a
-    terms, constant, new = dict(a.terms), a.constant + b.constant, False
-    waiting = [*b.terms.values()]
-    while waiting:
-        term = waiting.pop()
-        base, beside = term.word.base, terms.get(term.word)
-        if base and not beside:
-            beside = next((c for c in terms.values() if c.word.base is base), None)
-        word = beside and _finer(term, beside)
-        if not beside or not word:
-            terms[term.word] = term
-            continue
-        # Two functions of one sum become one, so that equal functions have equal terms.
-        del terms[beside.word]
-        both = Function(word, 0, [term, beside])
-        (low, high), (left, right) = both.window(), both.slopes()
-        low, high = max(low - 1, word.low), min(high + 1, word.high)
-        assert left is not None
-        assert right is not None
-        made, start = curve(word, low, both.at(low, high), left, right)
-        constant, new = constant + start, True
-        if made:
-            waiting.append(made)
-    return value(constant, terms) if new else Sum(constant, terms)
-
-
-def times(v: Value, factor: int) -> Value:
-    if isinstance(v, int) or factor == 0:
-        return v * factor if isinstance(v, int) else 0
-    if factor == 1:
-        return v
-    low, high = sorted(end * factor for end in v._ends or (0, 0))
-    terms = {w: c.times(factor) for w, c in v.terms.items()}
-    return Sum(v.constant * factor, terms, (low, high) if v._ends else None)
-
-
-def minus(a: Value, b: Value) -> Value:
-    return plus(a, times(b, -1))
 
 
 def _twos(number: int) -> int:
@@ -435,14 +399,6 @@ def _bits(v: Sum) -> int:
     for term in v.terms.values():
         bits |= term.bits()
     return bits
-
-
-def _stairs(t: Curve) -> Curve:
-    """A function of a word of few codes with constant ends, since on a finer grid its lines are
-    stairs."""
-    if not (t.left or t.right) or t.word.high - t.word.low >= FEW:
-        return t
-    return Curve(t.word, t.word.low, t.at(t.word.low, t.word.high), 0, 0)
 
 
 def _odd(v: Sum) -> int:
@@ -468,7 +424,7 @@ class Space:
 
         floor((u + 2^k * y) / 2^k) = floor(u / 2^k) + y for every integer y.
         """
-        whole = plus(first, rest)
+        whole = first + rest
         if isinstance(whole, int) or isinstance(first, int) or len(whole.terms) < 2:
             return
         # Parts lead from later sums to earlier ones, so they come to an end.
@@ -477,8 +433,8 @@ class Space:
         # What divides the whole divides both, as far as it divides rest.
         most = _twos(rest if isinstance(rest, int) else _bits(rest) | rest.constant) - e
         if inner.number < base.number and most > (base.parts[2] if base.parts else 0):
-            first, rest = self.floor(plus(first, -whole.constant), e), self.floor(rest, e)
-            base.parts = times(first, sign), times(rest, sign), most
+            first, rest = self.floor(first - whole.constant, e), self.floor(rest, e)
+            base.parts = first * sign, rest * sign, most
             for k in range(1, most + 1):
                 self._floored(base, sign, whole.constant >> e, k)
 
@@ -487,10 +443,10 @@ class Space:
         sign * 2^e * base."""
         e = _twos(_bits(v))
         first = v.terms[min(v.terms, key=lambda w: w.number)]
-        moved = first.values[first.values != first.values[0]][:1] - first.values[0]
-        sign = 1 if (first.left or int(moved.sum()) or first.right) > 0 else -1
+        step = first.left or int(np.diff(first.values[:2]).sum()) or first.right
+        sign = 1 if step > 0 else -1
         ordered = sorted(v.terms.items(), key=lambda t: t[0].number)
-        terms = {word: _divided(term, e).times(sign) for word, term in ordered}
+        terms = {word: (term >> e) * sign for word, term in ordered}
         key = tuple((w.number, c.first, c.left, c.right, c.key) for w, c in terms.items())
         found = self.bases.setdefault(key, [])
         for base in found:
@@ -510,15 +466,12 @@ class Space:
         if low >> k == high >> k:
             return low >> k
         if all(_twos(c.bits()) >= k for c in v.terms.values()):
-            return value(v.constant >> k, {w: _divided(c, k) for w, c in v.terms.items()})
+            return value(v.constant >> k, {w: c >> k for w, c in v.terms.items()})
         if len({w.base or w for w in v.terms}) > 1:
-            if _odd(v) > 1:
+            # Short ones code by code, so that hardware may wrap a sum and then cut it.
+            if _odd(v) > 1 or self._own(v, quick=True):
                 with suppress(UnsupportedError):
                     return self.of(lambda a: a >> k, v)
-            # Short ones code by code, so that hardware may wrap a sum and then cut it.
-            if own := self._own(v, quick=True):
-                with suppress(UnsupportedError):
-                    return self._coded(lambda a: a >> k, [own])
             base, e, sign = self._base(v)
             return self._floored(base, sign, v.constant >> e, k - e)
         ((word, term), *others) = v.terms.items()
@@ -546,9 +499,7 @@ class Space:
         start = sign * (offset >> k)
         if base.parts and k <= base.parts[2]:
             first, rest, _ = base.parts
-            form = plus(
-                self.floor(plus(times(first, sign), constant), k), self.floor(times(rest, sign), k)
-            )
+            form = self.floor(first * sign + constant, k) + self.floor(rest * sign, k)
             if isinstance(form, Sum) and len(form.terms) > 1:
                 # form = start + sign * word = form.constant + turned * 2^e * other
                 other, e, turned = self._base(form)
@@ -560,31 +511,27 @@ class Space:
             line = _step(base, (word.high << k) - word.offset, sign)
         return value(start + sign * word.low, {line.word: line})
 
-    def function(self, v: Value) -> "Function | int":
-        """v as a function of one word; a number stays one."""
+    def _parts(self, v: Value) -> tuple[int, list[Curve]]:
+        """v as a constant and functions of floors of one sum."""
         if isinstance(v, int):
-            return v
+            return v, []
         if len({w.base or w for w in v.terms}) == 1:
-            return Function(_common(v.terms), v.constant, list(v.terms.values()))
-        if own := self._own(v, quick=False):
-            return own
-        constant, line = self._line(v)
-        return Function(line.word, constant, [line])
+            return v.constant, [*v.terms.values()]
+        return self._own(v, quick=False) or self._line(v)
 
-    def _own(self, v: Sum, quick: bool) -> Function | None:
-        """v as a function of one word, if it is a sum beside functions of floors of this sum."""
+    def _own(self, v: Sum, quick: bool) -> tuple[int, list[Curve]] | None:
+        """The same, if it is a sum beside functions of floors of this sum."""
         for base in {w.base: 0 for w in v.terms if w.base}:
             rest = Sum(v.constant, {w: c for w, c in v.terms.items() if w.base is not base})
             if quick and rest.terms.keys() != base.total.terms.keys():
                 continue
-            constant, line = self._line(rest)
+            constant, (line,) = self._line(rest)
             if line.word.base is base:
-                terms = [line, *[c for w, c in v.terms.items() if w.base is base]]
-                return Function(_common(c.word for c in terms), constant, terms)
+                return constant, [line, *[c for w, c in v.terms.items() if w.base is base]]
         return None
 
-    def _line(self, v: Sum) -> tuple[int, Curve]:
-        """v as a constant and a straight line over one word: the sum without a common factor."""
+    def _line(self, v: Sum) -> tuple[int, list[Curve]]:
+        """The same as a straight line over one word: the sum without a common factor."""
         odd = _odd(v)
         base, e, slope = self._base(
             Sum(0, {w: _straight(w, c.right // odd) for w, c in v.terms.items()}) if odd > 1 else v
@@ -593,33 +540,27 @@ class Space:
         start, turned, word = base.coarse or (0, 1, base.word(0, 0))
         slope <<= e
         constant = v.constant + slope * (start + turned * word.low)
-        return constant, _straight(word, slope * turned)
+        return constant, [_straight(word, slope * turned)]
 
     def of(self, f: Callable[..., Any], *values: Value) -> Value:
         """f(values), code by code; all of them are functions of one word."""
-        return self._coded(f, self._together(*values))
+        numbers = [np.int64(v) for v in values if isinstance(v, int)]
+        if len(numbers) == len(values):
+            return int(f(*numbers))
+        given = self._together(*values)
+        lows, highs = zip(*(g.changes() for g in given), strict=True)
+        low, high = min(lows), max(highs)
+        codes = f(*(g.at(low, high) for g in given))
+        return _drawn(given[0].word, low, np.asarray(codes, dtype=np.int64), 0, 0)
 
-    def _coded(self, f: Callable[..., Any], given: "Sequence[Function | int]") -> Value:
-        """f code by code, of functions of one word and numbers."""
-        functions = [g for g in given if isinstance(g, Function)]
-        if not functions:
-            return int(f(*(np.int64(g) for g in given)))  # type: ignore[arg-type]
-        word, spans = functions[0].word, [g.changes() for g in functions]
-        low, high = min(span[0] for span in spans), max(span[1] for span in spans)
-        codes = [g.at(low, high) if isinstance(g, Function) else np.int64(g) for g in given]
-        values = np.asarray(f(*codes), dtype=np.int64)
-        return _drawn(word, low, np.broadcast_to(values, high - low + 1), 0, 0)
-
-    def _together(self, *values: Value) -> "list[Function | int]":
+    def _together(self, *values: Value) -> list[Function]:
         """The values as functions of one and the same word."""
-        given = [self.function(v) for v in values]
-        words = [g.word for g in given if isinstance(g, Function)]
+        given = [self._parts(v) for v in values]
+        words = [c.word for _, curves in given for c in curves]
         if len({w.base or w for w in words}) > 1:
-            raise UnsupportedError(
-                "a function of words that depend on different samples: "
-                + ", ".join(sorted({describe(w) for w in words}))
-            )
-        return [g.on(_common(words)) if isinstance(g, Function) else g for g in given]
+            said = ", ".join(sorted({f"({' '.join(sorted(_samples(w)))})" for w in words}))
+            raise UnsupportedError(f"a function of words that depend on different samples: {said}")
+        return [Function(_common(words), *one) for one in given]
 
     def negative(self, v: Value) -> Value:
         """1 where v < 0, else 0: no more than the floor over a power of two that is greater than
@@ -627,60 +568,30 @@ class Space:
         low, high = ends(v)
         if low >= 0 or high < 0:
             return int(high < 0)
-        return times(self.floor(v, max(-low - 1, high).bit_length()), -1)
+        return -self.floor(v, max(-low - 1, high).bit_length())
 
     def zero(self, v: Value) -> Value:
         """1 where v is 0, else 0."""
         low, high = ends(v)
         if low > 0 or high < 0:
             return 0
-        return self.of(lambda a: (a == 0).astype(np.int64), v)
+        return self.of(lambda a: a == 0, v)
 
     def choose(self, c: Value, x: Value, y: Value) -> Value:
         """x where c is 1, y where c is 0."""
         if isinstance(c, int):
             return x if c else y
         with suppress(UnsupportedError):
-            return self._picked(*self._together(c, x, y))
+            return _picked(*self._together(c, x, y))
         # y + c * (x - y) hangs on one word wherever x - y does.
-        return plus(y, self._picked(*self._together(c, minus(x, y), 0)))
-
-    def _picked(self, c: "Function | int", x: "Function | int", y: "Function | int") -> Value:
-        """The choice code by code; each branch is looked at only where it is chosen."""
-        assert isinstance(c, Function)
-        word, (a, b) = c.word, c.changes()
-        slopes = []
-        for side, code in ((0, a), (1, b)):
-            branch = x if c.at(code, code)[0] else y
-            slope = 0
-            if isinstance(branch, Function):
-                found = branch.slopes()[side]
-                end = branch.window()[side]
-                if side == 0:
-                    a = min(a, word.low if found is None else max(end - 1, word.low))
-                else:
-                    b = max(b, word.high if found is None else min(end + 1, word.high))
-                slope = found or 0
-            slopes.append(slope)
-        chosen = c.at(a, b) != 0
-        result = np.empty(b - a + 1, dtype=np.int64)
-        for where, branch in ((chosen, x), (~chosen, y)):
-            if isinstance(branch, int):
-                result[where] = branch
-                continue
-            codes = np.flatnonzero(where)
-            if len(codes):
-                p, q = int(codes[0]), int(codes[-1])
-                part = branch.at(a + p, a + q)
-                np.copyto(result[p : q + 1], part, where=where[p : q + 1])
-        return _drawn(word, a, result, *slopes)
+        return y + _picked(*self._together(c, x - y, 0))
 
     def clip(self, v: Value, low: int, high: int) -> Value:
         a, b = ends(v)
         if low <= a and b <= high:
             return v
-        v = self.choose(self.negative(minus(v, low)), low, v)
-        return self.choose(self.negative(minus(high, v)), high, v)
+        v = self.choose(self.negative(v - low), low, v)
+        return self.choose(self.negative(high - v), high, v)
 
     def modulo(self, v: Value, bits: int, signed: bool) -> Value:
         """The number from 0, or from -2^(bits - 1) on, that is v modulo 2^bits."""
@@ -689,25 +600,27 @@ class Space:
             return (v - low) % (1 << bits) + low
         a, b = v.ends
         if a - low >> bits == b - low >> bits:
-            return plus(v, -(a - low >> bits << bits))
-        return plus(v, times(self.floor(plus(v, -low), bits), -(1 << bits)))
-
-    def equal(self, a: Value, b: Value) -> bool:
-        """Whether a and b are the same for every frame."""
-        d = minus(a, b)
-        return isinstance(d, int) and d == 0
+            return v - (a - low >> bits << bits)
+        return v - self.floor(v - low, bits) * (1 << bits)
 
 
-def describe(word: Word) -> str:
-    """The samples that a word depends on."""
-    names: set[str] = set()
+def _picked(c: Function, x: Function, y: Function) -> Value:
+    """The choice code by code; each branch is looked at only where it is chosen."""
+    a, b = c.changes()
+    # Beyond the ends of c, the branch that is chosen there.
+    first, last = (x if c.at(code, code)[0] else y for code in (a, b))
+    (low, _, left, _), (_, high, _, right) = first.span(), last.span()
+    a, b = min(a, low), max(b, high)
+    chosen = c.at(a, b) != 0
+    result = np.empty(b - a + 1, dtype=np.int64)
+    for where, branch in ((chosen, x), (~chosen, y)):
+        codes = np.flatnonzero(where)
+        if len(codes):
+            p, q = int(codes[0]), int(codes[-1])
+            np.copyto(result[p : q + 1], branch.at(a + p, a + q), where=where[p : q + 1])
+    return _drawn(c.word, a, result, left, right)
 
-    def visit(w: Word) -> None:
-        if w.base is None:
-            names.add(w.name)
-        else:
-            for inner in w.base.total.terms:
-                visit(inner)
 
-    visit(word)
-    return "(" + " ".join(sorted(names)) + ")"
+def _samples(word: Word) -> set[str]:
+    """The names of the samples that a word depends on."""
+    return set().union(*map(_samples, word.base.total.terms)) if word.base else {word.name}

@@ -5,7 +5,6 @@ expression, which nobody evaluates before it is asked for. A select or an addres
 samples is allowed; a write whose address or enable does is not.
 """
 
-import heapq
 from collections import defaultdict
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
@@ -24,7 +23,7 @@ from tactus.verify.every_frame.bits import (
     unknown,
 )
 from tactus.verify.every_frame.netlist import Cell, Memory, Net, Netlist, NotReadableError, Port
-from tactus.verify.every_frame.operators import MODULAR, ONE, TWO, UNSIGNED, signed
+from tactus.verify.every_frame.operators import CELLS, MODULAR, read_signed, signed
 from tactus.verify.every_frame.sums import UnsupportedError
 
 # How deep choices inside choices are searched for the same select.
@@ -48,14 +47,11 @@ class Unrolled:
         self.held = [r.output for r in hardware.registers] + [m.words for m in self.written]
         self.made: dict[Any, Expression] = {}
         self.clocks = 0
-        self.order = _ordered(hardware)
-        self.users: dict[Net, list[int]] = defaultdict(list)
-        for place, cell in enumerate(self.order):
-            for net in _sources(cell):
-                self.users[net].append(place)
-        # A heap of the cells whose inputs have changed, each once.
-        self.waiting = list(range(len(self.order)))
-        self.queued = set(self.waiting)
+        self.order = [(cell, _sources(cell)) for cell in _ordered(hardware)]
+        # Words that have changed since all wires were settled.
+        self.changed: set[Net] = set()
+        for cell, _ in self.order:
+            self._set(cell.output, self._cell(cell))
 
     def get(self, port: Port) -> Bits:
         source, _, count = port[0]
@@ -80,23 +76,18 @@ class Unrolled:
         return self.expression("sample", width, (), name, name)
 
     def _set(self, net: Net, v: Bits) -> None:
-        if self.now[net] is v or self.now[net] == v:
-            return
-        self.now[net] = v
-        for place in self.users[net]:
-            if place not in self.queued:
-                self.queued.add(place)
-                heapq.heappush(self.waiting, place)
+        if self.now[net] is not v and self.now[net] != v:
+            self.now[net] = v
+            self.changed.add(net)
 
     def step(self, inputs: Mapping[str, Bits]) -> None:
         """The inputs of this clock, and all wires settled."""
         for name, net in self.hardware.inputs.items():
             self._set(net, inputs.get(name, 0))
-        while self.waiting:
-            place = heapq.heappop(self.waiting)
-            self.queued.discard(place)
-            cell = self.order[place]
-            self._set(cell.output, self._cell(cell))
+        for cell, sources in self.order:
+            if not self.changed.isdisjoint(sources):
+                self._set(cell.output, self._cell(cell))
+        self.changed.clear()
 
     def clock(self) -> None:
         """The rising edge."""
@@ -176,10 +167,10 @@ class Unrolled:
             count = _width(inputs["A"])
             read = (address, count, False)
             return X if unknown(address) else self.expression(kind, width, (read,), name, words)
-        if kind not in ONE and kind not in TWO:
+        if kind not in CELLS:
             raise NotReadableError(f"cell {name}: {kind} is not known")
         ports = [p for p in "AB" if p in inputs]
-        sign = all(cell.signed[p] for p in ports) and kind not in UNSIGNED
+        sign = read_signed(kind, all(cell.signed[p] for p in ports))
         given = [(self.get(inputs[p]), _width(inputs[p]), sign) for p in ports]
         if kind in MODULAR:
             # An operand counts in as many bits as the result has.
@@ -187,8 +178,7 @@ class Unrolled:
         values = [v for v, _, _ in given]
         if all(isinstance(v, int) for v in values):
             numbers = [signed(v, n) if sign else v for v, n, _ in given]
-            found = ONE[kind](numbers[0], given[0][1]) if len(given) == 1 else TWO[kind](*numbers)
-            return int(found) & (1 << width) - 1
+            return int(CELLS[kind](*numbers)) & (1 << width) - 1
         simple = _simple(kind, values, width)
         if simple is not None:
             return simple

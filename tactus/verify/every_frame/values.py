@@ -1,30 +1,13 @@
 """Expressions as sums of functions of words."""
 
-from collections.abc import Callable
+import math
 from typing import Any
 
 import numpy as np
 
 from tactus.verify.every_frame.bits import Bits, Expression, X, join, pieces
-from tactus.verify.every_frame.operators import COMPARISONS, ONE, TWO, array, signed
-from tactus.verify.every_frame.sums import (
-    MOST,
-    Space,
-    UnsupportedError,
-    Value,
-    ends,
-    minus,
-    plus,
-    times,
-)
-
-# What is linear, of numbers that are right modulo a power of two.
-LINEAR: dict[str, Callable[..., Value]] = {
-    "$add": plus,
-    "$sub": minus,
-    "$neg": lambda a: times(a, -1),
-    "$not": lambda a: minus(-1, a),
-}
+from tactus.verify.every_frame.operators import CELLS, COMPARISONS, LINEAR, signed
+from tactus.verify.every_frame.sums import MOST, Space, UnsupportedError, Value, ends
 
 
 class Values:
@@ -58,7 +41,7 @@ class Values:
             piece = source if known else self.space.floor(self.residue(source, 0), low)
             if k < len(parts) - 1:
                 piece = self.space.modulo(piece, count, False)
-            total = plus(total, times(piece, 1 << place))
+            total = total + piece * (1 << place)
             place += count
         return total if len(parts) == len(v) else self.space.modulo(total, place, True)
 
@@ -84,28 +67,22 @@ class Values:
             return space.choose(c, *(self.residue(v, e.width) for v in (yes, no)))
         if kind == "read":
             return self._read(e)
-        if kind in LINEAR:
-            return LINEAR[kind](*(self.residue(v, n) for v, n, _ in e.arguments))
-        if kind == "$mul":
-            a, b = (self.residue(v, n) for v, n, _ in e.arguments)
-            if isinstance(a, int) or isinstance(b, int):
-                return times(b, a) if isinstance(a, int) else times(a, b)  # type: ignore[arg-type]
-            a, b = [self.number(v, n, s) for v, n, s in e.arguments]
-            if max(map(abs, ends(a))) * max(map(abs, ends(b))) >= MOST:
-                raise UnsupportedError("a product of more than 62 bits")
-            return space.of(TWO[kind], a, b)
-        if kind in COMPARISONS:
-            return self._compared(kind, *[self.number(v, n, s) for v, n, s in e.arguments])
         if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
             zero = self._zero(*e.arguments[0][:2])
-            return zero if kind == "$logic_not" else minus(1, zero)
+            return zero if kind == "$logic_not" else 1 - zero
+        f = CELLS[kind]
+        if kind in (*LINEAR, "$mul"):
+            operands = [self.residue(v, n) for v, n, _ in e.arguments]
+            if kind in LINEAR or any(isinstance(v, int) for v in operands):
+                return f(*operands)
         numbers = [self.number(v, n, s) for v, n, s in e.arguments]
-        if kind in ONE:
-            n = e.arguments[0][1]
-            return space.of(lambda a: array(ONE[kind](a, n)), numbers[0])
+        if kind == "$mul" and math.prod(max(map(abs, ends(v))) for v in numbers) >= MOST:
+            raise UnsupportedError("a product of more than 62 bits")
+        if kind in COMPARISONS:
+            return self._compared(kind, *numbers)
         if kind in ("$logic_and", "$logic_or"):
-            numbers = [minus(1, space.zero(v)) for v in numbers]
-        return space.of(lambda x, y: array(TWO[kind](x, y)), *numbers)
+            numbers = [1 - space.zero(v) for v in numbers]
+        return space.of(f, *numbers)
 
     def _zero(self, v: Bits, width: int) -> Value:
         """1 where bits are 0: piece by piece, since together they may be wider than a number, or
@@ -120,9 +97,9 @@ class Values:
         return zero
 
     def _compared(self, kind: str, a: Value, b: Value) -> Value:
-        d = minus(b, a) if kind in ("$gt", "$le") else minus(a, b)
+        d = b - a if kind in ("$gt", "$le") else a - b
         found = self.space.zero(d) if kind in ("$eq", "$ne") else self.space.negative(d)
-        return minus(1, found) if kind in ("$ne", "$le", "$ge") else found
+        return 1 - found if kind in ("$ne", "$le", "$ge") else found
 
     def _read(self, e: Expression) -> Value:
         words = np.array([signed(w, e.width) if isinstance(w, int) else 0 for w in e.extra])
