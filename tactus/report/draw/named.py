@@ -18,10 +18,10 @@ from tactus.report.draw.svg import plotted, style
 # At so many dots per inch, a pixel is a point.
 INCHES, DPI, RADIUS, SIZE = (7.4, 4.9), 72, 3.0, 9.0
 # Where a name may stand: beside its dot, or so far from it that a line joins the two, which runs
-# through other names if it is level.
+# through other dots if it is level or upright.
 NEAR, FAR = 8, (17, 28, 40, 54, 72)
 SIDES = [(1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1), (0, 1), (0, -1)]
-WAYS = [*product([NEAR], SIDES), *product(FAR, SIDES[2:])]
+WAYS = [*product([NEAR], SIDES), *product(FAR, SIDES[2:6])]
 PLACES = np.array([(far * dx, far * dy, dx) for far, (dx, dy) in WAYS])
 ANCHORS = {1: "left", 0: "center", -1: "right"}
 
@@ -63,7 +63,7 @@ def drawn(
         figure = Figure(INCHES, DPI, layout="constrained")
         axes = figure.add_subplot(xscale="log", yscale="log", xlabel=across, ylabel=up)
         axes.set_title(title, loc="left", fontsize="medium", fontweight="bold")
-        axes.margins(0.07)
+        axes.margins(0.07, 0.1)
         axes.plot(*zip(*steps, strict=True), color=ACCENT, linewidth=0.8) if steps else None
         at = np.array([(one.x, one.y) for one in ordered]).reshape(-1, 2)
         axes.scatter(at[:, 0], at[:, 1], s=(2 * RADIUS) ** 2, c=colours, zorder=3)
