@@ -46,7 +46,7 @@ def plot(name: str, scheme: Scheme) -> str:
     axes.set_xlim(0, 5)
     axes.grid(linewidth=0.3)
     axes.legend(title=name, fontsize="small", title_fontsize="small")
-    return svg(figure, name.replace(" ", "_"))
+    return svg(figure, name.replace(" ", "_"), f"The error of {name} against q")
 
 
 def main() -> None:

@@ -71,7 +71,7 @@ def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
         panels[-1].set_xlabel("from the root, mm; grey: where loads lie")
         handles, labels = beam.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
-        return svg(figure, "sensors")
+        return svg(figure, "sensors", f"Places of gauges on {rig.name}, and their bounds")
 
 
 COMPARED = "compared"

@@ -45,10 +45,11 @@ def confusion(scene: Scene, every: Decisions) -> Picture:
         axes.invert_yaxis()
         axes.set_xlabel(f"{plain(scene.classes)}, decided")
         axes.set_ylabel(f"{plain(scene.classes)} of the row")
-        drawn = svg(figure, "confusion")
+        title = f"{scene.classes}: decided against recorded"
+        drawn = svg(figure, "confusion", title)
     return Picture(
         "confusion",
-        f"{scene.classes}: decided against recorded",
+        title,
         drawn,
         f"Bit-true decisions on {rows}: {found.right} are right, "
         f"{percent(found.right, len(found.actual))}. {_most_wrong(found)}",

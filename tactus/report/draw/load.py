@@ -11,7 +11,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.real import Real
 from golden.visualisation.functions import power_load
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
-from tactus.report.draw.svg import PLOT_INCHES, plotted, style
+from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene
 from tactus.scene.visualisation import RESULTS, VISUALISATION, Visualisation, visualisation
 
@@ -163,4 +163,4 @@ def profile(scene: Scene, frame: int = FRAME) -> str:
         axes.set_ylim(bottom=min(0.0, float(known.drawn(frame).min())) - 0.02)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
         title = f"Load profile of recorded frame {frame} of scene {scene.name}"
-        return plotted(figure, "profile", title)
+        return svg(figure, "profile", title)

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from golden.numbers.real import Real
 from tactus.report.draw.drawing import ACCENT, FAINT
-from tactus.report.draw.svg import plotted, style
+from tactus.report.draw.svg import style, svg
 
 # At so many dots per inch, a pixel is a point.
 INCHES, DPI, RADIUS, SIZE = (7.4, 4.9), 72, 3.0, 9.0
@@ -80,7 +80,7 @@ def drawn(
         _write(axes, [one.name for one in ordered], colours, at, np.array(steps))
         figures = "; ".join(f"{one.name}: {one.x:g}, {round(one.y, 2):g}" for one in ordered)
         said = f"{title}. {sentence} By {across}, and by {up}: {figures}."
-        return plotted(figure, name, said, narrowest=560)
+        return svg(figure, name, said, narrowest=560)
 
 
 def _write(axes: Axes, names: Sequence[str], colours: Sequence[str], at: Real, steps: Real) -> None:

@@ -65,7 +65,7 @@ class Plot:
             axes.set_ylim(bottom=0)
             if count > 1:
                 figure.legend(loc="outside lower center", ncols=columns)
-            return svg(figure, self.name)
+            return svg(figure, self.name, self.title)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Predicted:
             if len(self.groups) > 1:
                 handles, labels = above.get_legend_handles_labels()
                 figure.legend(handles, labels, loc="outside lower center", ncols=2)
-            return svg(figure, self.name)
+            return svg(figure, self.name, self.title)
 
 
 def predicted_plots(found: Outcome) -> Iterator[Predicted]:

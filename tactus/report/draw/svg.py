@@ -79,17 +79,24 @@ def plain(name: str) -> str:
     return f" {text}" if text.startswith("_") else text
 
 
-def svg(figure: Figure, name: str) -> str:
-    """A matplotlib figure as an ``<svg>`` element.
+def svg(figure: Figure, name: str, title: str, narrowest: float = 0) -> str:
+    """A matplotlib figure as one ``<svg>`` element.
 
     name: The prefix of every id, so that no two pictures of a page share an id. It has letters,
         digits and ``_``.
+    title: For readers who do not see the figure.
+    narrowest: In CSS pixels. On a page narrower than this it scrolls sideways.
     """
     buffer = io.StringIO()
     with style():
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    text = buffer.getvalue()
-    return own_ids(text[text.index("<svg") :], name)
+    text = own_ids(buffer.getvalue().partition("<svg")[2], name)
+    # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
+    text = re.sub(r'(?<= d=")[^"]+', lambda way: re.sub(r"(\.\d\d)\d+", r"\1", way[0]), text)
+    head, _, body = text.partition(">")
+    least = f"min-width:{narrowest:g}px;" if narrowest else ""
+    fitting = f'role="img" style="display:block;max-width:100%;{least}height:auto"'
+    return f"<svg{head} {fitting}><title>{escape(title)}</title>{body}"
 
 
 def own_ids(text: str, name: str) -> str:
@@ -103,24 +110,6 @@ def own_ids(text: str, name: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r"url\(#", f"url(#{name}-", text)
     return re.sub(r'href="#', f'href="#{name}-', text)
-
-
-def plotted(figure: Figure, name: str, title: str, narrowest: float = 0) -> str:
-    """A figure as one ``<svg>`` element, with a title for readers who do not see it.
-
-    name: See ``tactus.report.draw.svg.svg``.
-    narrowest: In CSS pixels. On a page narrower than this it scrolls sideways.
-    """
-    # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
-    text = re.sub(r'(?<= d=")[^"]+', _shortened, svg(figure, name))
-    end = text.index(">")
-    least = f"min-width:{narrowest:g}px;" if narrowest else ""
-    fitting = f'role="img" style="display:block;max-width:100%;{least}height:auto"'
-    return f"{text[:end]} {fitting}><title>{escape(title)}</title>{text[end + 1 :]}"
-
-
-def _shortened(way: re.Match[str]) -> str:
-    return re.sub(r"(\.\d\d)\d+", r"\1", way[0])
 
 
 COLOURS = (

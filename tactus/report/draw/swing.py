@@ -9,7 +9,7 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.physics.swing_data import RATE, independent_run
-from tactus.report.draw.svg import PLOT_INCHES, plotted, style
+from tactus.report.draw.svg import PLOT_INCHES, style, svg
 from tactus.scene import Scene, load_scene
 
 # The run that is drawn.
@@ -90,4 +90,4 @@ def swing(scene: Scene) -> str:
         rows[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
         rows[-1].set_xlabel(f"time since release in {NAME}, s; x, y, z count from code 0")
         title = f"Motion of the swing in {NAME} and the estimates of scene {scene.name}"
-        return plotted(figure, "swing", title)
+        return svg(figure, "swing", title)

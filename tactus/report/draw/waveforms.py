@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from tactus.report.draw.drawing import FAINT, INK, text_width
-from tactus.report.draw.svg import plotted, style
+from tactus.report.draw.svg import style, svg
 from tactus.report.measure.simulated_frame import Row
 
 # Lengths are CSS pixels. Those of a clock are enough for a value, or for one that stands upright.
@@ -75,7 +75,7 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
         whole = np.array([names + pitch * count + 8, SCALE + y])
         figure.set_size_inches(*(whole / 96))
         axes.set_position((names / whole[0], 0, pitch * count / whole[0], y / whole[1]))
-        return plotted(figure, "waveforms", title, narrowest=whole[0])
+        return svg(figure, "waveforms", title, narrowest=whole[0])
 
 
 def _shown(ports: Sequence[Row]) -> list[int | None]:

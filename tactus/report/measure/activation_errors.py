@@ -103,11 +103,10 @@ def activation_table() -> Table:
             chosen = by_factor.get(THESIS_FACTOR, next(iter(by_factor.values())))
             rows.append(
                 {
-                    "scheme": name,
-                    "options": AS_THESIS if options else "",
+                    "scheme": f"{name}, {AS_THESIS}" if options else name,
                     "arithmetic": arithmetic,
                     "mean %": chosen.mean_percent,
-                    "mean % x 2": chosen.mean_percent_thesis,
+                    "x 2 %": chosen.mean_percent_thesis,
                     "thesis %": None if arithmetic == "exact" else thesis_figure(name),
                     **{
                         f"Q = {f}": by_factor[f].largest if f in by_factor else None

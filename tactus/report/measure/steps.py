@@ -56,13 +56,8 @@ def cached(asked: store.Key, tell: Progress, work: Callable[[], Any]) -> Any:
 
 
 def packed(table: Table) -> dict[str, Any]:
-    """A table as the store holds it."""
+    """A table as the store holds it: the arguments of ``Table``."""
     return {"name": table.name, **table.as_data()}
-
-
-def unpacked(answer: dict[str, Any]) -> Table:
-    """The table that was packed."""
-    return Table(**answer)
 
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
@@ -76,7 +71,7 @@ def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str
     for name, answer, seconds in pool(delayed(_timed)(name) for name in missing):
         answers[name] = store.write(asked[name], answer)
         tell(name, seconds, False)
-    return {name: unpacked(answers[name]) for name in names}
+    return {name: Table(**answers[name]) for name in names}
 
 
 def table_key(name: str) -> store.Key:

@@ -190,10 +190,8 @@ def clocks(twins: Twins, name: str) -> str:
     )
 
 
-def clocks_table(twins: Twins) -> str:
-    """The latency and the interval of every entity of a block."""
-    row = clocks(twins, "latency"), clocks(twins, "interval")
-    return markdown("latency, clocks | interval, clocks", [row])
+def _both(twins: Twins) -> tuple[str, str]:
+    return clocks(twins, "latency"), clocks(twins, "interval")
 
 
 def purpose(twins: Twins) -> str:
@@ -224,8 +222,7 @@ def block_table() -> str:
                     area,
                     purpose(twins),
                     twin.section or "none",
-                    clocks(twins, "latency"),
-                    clocks(twins, "interval"),
+                    *_both(twins),
                 ]
                 rows.append(row)
     return "\n".join(
@@ -250,7 +247,7 @@ def sections() -> dict[str, str]:
             f"## {title}\n\n{text}"
             for title, text in (
                 ("Ports", port_table(twins)),
-                ("Clocks", clocks_table(twins)),
+                ("Clocks", markdown("latency, clocks | interval, clocks", [_both(twins)])),
                 ("Cells", cells.get(name, "")),
                 ("Sign-off", sheet(name)),
             )

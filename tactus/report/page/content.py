@@ -32,7 +32,7 @@ from tactus.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tactus.report.measure.steps import Progress, cached, measured, packed, part_key, unpacked
+from tactus.report.measure.steps import Progress, cached, measured, packed, part_key
 from tactus.report.measure.table import SEED, Cell, Table
 from tactus.report.page import summary
 from tactus.report.page.page import Page, Section
@@ -56,8 +56,8 @@ def content(scene: Scene, tell: Progress) -> Page:
 
     cost = costs(scene, design)
     found = outcome(scene)
-    disturbed = unpacked(
-        cached(
+    disturbed = Table(
+        **cached(
             asked("disturbed", noise_and_drift.__module__, seed=SEED),
             tell,
             lambda: packed(noise_and_drift(scene, SEED)),
@@ -190,7 +190,7 @@ def _designs(scene: Scene, asked: store.Key, tell: Progress) -> Section:
         text=[f"make designs {scene_variable(scene)} prints this table."],
         points=found["refused"],
         pictures=[Picture("designs", title, found["svg"], found["sentence"], wide=True)],
-        tables=[unpacked(found["table"])],
+        tables=[Table(**found["table"])],
     )
 
 

@@ -79,7 +79,7 @@ def floors() -> str:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = settings["tool"]["importlinter"]["contracts"]
     rooms = [
-        [layer.replace(" |", ",") for layer in reversed(contract["layers"])]
+        [", ".join(f"`{one}`" for one in layer.split(" | ")) for layer in contract["layers"][::-1]]
         for room in ROOMS
         for contract in contracts
         if contract.get("containers") == [room]

@@ -50,7 +50,11 @@ def side_by_side(
     rows: list[Row] = [
         ("", "thesis, as printed", *(f"scene {scene.name}" for scene in scenes)),
         ("networks", _printed_networks(first), *(scene.describe() for scene in scenes)),
-        ("arithmetic", "14 bits", *(_arithmetic(scene) for scene in scenes)),
+        (
+            "arithmetic",
+            "14 bits",
+            *(f"{s.precision.coeff_width} bits, {s.precision.name}" for s in scenes),
+        ),
         ("activation", "gradient", *(scene.activation_text for scene in scenes)),
         ("folded as", "hybrid", *(scene.design for scene in scenes)),
         ("around them", "scan, profile", *map(_around, scenes)),
@@ -85,10 +89,6 @@ def _printed_networks(scene: Scene) -> str:
     hidden = thesis_table(scene.reference).get("hidden", [])
     inputs = len(scene.sensors)
     return ", ".join(f"{inputs + n}:{nodes}:1" for n, nodes in enumerate(hidden)) or NONE
-
-
-def _arithmetic(scene: Scene) -> str:
-    return f"{scene.precision.coeff_width} bits, {scene.precision.name}"
 
 
 def _around(scene: Scene) -> str:
@@ -171,7 +171,8 @@ def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) ->
 def _notes(scenes: Sequence[Scene]) -> list[str]:
     """The notes that say what the figures refer to."""
     device = thesis_table("device")["name"]
-    held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
+    again = "frames held back before the networks were trained again on all"
+    held_out = [f"for {s.name} {again if s.training.refit else 'the test frames'}" for s in scenes]
     measured = thesis_table(scenes[0].reference).get("real_time", [])
     said = ", ".join(f"{one:.2f}" for one in measured)
     real_time = f"; with real sensors {said} %" if measured else ""
@@ -190,12 +191,6 @@ def _notes(scenes: Sequence[Scene]) -> list[str]:
         if _weights(scene) == _weights(whole):
             notes.append(_with_all_around(scene, whole))
     return notes
-
-
-def _seen(scene: Scene) -> str:
-    """Which frames the networks have seen in training."""
-    after = "frames held back before the networks were trained again on all"
-    return after if scene.training.refit else "the test frames"
 
 
 def _weights(scene: Scene) -> list[Path]:
