@@ -7,12 +7,10 @@ measured again when only a page of the report changes.
 import platform
 import time
 from collections.abc import Callable, Collection, Iterable
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-
-from joblib import Parallel, delayed
 
 from tactus.core import store
 from tactus.core.closure import code
@@ -61,17 +59,8 @@ def packed(table: Table) -> dict[str, Any]:
 
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
-    """The tables of these names, those that are not kept measured in parallel."""
-    asked = {name: table_key(name) for name in names}
-    answers = {name: store.read(key) for name, key in asked.items()}
-    pool = Parallel(n_jobs=-1, return_as="generator_unordered")
-    missing = [name for name, answer in answers.items() if answer is None]
-    for name in set(names) - set(missing):
-        tell(name, 0.0, True)
-    for name, answer, seconds in pool(delayed(_timed)(name) for name in missing):
-        answers[name] = store.write(asked[name], answer)
-        tell(name, seconds, False)
-    return {name: Table(**answers[name]) for name in names}
+    """The tables of these names, those that are not kept measured now."""
+    return {name: Table(**cached(table_key(name), tell, partial(_table, name))) for name in names}
 
 
 def table_key(name: str) -> store.Key:
@@ -79,6 +68,5 @@ def table_key(name: str) -> store.Key:
     return part_key(name, [TABLES[name].__module__], seed=SEED)
 
 
-def _timed(name: str) -> tuple[str, dict[str, Any], float]:
-    started = time.perf_counter()
-    return name, packed(TABLES[name](SEED)), time.perf_counter() - started
+def _table(name: str) -> dict[str, Any]:
+    return packed(TABLES[name](SEED))

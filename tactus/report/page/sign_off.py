@@ -13,28 +13,28 @@ from tactus.verify.sign_off.subject import recorded_cases
 Record = dict[str, Any]
 
 
+def _said(facts: dict[str, Any]) -> str:
+    """The facts that are not 0 or empty."""
+    return "; ".join(f"{name}: {fact}" for name, fact in facts.items() if fact)
+
+
 def mutation(record: Record) -> str:
-    """A text on how many mutants the bench detects, and what is known about the others."""
+    """How many mutants the bench detects, and what is known about the others."""
     possible = record.get("population", record["mutants"])
-    drawn = "" if possible == record["mutants"] else f", of {possible} possible ones,"
-    facts = [
-        f"{record['killed']} of {record['mutants']} mutants{drawn} are detected",
-        f"{_are(record['same'])} proved equivalent",
-    ]
+    drawn = f", drawn from {possible}" if possible != record["mutants"] else ""
+    words = record.get("words")
     undetected = record["survivors"]
     explained = sum(bool(one["explained"]) for one in undetected)
-    if explained:
-        facts.append(f"{_are(explained)} undetected with a reason")
-    if len(undetected) > explained:
-        facts.append(f"{_are(len(undetected) - explained)} undetected without a reason")
-    found = f"{', '.join(facts)}; score **{percent(record)}**"
-    words = record.get("words")
-    if words:
-        found += (
-            f"; of {words['mutants']} changed bits in the {words['words']} words of its memories "
-            f"{_are(words['killed'])} detected"
-        )
-    return found
+    facts = {
+        "mutants detected": f"{record['killed']} of {record['mutants']}{drawn}",
+        "proved equivalent": record["same"],
+        "undetected with a reason": explained,
+        "undetected without a reason": len(undetected) - explained,
+        "score": f"**{percent(record)}**",
+        "changed bits of memories detected": words
+        and f"{words['killed']} of {words['mutants']}, in {words['words']} words",
+    }
+    return _said(facts)
 
 
 def percent(record: Record) -> str:
@@ -82,13 +82,10 @@ def undetected_bits(record: Record) -> list[str]:
 
 
 def proof(record: Record) -> str:
-    """A text on how many properties are proved."""
+    """How many properties are proved."""
     properties = record["properties"]
-    copies = sum(one["refuted_by"] for one in properties)
-    return (
-        f"{_count(len(properties), 'property', 'properties')} proved; "
-        f"the proof fails for {_count(copies, 'broken copy', 'broken copies')}, as it must"
-    )
+    refuted = sum(one["refuted_by"] for one in properties)
+    return _said({"proved": len(properties), "broken copies that the proof refutes": refuted})
 
 
 def proved_properties(record: Record) -> list[str]:
@@ -97,7 +94,7 @@ def proved_properties(record: Record) -> list[str]:
         [
             one["sentence"],
             f"`{one['entity']}` of {one['case']}",
-            f"{one['method']} over {_clocks(one['depth'])}" if one["depth"] else one["method"],
+            f"{one['method']}, clocks: {one['depth']}" if one["depth"] else one["method"],
             "; ".join(text.rstrip(".") for text in one["assumes"]) or "none",
             ", ".join(f"`{name}`" for name in one["free"]) or "none",
         ]
@@ -111,11 +108,9 @@ def proved_properties(record: Record) -> list[str]:
 
 
 def coverage(record: Record) -> str:
-    """A text on the borders, states and values that the bench reached."""
-    return (
-        f"the bench meets {_count(record['borders'], 'border')} on both sides, "
-        f"{_count(record['ports'], 'port value')} and {_count(record['states'], 'state')}"
-    )
+    """The borders, states and values that the bench reached."""
+    names = {"borders, on both sides": "borders", "port values": "ports", "states": "states"}
+    return "met: " + _said({name: record[key] for name, key in names.items()})
 
 
 def unreachable(record: Record) -> list[str]:
@@ -128,17 +123,13 @@ def unreachable(record: Record) -> list[str]:
 
 
 def equivalence(record: Record) -> str:
-    """A text on how VHDL and Verilog were proved to compute the same."""
-    facts = [f"proved by {record['method']}"]
-    if record["parts"]:
-        facts.append(f"{_count(len(record['parts']), 'part')} proved separately")
-    return "; ".join(facts)
+    """How VHDL and Verilog were proved to compute the same."""
+    return _said({"proved by": record["method"], "parts proved separately": len(record["parts"])})
 
 
 def netlist(record: Record) -> str:
-    """A text on the netlists on which the bench ran."""
-    runs = _count(len(record["runs"]), "run")
-    return f"the bench passes on the mapped cells in {runs}, listed below"
+    """On how many netlists the bench ran."""
+    return _said({"runs that pass on the mapped cells, listed below": len(record["runs"])})
 
 
 def netlist_runs(record: Record) -> list[str]:
@@ -167,29 +158,15 @@ def _tests(pattern: str) -> str:
 
 
 def unknown(record: Record) -> str:
-    """A text on the run in which registers begin unknown."""
-    facts = [
-        f"{record['compared']} values compared",
-        f"{_count(record['not reset'], 'register')} without reset, {record['reset']} with reset",
-    ]
-    if record["tests"] != "all":
-        facts.append(f"tests {_tests(record['tests'])}")
-    clocks = record["proved over clocks"]
-    if clocks:
-        facts.append(f"proved by induction over {_clocks(clocks)}")
-    return "; ".join(facts)
-
-
-def _clocks(count: int) -> str:
-    return _count(count, "clock")
-
-
-def _are(count: int) -> str:
-    return f"{count} {'is' if count == 1 else 'are'}"
-
-
-def _count(count: int, one: str, several: str = "") -> str:
-    return f"{count} {one if count == 1 else several or one + 's'}"
+    """The run in which registers begin unknown."""
+    facts = {
+        "values compared": record["compared"],
+        "registers without reset": record["not reset"],
+        "with reset": record["reset"],
+        "tests": record["tests"] != "all" and _tests(record["tests"]),
+        "clocks of the proof by induction": record["proved over clocks"],
+    }
+    return _said(facts)
 
 
 def _table(title: str, heads: str, rows: list[list[str]]) -> list[str]:
