@@ -24,6 +24,7 @@ from tactus.report.draw.drawing import ACCENT
 from tactus.report.draw.load import beam, has_load, profile
 from tactus.report.draw.named import SIZE
 from tactus.report.draw.network import network
+from tactus.report.draw.pictures import Skipped, pictures
 from tactus.report.draw.run_time import area, designs, networks
 from tactus.report.draw.svg import own_ids
 from tactus.report.draw.swing import RUN, follow, swing
@@ -184,6 +185,12 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
     ]
     values = [f"{value:.4f}" for value in SIGNAL.to_real(codes)]
     assert [word for word in shown if "." in word and word[-4:].isdecimal()] == values
+
+
+@pytest.mark.parametrize("name", ["digit-board", "digit-instrument"])
+def test_a_frame_that_waits_for_sensors_is_not_drawn(name: str) -> None:
+    titles = [one.title for one in pictures(load_scene(name)) if isinstance(one, Skipped)]
+    assert "One recorded frame, clock by clock" in titles
 
 
 def test_outputs_at_once_are_recorded_too(tmp_path: Path) -> None:

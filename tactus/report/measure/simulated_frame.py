@@ -54,11 +54,6 @@ def simulate_frame(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Ro
     """
     check_simulator("icarus")
     design = scene.twin()
-    if design.stream not in ("serial", "words"):
-        raise InputError(
-            f"{scene.path}: waveforms: got the design {design.entity}, whose frames have pauses "
-            "of any length, expected a network or a readout"
-        )
     codes, past = scene.vectors().recordings[0], design.past
     last = len(codes) - past - 1
     if not 0 <= frame <= last:
