@@ -79,7 +79,9 @@ def test_the_cells_that_are_fitted_are_those_of_the_budgets() -> None:
     for name, scene, core, cells in networks():
         if name in kept:
             assert row_of(name, scene, core, cells) == kept.pop(name), name
-    assert set(kept) == {extra.name for extra in EXTRAS} | {"studies/beans"}
+    for extra in EXTRAS:
+        assert features_of(extra.built()[1]) == kept.pop(extra.name).features, extra.name
+    assert set(kept) == {"studies/beans"}
 
 
 @pytest.mark.parametrize("one", held_out(), ids=lambda one: one.network)

@@ -56,6 +56,11 @@ class Extra:
         """The scene and the design, as text."""
         return f"{self.scene}, {self.candidate.name}"
 
+    def built(self) -> tuple[Scene, Network]:
+        """The scene, and its networks in the design."""
+        scene = load_scene(self.scene)
+        return scene, build(task_of(scene), self.candidate)
+
 
 TABLES = "comparison/digit-tables"
 # The quick ones first. Each design has networks of different weights here, so that all of a network
@@ -88,8 +93,7 @@ EXTRAS = (
 
 def synthesised(extra: Extra) -> tuple[Scene, Network, Cells]:
     """An extra network and its cells, which the store keeps."""
-    scene = load_scene(extra.scene)
-    core = build(task_of(scene), extra.candidate)
+    scene, core = extra.built()
     with tempfile.TemporaryDirectory() as folder:
         convert_hierarchy(elaborate(core), Path(folder), "verilog")
         if core.block in IN_ONE_PIECE:
