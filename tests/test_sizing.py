@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.activation.bipartite import bipartite_for
 from golden.common.block import walk
 from golden.input_error import InputError
-from golden.numbers.precision import SIGNAL
+from golden.numbers.precision import EXACT, SIGNAL
 from tactus.report.measure.designs import FAMILIES, FRONT, designs
 from tactus.report.page.summary import built
 from tactus.rig.check import everything
@@ -112,6 +113,15 @@ def test_luts_of_a_table_are_counted_from_its_bits(
     luts: tuple[int, int], inputs: int, function: Callable[..., int]
 ) -> None:
     assert luts_of(column_of(function, inputs)) == luts
+
+
+def test_tables_of_tanh_in_logic_take_luts_that_block_rams_spare() -> None:
+    narrow, wide = (
+        [features_of(bipartite_for(EXACT, 1, reach, memory)) for memory in ("block_ram", "logic")]
+        for reach in (1 << 13, 1 << 16)
+    )
+    assert narrow[0] == wide[0]
+    assert narrow[0]["luts"] < narrow[1]["luts"] < wide[1]["luts"]
 
 
 def test_the_comparison_is_that_of_the_built_networks(found: tuple[Scene, list[Sized]]) -> None:

@@ -184,11 +184,15 @@ def _adds_alone(matrix: ConstantMatrix) -> bool:
 def _bipartite(nodes: int, activation: Any) -> dict[str, int]:
     if activation.memory == "block_ram":
         return {"bipartite": nodes}
-    # A LUT holds 16 bits of a table.
-    table = activation.table
-    bits = len(activation.bases) * table.base_width
-    bits += len(activation.corrections) * table.correction_width
+    # A LUT holds 16 bits of a table; a word that is 0 takes none.
+    bits = sum(map(bool, activation.bases)) * activation.formats.base_width
+    bits += sum(map(bool, activation.corrections)) * activation.table.correction_width
     return {"bipartite": nodes, "luts": nodes * bits >> INPUTS}
+
+
+def _precise(block: Any) -> dict[str, int]:
+    # A word in logic takes about two.
+    return {"precise": 1, "luts": 2 * block.words * (block.coefficients == "logic")}
 
 
 def _engine(block: Any) -> dict[str, int]:
@@ -246,7 +250,7 @@ _FEATURES: dict[str, Callable[[Any], dict[str, int]]] = {
     "neuron": _neuron,
     "output_collector": lambda block: _bits(block.fmt.width * block.outputs),
     "output_integral": _output_integral,
-    "precise": lambda _: {"precise": 1},
+    "precise": _precise,
     "sign_retriever": lambda block: _bits(block.fmt.width),
     "table_graph": _table_graph,
 }
