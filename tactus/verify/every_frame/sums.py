@@ -27,6 +27,8 @@ MOST = 1 << 62
 LEAST_LINE = 64
 # A word of fewer codes may be written out code by code on a finer grid.
 FEW = 1 << 17
+# A slope of a function is rounded to 2^-PARTS or more.
+PARTS = 8
 _numbers = itertools.count(1)
 _arrays: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
@@ -117,6 +119,27 @@ class Curve:
         found.append(first - self.left * (self.first - self.word.low))
         found.append(last + self.right * (self.word.high - self.last))
         return min(found), max(found)
+
+    @cached_property
+    def slant(self) -> tuple[int, int, int, int]:
+        """A slope and a scale: 2^scale times the function, less a straight line of this slope from
+        the lowest code on, is the third to the fourth. The slope is 0 unless it is near a line."""
+        run = self.word.high - self.word.low
+        if self.line:
+            return self.right, 0, 0, 0
+        if run >= FEW:
+            return 0, 0, *self.ends
+        values = self.at(self.word.low, self.word.high)
+        rise = int(values[-1])
+        # A sum of floors of one sum rises by parts of a small power of two.
+        for scale in range(PARTS + 1):
+            slope = round((rise << scale) / run)
+            if abs((rise << scale) - slope * run) <= 4 << scale:
+                break
+        rest = (values << scale) - slope * np.arange(run + 1)
+        least, most = int(rest.min()), int(rest.max())
+        near = most - least << 2 < int(np.ptp(values)) << scale
+        return (slope, scale, least, most) if near else (0, 0, *self.ends)
 
     def __mul__(self, k: int) -> "Curve":
         if k == 1:
@@ -261,18 +284,21 @@ class Sum:
 
     @cached_property
     def spread(self) -> "tuple[Value, int, int, int]":
-        """2^scale times the sum is the first, plus something from the third to the last: each floor
-        along a line is written as its sum over 2^s, less 0 to 1 - 2^-s."""
+        """2^scale times the sum is the first, plus something from the third to the last: a function
+        of a floor is near a straight line, and a floor is its sum over 2^s, less 0 to 1 - 2^-s."""
         floors = [
-            (w, c.right, w.base.total.spread) for w, c in self.terms.items() if w.base and c.line
+            (w, c.slant, w.base.total.spread)
+            for w, c in self.terms.items()
+            if w.base and c.slant[0]
         ]
-        scale = max((w.shift + inner[1] for w, _, inner in floors), default=0)
-        rest = {w: c for w, c in self.terms.items() if not (w.base and c.line)}
+        scale = max((w.shift + slant[1] + inner[1] for w, slant, inner in floors), default=0)
+        rest = {w: c for w, c in self.terms.items() if not (w.base and c.slant[0])}
         total, below, above = Sum(self.constant, rest) * (1 << scale), 0, 0
-        for word, slope, (sums, k, low, high) in floors:
-            up = slope << scale - k - word.shift
+        for word, (slope, e, least, most), (sums, k, low, high) in floors:
+            up = slope << scale - e - k - word.shift
             low -= (1 << k + word.shift) - (1 << k)
-            below, above = below + min(up * low, up * high), above + max(up * low, up * high)
+            below += min(up * low, up * high) + (least << scale - e)
+            above += max(up * low, up * high) + (most << scale - e)
             total += (sums + ((word.offset << k) - (word.low << k + word.shift))) * up
         return total, scale, below, above
 
