@@ -135,6 +135,11 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
     assert len(fed_back) == (len(hidden) - 1) * (scene.arrangement == "cascade")
 
 
+def test_a_large_network_scrolls_where_its_letters_would_be_small() -> None:
+    assert "min-width" not in drawn(network, "digit")
+    assert "min-width" in drawn(network, "classes/digits")
+
+
 # One of each design, and what stands around the networks.
 @pytest.mark.parametrize(
     "name",

@@ -116,7 +116,7 @@ def learned_curves(scene: Scene) -> str:
     forms = ", ".join(f"{counts[form]} {form}" for form in ("curved", "straight", "flat"))
     title = f"Learned functions of {', '.join(networks)}: {forms}."
     width = _x(columns + max(len(outer) for _, outer in every)) + 6
-    return picture(title, (width, y), body, widest=720)
+    return picture(title, (width, y), body, narrowest=560, widest=720)
 
 
 def _x(column: int) -> float:

@@ -22,6 +22,8 @@ from tactus.scene import Scene
 LANE, ROW, NODE, TERMINAL = 8.0, 16.0, 9.0, 14.0
 # The distance from one column of nodes to the next.
 SPAN = 62.0
+# A smaller picture is scaled up to so many CSS pixels.
+WIDEST = 460.0
 # The room above the nodes for a heading, and below them for a line that takes an output back.
 HEADING, BELOW = 22.0, 22.0
 # More hidden nodes than this are not drawn one by one. Their number is always written.
@@ -88,7 +90,9 @@ def network(scene: Scene) -> str:
     )
     ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
     told = f"{heading[0]} of scene {scene.name}, {scene.describe()}: {ends}"
-    return picture(told, (width, top - BELOW + 8), body, widest=460)
+    # Letters stay large enough to be read.
+    narrowest = 0.75 * width if width > WIDEST else 0
+    return picture(told, (width, top - BELOW + 8), body, narrowest, max(width, WIDEST))
 
 
 def _heading(scene: Scene) -> list[str]:

@@ -40,11 +40,13 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
     design = scene.twin()
     blocks = list(walk(design))
     hidden = sum(sum(network.shape[1:-1]) for network in scene.networks())
+    nodes = network(scene)
     yield Picture(
         "network",
         "Networks",
-        network(scene),
+        nodes,
         f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
+        wide="min-width" in nodes,
     )
     if all(map(learned, scene.networks())):
         yield Picture(
@@ -53,6 +55,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             learned_curves(scene),
             "Each function over the range that its input has on the recorded rows, without its "
             "mean. Blue ones are curved and take a table, grey ones are straight.",
+            wide=True,
         )
     yield Picture(
         "datapath",
