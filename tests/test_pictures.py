@@ -131,13 +131,15 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
         if words(group, "title") and "hidden" in words(group, "title")[0]
     ]
     assert circles == hidden
-    fed_back = [way for way in root.iter(f"{SVG}path") if (way.get("d") or "").count("L") == 3]
-    assert len(fed_back) == (len(hidden) - 1) * (scene.arrangement == "cascade")
+    fed_back = [one.text for one in root.iter(f"{SVG}text") if one.get("fill") == ACCENT]
+    cascade = len(hidden) if scene.arrangement == "cascade" else 0
+    assert fed_back == [name for n in range(cascade) for name in scene.outputs[:n]]
 
 
-def test_a_large_network_scrolls_where_its_letters_would_be_small() -> None:
-    assert "min-width" not in drawn(network, "digit")
-    assert "min-width" in drawn(network, "classes/digits")
+def test_a_wide_network_scrolls_where_its_letters_would_be_small() -> None:
+    scene = load_scene("digit")
+    assert "min-width" not in network(scene)
+    assert "min-width" in network(replace(scene, sensors=[f"{n} " + 50 * "x" for n in range(4)]))
 
 
 # One of each design, and what stands around the networks.

@@ -19,13 +19,13 @@ from tactus.report.draw.drawing import (
 )
 from tactus.scene import Scene
 
-LANE, ROW, NODE, TERMINAL = 8.0, 16.0, 9.0, 14.0
+ROW, NODE, TERMINAL = 16.0, 9.0, 14.0
 # The distance from one column of nodes to the next.
 SPAN = 62.0
-# A smaller picture is scaled up to so many CSS pixels.
-WIDEST = 460.0
-# The room above the nodes for a heading, and below them for a line that takes an output back.
-HEADING, BELOW = 22.0, 22.0
+# In CSS pixels: to what a smaller picture is scaled up, and beyond what it scrolls on a telephone.
+WIDEST, LARGE = 400.0, 500.0
+# The room above the nodes for a heading, and below them.
+HEADING, BELOW = 22.0, 16.0
 # More hidden nodes than this are not drawn one by one. Their number is always written.
 MOST_NODES = 40
 
@@ -42,56 +42,34 @@ class Place:
 
 
 def network(scene: Scene) -> str:
-    """The sensors at the left, a row for each network, and the outputs at the right.
+    """A row for each network, with the names of its inputs at the left and of its outputs.
 
-    The line of a sensor ends in an input for each sample that the network takes, with the newest
-    first. In a cascade, a coloured line leads each output back to the networks after it.
+    In a cascade, the inputs that are outputs of earlier networks have coloured names.
 
     Returns: One ``<svg>`` element.
     """
     shapes = [network.shape for network in scene.networks()]
-    sensors = len(scene.sensors)
-    fed = scene.outputs[:-1] if scene.arrangement == "cascade" else ()
-    names = 4 + max(text_width(name) for name in scene.sensors)
-    # The line of the first sensor turns down farthest to the right, so that no two lines cross.
-    lanes = [names + 12 + LANE * n for n in range(sensors)][::-1]
-    lanes += [names + 12 + LANE * (sensors + n) for n in range(len(fed))]
-    left = max(lanes) + 16
+    inputs = [*scene.inputs, *scene.outputs]
     heading = _heading(scene)
-    places = []
-    top = max(ROW * sensors + 8, 24 + 15.0 * (len(heading) - 1))
-    for shape in shapes:
-        places.append(_place(shape, left, top))
-        top = places[-1].bottom + BELOW
-    body = [text((left, 16), heading[0], 13, font_weight="bold")]
-    body += [text((left, 17 + 15 * n), words) for n, words in enumerate(heading[1:], 1)]
-    taps = scene.window.taps
-    for k, name in enumerate(scene.sensors):
-        at, last = 12 + ROW * k, max(n for n, tap in enumerate(taps) if tap.sensor == k)
-        body.append(text((names, at + 4), name, text_anchor="end"))
-        body.append(line([(names + 4, at), (lanes[k], at), (lanes[k], places[-1].inputs[last][1])]))
-    for n in range(len(fed)):
-        (x, y), turn, lane = places[n].outputs[0], places[n].bottom + 8, lanes[sensors + n]
-        end = places[-1].inputs[len(taps) + n][1]
-        body.append(line([(x, y), (x, turn), (lane, turn), (lane, end)], stroke=ACCENT))
-    own = [lanes[tap.sensor] for tap in taps] + lanes[sensors:]
-    for place in places:
-        for (x, y), lane in zip(place.inputs, own, strict=False):
-            colour = INK if lane in lanes[:sensors] else ACCENT
-            body.append(line([(lane, y), (x, y)], stroke=colour))
-            if place is not places[-1]:
-                body.append(dot((lane, y), 1.8, fill=colour))
-    for place, shape, member in zip(places, shapes, scene.members, strict=True):
+    left = 12 + max(text_width(name) for name in inputs[: max(shape[0] for shape in shapes)])
+    body = [text((6, 16), heading[0], 13, font_weight="bold"), text((6, 32), heading[1])]
+    top = 39.0
+    for shape, member in zip(shapes, scene.members, strict=True):
+        place = _place(shape, left, top)
+        for n, ((x, y), name) in enumerate(zip(place.inputs, inputs, strict=False)):
+            colour = INK if n < len(scene.inputs) else ACCENT
+            body.append(text((x - 6, y + 4), name, text_anchor="end", fill=colour))
         body += _nodes(place, shape[1:-1], member.outputs)
+        top = place.bottom + BELOW
     columns = max(map(len, shapes)) - 1
     width = max(
         left + columns * SPAN + 24 + max(text_width(name, 12) for name in scene.outputs),
-        left + max(text_width(words, 12) for words in heading),
+        *(12 + text_width(words, 12) for words in heading),
     )
     ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
     told = f"{heading[0]} of scene {scene.name}, {scene.describe()}: {ends}"
     # Letters stay large enough to be read.
-    narrowest = 0.75 * width if width > WIDEST else 0
+    narrowest = 0.75 * width if width > LARGE else 0
     return picture(told, (width, top - BELOW + 8), body, narrowest, max(width, WIDEST))
 
 
@@ -102,8 +80,7 @@ def _heading(scene: Scene) -> list[str]:
         "multiple": f"{count} independent networks",
         "cascade": f"{count} networks in cascade",
     }
-    past = [f"samples of so many frames before: {scene.window_text}"] if scene.window.past else []
-    return [words[scene.arrangement], f"activation: {scene.hidden_text()}", *past]
+    return [words[scene.arrangement], f"activation: {scene.hidden_text()}"]
 
 
 def _place(shape: tuple[int, ...], left: float, top: float) -> Place:
