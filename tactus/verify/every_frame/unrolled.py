@@ -124,17 +124,23 @@ class Unrolled:
         """The state with X in place of all that hangs on samples."""
         return [abstract(v) for v in self.state()]
 
-    def _mux(self, s: Bits, yes: Bits, no: Bits, width: int, name: str) -> Bits:
-        if isinstance(s, int):
-            return yes if s else no
-        if yes is no or yes == no:
-            return yes
-        if s is X:
-            return X
-        if width == 1 and (yes, no) == (1, 0):
-            return s
-        branches = self._within(yes, s, 1), self._within(no, s, 0)
-        return self.expression("$mux", width, (s, *branches), name)
+    def _chosen(self, cell: Cell) -> Bits:
+        """The part of B whose bit of S is 1, or A."""
+        v, s, b = (self.get(cell.inputs[port]) for port in "ASB")
+        width = cell.output.width
+        selects = [part(s, k, 1) for k in range(_width(cell.inputs["S"]))]
+        if 1 in selects:
+            return part(b, selects.index(1) * width, width) if selects.count(1) == 1 else X
+        for k, select in reversed([*enumerate(selects)]):
+            if select is X:
+                v = X
+            elif select != 0:
+                yes, no = (
+                    self._within(part(b, k * width, width), select, 1),
+                    self._within(v, select, 0),
+                )
+                v = self.expression("$mux", width, (select, yes, no), cell.output.name)
+        return v
 
     def _within(self, v: Bits, s: Bits, chosen: int, depth: int = NESTED) -> Bits:
         """A branch of a choice: choices by the same select inside it are decided."""
@@ -151,15 +157,8 @@ class Unrolled:
     def _cell(self, cell: Cell) -> Bits:
         kind, inputs = cell.kind, cell.inputs
         name, width = cell.output.name, cell.output.width
-        if kind == "$mux":
-            s = self.get(inputs["S"])
-            if isinstance(s, int):
-                return self.get(inputs["B" if s else "A"])
-            # What is chosen by itself is known where it is chosen.
-            no = 0 if inputs["A"] == inputs["S"] else self.get(inputs["A"])
-            return self._mux(s, self.get(inputs["B"]), no, width, name)
-        if kind == "$pmux":
-            return self._pmux(cell, width, name)
+        if kind in ("$mux", "$pmux"):
+            return self._chosen(cell)
         if kind == "read":
             words, address = self.get(inputs["M"]), self.get(inputs["A"])
             if isinstance(address, int):
@@ -179,47 +178,11 @@ class Unrolled:
         if all(isinstance(v, int) for v in values):
             numbers = [signed(v, n) if sign else v for v, n, _ in given]
             return int(CELLS[kind](*numbers)) & (1 << width) - 1
-        simple = _simple(kind, values, width)
-        if simple is not None:
-            return simple
-        if any(unknown(v) for v in values):
-            return X
-        if kind in ("$eq", "$ne") and values[0] == values[1]:
-            return int(kind == "$eq")
-        return self.expression(kind, width, tuple(given), name)
-
-    def _pmux(self, cell: Cell, width: int, name: str) -> Bits:
-        v, s, b = (self.get(cell.inputs[port]) for port in "ASB")
-        count = _width(cell.inputs["S"])
-        selects = [part(s, k, 1) for k in range(count)]
-        if selects.count(1) > 1:
-            return X
-        if 1 in selects:
-            return part(b, selects.index(1) * width, width)
-        for k in reversed(range(count)):
-            v = self._mux(selects[k], part(b, k * width, width), v, width, name)
-        return v
-
-
-def _simple(kind: str, values: list[Bits], width: int) -> Bits | None:
-    """What is known though not every operand is, or is one of the operands."""
-    for k, v in enumerate(values):
-        other = values[1 - k] if len(values) == 2 else None
-        if not isinstance(v, int):
-            continue
-        if (kind in ("$mul", "$and", "$logic_and") and v == 0) or (kind == "$logic_or" and v):
-            return int(kind == "$logic_or")
-        if (kind == "$add" or (kind == "$sub" and k == 1)) and v == 0:
-            return other
-        if kind in ("$and", "$or"):
-            # A known bit passes the other operand's bit, or decides alone.
-            passes, fixed = (1, 0) if kind == "$and" else (0, 1)
-            return join(
-                cut(other, b, 1)[0] if v >> b & 1 == passes else (fixed, 0, 1) for b in range(width)
-            )
-    if kind in ("$and", "$or") and values[0] == values[1]:
-        return values[0]
-    return None
+        if kind in ("$mul", "$and", "$logic_and") and 0 in values:
+            return 0
+        if kind == "$logic_or" and any(isinstance(v, int) and v for v in values):
+            return 1
+        return X if any(map(unknown, values)) else self.expression(kind, width, tuple(given), name)
 
 
 def _width(port: Port) -> int:
