@@ -301,7 +301,7 @@ OPERATIONS: list[Operation] = [
     lambda space, a, b, c, k, f: space.modulo(a, k, signed=False),
     lambda space, a, b, c, k, f: space.clip(a, -5, 11),
     lambda space, a, b, c, k, f: space.choose(space.negative(b), a, c),
-    lambda space, a, b, c, k, f: space.choose(space.zero(a), b, c),
+    lambda space, a, b, c, k, f: space.choose(space.of(lambda x: x == 0, a), b, c),
     lambda space, a, b, c, k, f: space.choose(
         space.modulo(space.floor(b, k), 1, signed=False), a, c
     ),

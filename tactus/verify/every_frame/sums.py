@@ -258,10 +258,8 @@ def _plain(c: Curve) -> Curve:
 class Sum:
     """A constant and functions of words."""
 
-    def __init__(
-        self, constant: int, terms: dict[Word, Curve], ends: tuple[int, int] | None = None
-    ):
-        self.constant, self.terms, self._ends = constant, terms, ends
+    def __init__(self, constant: int, terms: dict[Word, Curve]):
+        self.constant, self.terms = constant, terms
 
     @property
     def bare(self) -> tuple[int, int]:
@@ -269,18 +267,16 @@ class Sum:
         spans = [term.ends for term in self.terms.values()]
         return self.constant + sum(s[0] for s in spans), self.constant + sum(s[1] for s in spans)
 
-    @property
+    @cached_property
     def ends(self) -> tuple[int, int]:
         """Bounds that hold for every frame; exact for terms that do not hang together."""
-        if self._ends is None:
-            low, high = self.bare
-            with suppress(UnsupportedError):
-                total, scale, below, above = self.spread
-                a, b = (total, total) if isinstance(total, int) else total.bare
-                # An integer, so its bounds are too.
-                low, high = max(low, -(-(a + below) >> scale)), min(high, b + above >> scale)
-            self._ends = low, high
-        return self._ends
+        low, high = self.bare
+        with suppress(UnsupportedError):
+            total, scale, below, above = self.spread
+            a, b = (total, total) if isinstance(total, int) else total.bare
+            # An integer, so its bounds are too.
+            low, high = max(low, -(-(a + below) >> scale)), min(high, b + above >> scale)
+        return low, high
 
     @cached_property
     def spread(self) -> "tuple[Value, int, int, int]":
@@ -304,10 +300,9 @@ class Sum:
 
     def __add__(self, other: "Value") -> "Value":
         if isinstance(other, int):
-            moved = self._ends and (self._ends[0] + other, self._ends[1] + other)
-            return Sum(self.constant + other, self.terms, moved)
+            return Sum(self.constant + other, self.terms)
         more, fewer = sorted((self, other), key=lambda v: -len(v.terms))
-        terms, constant, new = dict(more.terms), more.constant + fewer.constant, False
+        terms, constant = dict(more.terms), more.constant + fewer.constant
         waiting = [*fewer.terms.values()]
         while waiting:
             term = waiting.pop()
@@ -323,19 +318,17 @@ class Sum:
             both = Function(word, 0, [term, beside])
             low, high, left, right = both.span()
             made, start = curve(word, low, both.at(low, high), left, right)
-            constant, new = constant + start, True
+            constant += start
             if made:
                 waiting.append(made)
-        return value(constant, terms) if new else Sum(constant, terms)
+        return Sum(constant, terms) if terms else constant
 
     def __mul__(self, factor: int) -> "Value":
         if factor == 0:
             return 0
         if factor == 1:
             return self
-        low, high = sorted(end * factor for end in self._ends or (0, 0))
-        terms = {w: c * factor for w, c in self.terms.items()}
-        return Sum(self.constant * factor, terms, (low, high) if self._ends else None)
+        return Sum(self.constant * factor, {w: c * factor for w, c in self.terms.items()})
 
     def __neg__(self) -> "Value":
         return self * -1
@@ -400,19 +393,10 @@ class Function:
         return result
 
 
-def value(constant: int, terms: dict[Word, Curve]) -> Value:
-    """The sum; a straight line over a whole sum is written as that sum."""
-    for word, term in terms.items():
-        if word.base and word.shift == 0 and term.line:
-            rest = {w: c for w, c in terms.items() if w is not word}
-            return value(constant, rest) + (word.base.total + word.offset - word.low) * term.right
-    return Sum(constant, terms) if terms else constant
-
-
 def _drawn(word: Word, first: int, values: np.ndarray, left: int, right: int) -> Value:
     """The function as `curve` takes it."""
     made, start = curve(word, first, values, left, right)
-    return value(start, {made.word: made} if made else {})
+    return Sum(start, {made.word: made}) if made else start
 
 
 def _twos(number: int) -> int:
@@ -492,7 +476,7 @@ class Space:
         if low >> k == high >> k:
             return low >> k
         if all(_twos(c.bits()) >= k for c in v.terms.values()):
-            return value(v.constant >> k, {w: c >> k for w, c in v.terms.items()})
+            return Sum(v.constant >> k, {w: c >> k for w, c in v.terms.items()})
         if len({w.base or w for w in v.terms}) > 1:
             # Short ones code by code, so that hardware may wrap a sum and then cut it.
             if _odd(v) > 1 or self._own(v, quick=True):
@@ -535,7 +519,7 @@ class Space:
         line = _straight(word, sign)
         if word.high - word.low == 1:
             line = _step(base, (word.high << k) - word.offset, sign)
-        return value(start + sign * word.low, {line.word: line})
+        return Sum(start + sign * word.low, {line.word: line})
 
     def _parts(self, v: Value) -> tuple[int, list[Curve]]:
         """v as a constant and functions of floors of one sum."""
@@ -595,13 +579,6 @@ class Space:
         if low >= 0 or high < 0:
             return int(high < 0)
         return -self.floor(v, max(-low - 1, high).bit_length())
-
-    def zero(self, v: Value) -> Value:
-        """1 where v is 0, else 0."""
-        low, high = ends(v)
-        if low > 0 or high < 0:
-            return 0
-        return self.of(lambda a: a == 0, v)
 
     def choose(self, c: Value, x: Value, y: Value) -> Value:
         """x where c is 1, y where c is 0."""

@@ -131,15 +131,16 @@ class Unrolled:
         selects = [part(s, k, 1) for k in range(_width(cell.inputs["S"]))]
         if 1 in selects:
             return part(b, selects.index(1) * width, width) if selects.count(1) == 1 else X
+        if cell.inputs["A"] == cell.inputs["S"]:
+            # It is chosen where no bit of it is 1.
+            v = 0
         for k, select in reversed([*enumerate(selects)]):
+            yes = part(b, k * width, width)
             if select is X:
-                v = X
-            elif select != 0:
-                yes, no = (
-                    self._within(part(b, k * width, width), select, 1),
-                    self._within(v, select, 0),
-                )
-                v = self.expression("$mux", width, (select, yes, no), cell.output.name)
+                v = yes if yes == v else X
+            elif select != 0 and yes != v:
+                branches = self._within(yes, select, 1), self._within(v, select, 0)
+                v = self.expression("$mux", width, (select, *branches), cell.output.name)
         return v
 
     def _within(self, v: Bits, s: Bits, chosen: int, depth: int = NESTED) -> Bits:

@@ -1,6 +1,8 @@
 """Expressions as sums of functions of words."""
 
 import math
+import operator
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -67,39 +69,26 @@ class Values:
             return space.choose(c, *(self.residue(v, e.width) for v in (yes, no)))
         if kind == "read":
             return self._read(e)
-        if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
-            zero = self._zero(*e.arguments[0][:2])
-            return zero if kind == "$logic_not" else 1 - zero
         f = CELLS[kind]
         if kind in (*LINEAR, "$mul"):
             operands = [self.residue(v, n) for v, n, _ in e.arguments]
             if kind in LINEAR or any(isinstance(v, int) for v in operands):
                 return f(*operands)
+        if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
+            # Piece by piece, since together they may be wider than a number.
+            parts = pieces(*e.arguments[0][:2])
+            numbers = [self.number(join((p,)), p[2], False) for p in parts]
+            return space.of(lambda *n: f(reduce(operator.or_, n)), *numbers)
         numbers = [self.number(v, n, s) for v, n, s in e.arguments]
         if kind == "$mul" and math.prod(max(map(abs, ends(v))) for v in numbers) >= MOST:
             raise UnsupportedError("a product of more than 62 bits")
+        if kind in ("$eq", "$ne"):
+            return space.of(lambda d: f(d, 0), numbers[0] - numbers[1])
         if kind in COMPARISONS:
-            return self._compared(kind, *numbers)
-        if kind in ("$logic_and", "$logic_or"):
-            numbers = [1 - space.zero(v) for v in numbers]
+            a, b = numbers
+            less = space.negative(b - a if kind in ("$gt", "$le") else a - b)
+            return less if kind in ("$lt", "$gt") else 1 - less
         return space.of(f, *numbers)
-
-    def _zero(self, v: Bits, width: int) -> Value:
-        """1 where bits are 0: piece by piece, since together they may be wider than a number, or
-        at once, since pieces of one sum may be those of others."""
-        zero: Value = 1
-        try:
-            for piece in pieces(v, width):
-                alone = self.space.zero(self.number(join((piece,)), piece[2], False))
-                zero = alone if zero == 1 else self.space.of(lambda a, b: a & b, zero, alone)
-        except UnsupportedError:
-            return self.space.zero(self.number(v, width, False))
-        return zero
-
-    def _compared(self, kind: str, a: Value, b: Value) -> Value:
-        d = b - a if kind in ("$gt", "$le") else a - b
-        found = self.space.zero(d) if kind in ("$eq", "$ne") else self.space.negative(d)
-        return 1 - found if kind in ("$ne", "$le", "$ge") else found
 
     def _read(self, e: Expression) -> Value:
         words = np.array([signed(w, e.width) if isinstance(w, int) else 0 for w in e.extra])
