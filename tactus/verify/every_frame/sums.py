@@ -260,6 +260,7 @@ class Sum:
 
     def __init__(self, constant: int, terms: dict[Word, Curve]):
         self.constant, self.terms = constant, terms
+        self._spreads: dict[bool, tuple[Value, int, int, int]] = {}
 
     @property
     def bare(self) -> tuple[int, int]:
@@ -271,24 +272,27 @@ class Sum:
     def ends(self) -> tuple[int, int]:
         """Bounds that hold for every frame; exact for terms that do not hang together."""
         low, high = self.bare
-        with suppress(UnsupportedError):
-            total, scale, below, above = self.spread
-            a, b = (total, total) if isinstance(total, int) else total.bare
-            # An integer, so its bounds are too.
-            low, high = max(low, -(-(a + below) >> scale)), min(high, b + above >> scale)
+        for near in (False, True):
+            with suppress(UnsupportedError):
+                total, scale, below, above = self.spread(near)
+                a, b = (total, total) if isinstance(total, int) else total.bare
+                # An integer, so its bounds are too.
+                low, high = max(low, -(-(a + below) >> scale)), min(high, b + above >> scale)
         return low, high
 
-    @cached_property
-    def spread(self) -> "tuple[Value, int, int, int]":
-        """2^scale times the sum is the first, plus something from the third to the last: a function
-        of a floor is near a straight line, and a floor is its sum over 2^s, less 0 to 1 - 2^-s."""
-        floors = [
-            (w, c.slant, w.base.total.spread)
-            for w, c in self.terms.items()
-            if w.base and c.slant[0]
-        ]
+    def spread(self, near: bool) -> "tuple[Value, int, int, int]":
+        """2^scale times the sum is the first, plus something from the third to the last: a floor is
+        its sum over 2^s, less 0 to 1 - 2^-s, and so is a function of it that is a straight line, or
+        near one."""
+        if near not in self._spreads:
+            self._spreads[near] = self._spread(near)
+        return self._spreads[near]
+
+    def _spread(self, near: bool) -> "tuple[Value, int, int, int]":
+        slants = {w: c.slant for w, c in self.terms.items() if w.base and (near or c.line)}
+        floors = [(w, s, w.base.total.spread(near)) for w, s in slants.items() if w.base and s[0]]
         scale = max((w.shift + slant[1] + inner[1] for w, slant, inner in floors), default=0)
-        rest = {w: c for w, c in self.terms.items() if not (w.base and c.slant[0])}
+        rest = {w: c for w, c in self.terms.items() if not slants.get(w, (0,))[0]}
         total, below, above = Sum(self.constant, rest) * (1 << scale), 0, 0
         for word, (slope, e, least, most), (sums, k, low, high) in floors:
             up = slope << scale - e - k - word.shift

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from contextlib import suppress
 from functools import reduce
 from typing import Any
 
@@ -75,10 +76,12 @@ class Values:
             if kind in LINEAR or any(isinstance(v, int) for v in operands):
                 return f(*operands)
         if kind in ("$logic_not", "$reduce_or", "$reduce_bool"):
-            # Piece by piece, since together they may be wider than a number.
-            parts = pieces(*e.arguments[0][:2])
-            numbers = [self.number(join((p,)), p[2], False) for p in parts]
-            return space.of(lambda *n: f(reduce(operator.or_, n)), *numbers)
+            # Piece by piece, since together they may be wider than a number, or else at once, since
+            # pieces of one sum may be those of others.
+            with suppress(UnsupportedError):
+                parts = pieces(*e.arguments[0][:2])
+                alone = [self.number(join((p,)), p[2], False) for p in parts]
+                return space.of(lambda *n: f(reduce(operator.or_, n)), *alone)
         numbers = [self.number(v, n, s) for v, n, s in e.arguments]
         if kind == "$mul" and math.prod(max(map(abs, ends(v))) for v in numbers) >= MOST:
             raise UnsupportedError("a product of more than 62 bits")
