@@ -126,7 +126,7 @@ def test_a_gripper_has_the_networks_that_it_brings(
     (tmp_path / "gripper.csv").write_text("".join([",".join(gripper.COLUMNS) + "\n", *rows]))
     path = tmp_path / "gripper.toml"
     path.write_bytes(gripper.SCENE.read_bytes())
-    assert load_scene(str(path)).twin().core.interval == 1599
+    assert load_scene(str(path)).twin().core.interval == 1579
 
 
 def test_adder_graphs_in_a_row_give_what_an_engine_gives(tmp_path: Path) -> None:
