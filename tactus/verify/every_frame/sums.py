@@ -16,7 +16,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
-from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -30,7 +29,6 @@ FEW = 1 << 17
 # A slope of a function is rounded to 2^-PARTS or more.
 PARTS = 8
 _numbers = itertools.count(1)
-_arrays: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()
 
 
 class UnsupportedError(Exception):
@@ -84,14 +82,10 @@ class Curve:
     def __init__(self, word: Word, first: int, values: np.ndarray, left: int, right: int):
         self.word, self.first, self.left, self.right = word, first, left, right
         self.last = first + len(values) - 1
-        # Equal arrays are kept once, in as few bits as they need.
+        # In as few bits as they need.
         most = max(-int(values.min()), int(values.max()))
-        kept = values.astype(np.min_scalar_type(-1 - most))
-        self.key = hash(kept.tobytes())
-        known = _arrays.get(self.key)
-        if known is None or not np.array_equal(known, kept):
-            known = _arrays[self.key] = kept
-        self._kept = known
+        self._kept = values.astype(np.min_scalar_type(-1 - most))
+        self.key = hash(self._kept.tobytes())
 
     @property
     def values(self) -> np.ndarray:
@@ -289,10 +283,10 @@ class Sum:
         return self._spreads[near]
 
     def _spread(self, near: bool) -> "tuple[Value, int, int, int]":
-        slants = {w: c.slant for w, c in self.terms.items() if w.base and (near or c.line)}
-        floors = [(w, s, w.base.total.spread(near)) for w, s in slants.items() if w.base and s[0]]
+        lines = {w: c.slant for w, c in self.terms.items() if c.line or (near and c.slant[0])}
+        floors = [(w, s, w.base.total.spread(near)) for w, s in lines.items() if w.base]
         scale = max((w.shift + slant[1] + inner[1] for w, slant, inner in floors), default=0)
-        rest = {w: c for w, c in self.terms.items() if not slants.get(w, (0,))[0]}
+        rest = {w: c for w, c in self.terms.items() if not (w.base and w in lines)}
         total, below, above = Sum(self.constant, rest) * (1 << scale), 0, 0
         for word, (slope, e, least, most), (sums, k, low, high) in floors:
             up = slope << scale - e - k - word.shift
