@@ -85,11 +85,14 @@ class Curve:
         # In as few bits as they need.
         most = max(-int(values.min()), int(values.max()))
         self._kept = values.astype(np.min_scalar_type(-1 - most))
-        self.key = hash(self._kept.tobytes())
 
     @property
     def values(self) -> np.ndarray:
         return self._kept.astype(np.int64)
+
+    @cached_property
+    def key(self) -> int:
+        return hash(self._kept.tobytes())
 
     @property
     def line(self) -> bool:

@@ -126,19 +126,18 @@ class Unrolled:
 
     def _chosen(self, cell: Cell) -> Bits:
         """The part of B whose bit of S is 1, or A."""
-        v, s, b = (self.get(cell.inputs[port]) for port in "ASB")
+        s, b = (self.get(cell.inputs[port]) for port in "SB")
         width = cell.output.width
         selects = [part(s, k, 1) for k in range(_width(cell.inputs["S"]))]
         if 1 in selects:
             return part(b, selects.index(1) * width, width) if selects.count(1) == 1 else X
-        if cell.inputs["A"] == cell.inputs["S"]:
-            # It is chosen where no bit of it is 1.
-            v = 0
+        # What is chosen by itself is chosen where no bit of it is 1.
+        v = 0 if cell.inputs["A"] == cell.inputs["S"] else self.get(cell.inputs["A"])
         for k, select in reversed([*enumerate(selects)]):
-            yes = part(b, k * width, width)
+            yes = v if select == 0 else part(b, k * width, width)
             if select is X:
                 v = yes if yes == v else X
-            elif select != 0 and yes != v:
+            elif yes != v:
                 branches = self._within(yes, select, 1), self._within(v, select, 0)
                 v = self.expression("$mux", width, (select, *branches), cell.output.name)
         return v
