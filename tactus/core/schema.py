@@ -548,9 +548,16 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def json_schema(table: KeyTable, title: str) -> str:
-    """The contents of the schema's file."""
-    found = {"$schema": DRAFT, "title": title, **table.schema()}
-    return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    """The contents of the schema's file, a line for each key of each section."""
+
+    def text(value: Any, levels: int) -> str:
+        if not levels or not isinstance(value, dict):
+            return json.dumps(value, ensure_ascii=False, allow_nan=False)
+        inner = ",\n".join(f"{json.dumps(k)}: {text(v, levels - 1)}" for k, v in value.items())
+        return f"{{\n{inner}}}"
+
+    # The sections stand under "properties", and so do the keys of each.
+    return text({"$schema": DRAFT, "title": title, **table.schema()}, 4) + "\n"
 
 
 def key_rows(table: KeyTable) -> str:
