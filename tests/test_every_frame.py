@@ -26,7 +26,7 @@ from tactus.verify.every_frame.counterexample import Evaluated, differing_frame
 from tactus.verify.every_frame.netlist import read_verilog
 from tactus.verify.every_frame.sequences import DiffersError, RefusedError, Sequences, WrongError
 from tactus.verify.every_frame.specify import description
-from tactus.verify.every_frame.sums import Space, Sum, UnsupportedError, Value
+from tactus.verify.every_frame.sums import Curve, Space, Sum, UnsupportedError, Value, Word
 from tactus.verify.every_frame.unrolled import Unrolled
 from tactus.verify.every_frame.values import Values
 from tactus.verify.every_frame.verdict import DIFFERS, UNKNOWN, judge
@@ -376,6 +376,20 @@ def test_the_bounds_of_what_is_left_of_a_sum_are_near() -> None:
     assert isinstance(left, Sum)
     assert least - 4 <= left.ends[0] <= least
     assert most <= left.ends[1] <= most + 4
+
+
+@pytest.mark.parametrize("bits", [20, 52, 54, 61])
+def test_a_function_is_as_far_from_its_line_as_it_says(bits: int) -> None:
+    """Of numbers of many bits too, which would not fit into an array 2^scale times."""
+    rng = np.random.default_rng(bits)
+    for count in (3, 40, 400):
+        steps = rng.integers(-1 << bits, 1 << bits, count) // count
+        for values in (np.cumsum(steps), np.arange(count) * steps[0] + steps % 9):
+            made = Curve(Word(1, "x", 0, count - 1), 0, values - values[0], 0, 0)
+            slope, scale, least, most = made.slant
+            apart = [(int(v) << scale) - slope * k for k, v in enumerate(made.values)]
+            assert least <= min(apart)
+            assert max(apart) <= most
 
 
 def test_cells_are_what_icarus_computes(tmp_path: Path) -> None:

@@ -124,7 +124,7 @@ class Curve:
         run = self.word.high - self.word.low
         if self.line:
             return self.right, 0, 0, 0
-        if run >= FEW:
+        if run >= FEW or max(map(abs, self.ends)) << PARTS >= MOST:
             return 0, 0, *self.ends
         values = self.at(self.word.low, self.word.high)
         rise = int(values[-1])
