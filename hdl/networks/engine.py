@@ -32,10 +32,10 @@ def engine(clk, rst, in_: Stream, out: Stream, *, frame_error, load=None, image=
     """
     count = spec.lanes
     memories, accumulators, rounds = spec.lane_memories, spec.accumulators, spec.rounds
-    place_width = spec.program.layout["place"][1] if spec.alone else memories[0].place_width
+    fields = spec.program.layout
+    place_width = fields["place"][1] if spec.alone else memories[0].place_width
     word = unsigned(WIDTH if spec.alone else WORD_WIDTH)
     start, run, finish, write = (flag() for _ in range(4))
-    fields = spec.program.layout
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     kind, opens = unsigned(2), unsigned(2)
     place = unsigned(place_width) if place_width else None

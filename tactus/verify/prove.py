@@ -117,9 +117,9 @@ def printed(test: str, frames: Any, folder: Path) -> str:
     return said.stdout
 
 
-def bench(given: dict[str, Any], frames: int) -> str:
+def bench(given: dict[str, Any], frames: int, watch: str = "") -> str:
     """A Verilog bench that plays frames, whose samples are numbers in frames.txt, one after
-    another, and prints the outputs of each."""
+    another, and prints the outputs of each, and in each clock what the statement ``watch`` does."""
     words, count = given["stream"] == "words", given["samples"]
     number = f"signed [{given['bits'] - 1}:0]"
     ins = [f"in_data_{k}" for k in range(count)] if words else ["in_data"]
@@ -152,8 +152,9 @@ def bench(given: dict[str, Any], frames: int) -> str:
         f"in_valid = 1; in_last = k == {given['elements'] - 1};",
         *(drive if words else [f"if (k < {count})", *drive]),
         "@(negedge clk); end",
-        f"in_valid = 0; repeat ({wait}) @(negedge clk);",
+        f"in_valid = 0; in_last = 0; repeat ({wait}) @(negedge clk);",
         "end $finish; end",
+        f"always @(posedge clk) begin {watch} end",
         "endmodule",
     ]
     return "\n".join(lines) + "\n"

@@ -64,12 +64,9 @@ def simulate_frame(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Ro
     paths = ", ".join(path for path, *_ in watched)
     # The frames before it fill the past, and are not shown.
     show = f'if (begun && f == {past}) $display("row{" %b" * len(watched)}", {paths});'
-    test = bench(_played(design), past + 1).replace(
-        "in_valid = 0; r", "in_valid = 0; in_last = 0; r"
-    )
-    test = test.replace("endmodule", f"always @(posedge clk) {show}\nendmodule")
     frames = codes[frame : frame + past + 1] % (1 << SIGNAL.width)
-    rows = [line.split() for line in printed(test, frames, folder).splitlines()]
+    said = printed(bench(_played(design), past + 1, show), frames, folder)
+    rows = [line.split() for line in said.splitlines()]
     columns = zip(*(bits for word, *bits in rows if word == "row"), strict=True)
     return [
         _port(owner, name, bits) for (_, owner, name), bits in zip(watched, columns, strict=True)

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -61,13 +62,11 @@ HELD_OUT = "held out %"
 def headline() -> str:
     """The printed thesis, its networks rebuilt, and the default scene beside each other."""
     rebuilt, today = load_scene(REBUILT), load_scene(SHOWN)
-    printed, device = thesis_table(rebuilt.reference), thesis_table("device")
+    printed = thesis_table(rebuilt.reference)
+    luts, multipliers = _printed_cells(printed)
 
     def worst(found: Iterable[float]) -> str:
         return f"{max(found):.2f} %"
-
-    def of_device(share: str, kind: str) -> str:
-        return f"about {printed[share] * device[kind] / 100:,.0f}"
 
     scenes = (rebuilt, today)
     held_out = [worst(held_out_means(s) or []) for s in scenes]
@@ -81,13 +80,9 @@ def headline() -> str:
         ("mean error at the worst position", worst(printed["simulation"]), *largest),
         ("the same, with real sensors", worst(printed["real_time"]), "-", "-"),
         ("clocks after the last sample", "-", *(str(s.twin().output_clocks[-1]) for s in scenes)),
-        ("LUTs", of_device("luts_percent", "luts4"), *(f"{c['LUT']:,}" for c in cells)),
+        ("LUTs", luts, *(f"{c['LUT']:,}" for c in cells)),
         ("LUTs with scan and profile", "not said", *(f"{c['LUT']:,}" for c in whole)),
-        (
-            "multipliers",
-            of_device("mult18x18_percent", "mult18x18"),
-            *(str(c["multiplier"]) for c in cells),
-        ),
+        ("multipliers", multipliers, *(str(c["multiplier"]) for c in cells)),
         ("block RAMs", "-", *(str(c["block RAM"]) for c in cells)),
         ("proved for", "-", *(f"all 2^{14 * len(s.sensors)} frames" for s in scenes)),
     ]
@@ -113,7 +108,7 @@ def against_run_time(networks: Table) -> Iterator[str]:
         "both are much faster than the scan of the sensors, for which they wait."
     )
     yield ""
-    device, printed = thesis_table("device"), thesis_table(PRINTED["cascade"][0])
+    printed = thesis_table(PRINTED["cascade"][0])
     rows = [
         [
             name,
@@ -127,12 +122,8 @@ def against_run_time(networks: Table) -> Iterator[str]:
         ]
         for name, row in ((f"`{SHOWN}`", default), (f"`{REBUILT}`", rebuilt))
     ]
-    shares = (
-        f"about {printed[share] * device[count] / 100:,.0f}"
-        for share, count in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18"))
-    )
     error = f"{max(printed['simulation']):.2f}; {max(printed['real_time']):.2f} with real sensors"
-    rows.append(["cascade, as printed", "", error, "", "", *shares, ""])
+    rows.append(["cascade, as printed", "", error, "", "", *_printed_cells(printed), ""])
     scan = f"{SCAN_CLOCKS:,}", f"{SCAN_CLOCKS / clock:g}"
     rows.append(["scan of the sensors", "", "", *scan, "", "", ""])
     heads = f" | error held out, % | error on recorded rows, % | clocks | µs at {clock:g} MHz"
@@ -146,6 +137,13 @@ def against_run_time(networks: Table) -> Iterator[str]:
         "last output; the thesis prints no time for a frame. A vendor's tool placed its LUTs, "
         "Yosys maps ours and counts no inverters."
     )
+
+
+def _printed_cells(printed: Mapping[str, Any]) -> Iterator[str]:
+    """LUTs and multipliers of a network that the thesis prints in percent of its device."""
+    device = thesis_table("device")
+    for share, kind in (("luts_percent", "luts4"), ("mult18x18_percent", "mult18x18")):
+        yield f"about {printed[share] * device[kind] / 100:,.0f}"
 
 
 def _network(networks: Table, scene: str) -> Row:
