@@ -179,9 +179,10 @@ def main() -> None:
         write_csv_file(CELLS, [COLUMNS, *map(written, record())])
         print(f"wrote {CELLS}")
     print("LUTs of a Virtex-II: recorded, and estimated from networks of other weights")
+    widest = max(len(one.network) for one in held_out())
     for one in held_out():
         luts = f"{one.recorded.luts:8}{one.estimated.luts:10.0f}{one.percent:+8.1f} %"
-        print(f"{one.network:40}{one.design:16}{luts}")
+        print(f"{one.network:{widest}}  {one.design:20}{luts}")
 
 
 if __name__ == "__main__":
