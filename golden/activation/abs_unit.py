@@ -24,6 +24,7 @@ class AbsUnit(Block):
     block = "abs_unit"
     section = "4.5.2.2"
     area = "activation"
+    latency = 1
     fmt: Fix
 
     @property
@@ -53,10 +54,6 @@ class AbsUnit(Block):
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         return {"code": inputs[0]}
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, data: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
         """Magnitudes and the flags of negative codes, each the shape of ``data``."""

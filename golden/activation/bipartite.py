@@ -52,6 +52,9 @@ class Bipartite(ActivationBlock):
 
     block = "bipartite"
     half_codes = True
+    # The clocks are those of q, which may come straight from an adder; of a block RAM, or of an
+    # address; of the word; and of the sum.
+    latency = 4
     memory: str
     reach_width: int
 
@@ -102,12 +105,6 @@ class Bipartite(ActivationBlock):
     def saturates(self) -> bool:
         """Whether the neuron reaches 8."""
         return self.reach_width > MAGNITUDE_WIDTH
-
-    @property
-    def latency(self) -> int:
-        # The clocks are those of q, which may come straight from an adder; of a block RAM, or of an
-        # address; of the word; and of the sum.
-        return 4
 
     def taking(self, width: int) -> Self:
         """The same activation for a q of ``width`` bits; every bit counts, and 8 saturates."""

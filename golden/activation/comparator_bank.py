@@ -25,6 +25,7 @@ class ComparatorBank(Block):
     block = "comparator_bank"
     section = "4.5.2.3.1 C, 5.4.5.2"
     area = "activation"
+    latency = 1
     mag_width: int
     thresholds: tuple[int, ...]
 
@@ -71,10 +72,6 @@ class ComparatorBank(Block):
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         return {"magnitude": inputs[0]}
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, mag: ArrayLike) -> Codes:
         """The number of thresholds that each magnitude exceeds, which is the segment's address."""

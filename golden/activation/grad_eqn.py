@@ -29,6 +29,8 @@ class GradEqn(Block):
     block = "grad_eqn"
     section = "5.4.5.2"
     area = "activation"
+    # One clock each for operands, product and sum.
+    latency = 3
     mag_width: int
     mag_frac: int
     coeff_width: int
@@ -92,11 +94,6 @@ class GradEqn(Block):
                 "out_fmt.width - 1",
             ),
         )
-
-    @property
-    def latency(self) -> int:
-        # One clock each for operands, product and sum.
-        return 3
 
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
         """Result codes, 0 to ``out_fmt.high``; the arguments broadcast."""

@@ -22,6 +22,7 @@ class Rom(Block):
     """
 
     area = "activation"
+    latency = 0
     # The meanings of address and word, for ``ports``.
     port_meanings: ClassVar[tuple[str, str]]
     words: tuple[int, ...]
@@ -47,10 +48,6 @@ class Rom(Block):
             input_port("addr", address, Unsigned(self.addr_width), "addr_width"),
             output_port("word", word, Unsigned(self.width, self.frac), "width"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 0
 
     def facts(self) -> tuple[str, ...]:
         return (f"{len(self.words)} words of {self.width} bits",)

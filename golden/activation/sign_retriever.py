@@ -24,6 +24,7 @@ class SignRetriever(Block):
     block = "sign_retriever"
     section = "4.5.2.4"
     area = "activation"
+    latency = 1
     fmt: Fix
 
     @property
@@ -38,10 +39,6 @@ class SignRetriever(Block):
             output_port("out_valid", "`out_data` holds a result"),
             output_port("out_data", "the magnitude with its sign", self.fmt, "fmt"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
         """The magnitudes with their signs, as codes of ``fmt``."""

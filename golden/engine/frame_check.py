@@ -30,6 +30,7 @@ class FrameCheck(Block):
 
     block = "frame_check"
     area = "engine"
+    latency = 1
     inputs: int
     addr_width: int
     busy: int
@@ -77,10 +78,6 @@ class FrameCheck(Block):
             return {}
         aside = (1 << self.addr_width) - 1
         return {f"write_addr={n}": "no results are counted" for n in range(self.inputs, aside)}
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def facts(self) -> tuple[str, ...]:
         return (f"{self.inputs} sample{'s' if self.inputs > 1 else ''} a frame",)

@@ -43,6 +43,7 @@ class FrameGuard(Block):
 
     block = "frame_guard"
     area = "engine"
+    latency = 1
     addr_width: int
     pipeline: Pipeline
 
@@ -62,10 +63,6 @@ class FrameGuard(Block):
             output_port("write_addr", "address of that sample or result", addr, "addr_width"),
             output_port("frame_error", "high for one clock, one clock after what breaks a frame"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(
         self,

@@ -53,6 +53,7 @@ class ImageLoader(Block):
 
     block = "image_loader"
     area = "engine"
+    latency = 0
     words: int
     operand_addr_width: int
     check_start: int
@@ -95,10 +96,6 @@ class ImageLoader(Block):
             State("bytes before, at most two words", range(2 * WORD_BYTES + 1)),
             State("last address written", range(self.words - 1, self.words)),
         )
-
-    @property
-    def latency(self) -> int:
-        return 0
 
     def process(
         self,

@@ -23,6 +23,7 @@ class LaneAccumulate(Accumulator):
 
     block = "lane_accumulate"
     part_of = "engine"
+    latency = 4
     segment_width: int
     partners: int
     leads: bool
@@ -68,7 +69,3 @@ class LaneAccumulate(Accumulator):
             output_port("high", "the sum is above every word"),
             output_port("low", "the sum is below every word"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 4

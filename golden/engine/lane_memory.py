@@ -41,6 +41,7 @@ class LaneMemory(Block):
 
     block = "lane_memory"
     area = "engine"
+    latency = 1
     weights: tuple[int, ...]
     table: tuple[int, ...]
     segment_width: int
@@ -135,10 +136,6 @@ class LaneMemory(Block):
             *(puts if self.written else ()),
             output_port("coeff", "weight or word of the table, one clock later", Unsigned(WIDTH)),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     @property
     def borders(self) -> tuple[Border, ...]:

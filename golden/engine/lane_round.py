@@ -29,6 +29,7 @@ class LaneRound(Block):
     block = "lane_round"
     part_of = "engine"
     area = "engine"
+    latency = 1
     acc_width: int
     rectifies: bool = False
     leads: bool = True
@@ -81,7 +82,3 @@ class LaneRound(Block):
             output_port("word", "word for the operand memory, one clock later", WORD),
             *passed,
         )
-
-    @property
-    def latency(self) -> int:
-        return 1

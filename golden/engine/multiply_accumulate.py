@@ -20,6 +20,7 @@ class MultiplyAccumulate(Accumulator):
 
     block = "multiply_accumulate"
     part_of = "learning_engine"
+    latency = 4
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -37,7 +38,3 @@ class MultiplyAccumulate(Accumulator):
             input_port("first_of_output", "its product starts the sum of an output"),
             output_port("acc", "the sum, four clocks after the operand", Fix(self.acc_width, 0)),
         )
-
-    @property
-    def latency(self) -> int:
-        return 4

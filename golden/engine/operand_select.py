@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.common.block import Block
-from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
+from golden.common.port import CLOCK, Unsigned, input_port, output_port
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
@@ -28,18 +28,16 @@ class OperandSelect(Block):
     segment_width: int
     registers: int = 0
 
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        return (
-            CLOCK,
-            input_port("word", "word that was read", WORD),
-            input_port(
-                "kind",
-                "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
-                Unsigned(2),
-            ),
-            output_port("operand", "operand, registered", WORD),
-        )
+    ports = (
+        CLOCK,
+        input_port("word", "word that was read", WORD),
+        input_port(
+            "kind",
+            "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
+            Unsigned(2),
+        ),
+        output_port("operand", "operand, registered", WORD),
+    )
 
     @property
     def latency(self) -> int:

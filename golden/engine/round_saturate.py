@@ -21,6 +21,7 @@ class RoundSaturate(Block):
     block = "round_saturate"
     part_of = "learning_engine"
     area = "engine"
+    latency = 1
     acc_width: int
 
     @property
@@ -32,7 +33,3 @@ class RoundSaturate(Block):
             input_port("sample", "sample x", SIGNAL),
             output_port("word", "word for the operand memory, one clock later", WORD),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1

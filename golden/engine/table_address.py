@@ -23,6 +23,7 @@ class TableAddress(Block):
     block = "table_address"
     part_of = "learning_engine"
     area = "engine"
+    latency = 1
     segment_width: int
     segments: int
 
@@ -44,10 +45,6 @@ class TableAddress(Block):
             input_port("q", "a hidden sum", HIDDEN),
             output_port("addr", "segment of q, one clock later", addr, "addr_width"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, q: ArrayLike) -> Codes:
         """The address of the segment of each code."""

@@ -25,6 +25,8 @@ class Argmax(Block):
 
     block = "argmax"
     area = "layers"
+    # Clocks from the last output of a frame to its index and margin.
+    latency = 1
     fmt: Fix
     outputs: int
 
@@ -68,11 +70,6 @@ class Argmax(Block):
                 "fmt",
             ),
         )
-
-    @property
-    def latency(self) -> int:
-        """Clocks from the last output of a frame to its index and margin."""
-        return 1
 
     @property
     def states(self) -> tuple[State, ...]:

@@ -31,6 +31,9 @@ class InputController(Block):
     block = "input_controller"
     section = "5.4.5.1"
     area = "layers"
+    # One clock each for operands, product, accumulator, and output of the nodes that it
+    # controls.
+    latency = 4
     inputs: int
     spacing: int
 
@@ -83,12 +86,6 @@ class InputController(Block):
             State("samples before, in a frame that is taken", range(self.inputs)),
             State("dropping", range(2)),
         )
-
-    @property
-    def latency(self) -> int:
-        # One clock each for operands, product, accumulator, and output of the nodes that it
-        # controls.
-        return 4
 
     def facts(self) -> tuple[str, ...]:
         return (f"{self.inputs} element{'s' if self.inputs > 1 else ''} a frame",)

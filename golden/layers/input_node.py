@@ -21,6 +21,8 @@ class InputNode(WeightedSum):
     block = "input_node"
     part_of = "input_integral"
     section = "5.4.5.1"
+    # One clock each for operands, product, accumulator and output.
+    latency = 4
     acc_width: int
 
     @property
@@ -66,8 +68,3 @@ class InputNode(WeightedSum):
                 "out_fmt",
             ),
         )
-
-    @property
-    def latency(self) -> int:
-        # One clock each for operands, product, accumulator and output.
-        return 4

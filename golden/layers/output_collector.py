@@ -20,6 +20,7 @@ class OutputCollector(Block):
     part_of = "cascade"
     section = "5.5"
     area = "layers"
+    latency = 1
     fmt: Fix
     outputs: int
 
@@ -46,7 +47,3 @@ class OutputCollector(Block):
             output_port("out_data", "result, in the order of the networks", self.fmt, "fmt"),
             output_port("out_last", "the result is the last of the frame"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1

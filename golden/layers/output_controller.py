@@ -22,6 +22,7 @@ class OutputController(Block):
     block = "output_controller"
     section = "5.4.5.3"
     area = "layers"
+    latency = 0
     outputs: int
 
     def __post_init__(self) -> None:
@@ -58,10 +59,6 @@ class OutputController(Block):
             output_port("out_valid", "`addr` holds a row"),
             output_port("out_last", "the row is the last of the frame"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 0
 
     def process(self, frames: int) -> Codes:
         """Row addresses of ``frames`` frames, shape (frames, outputs)."""

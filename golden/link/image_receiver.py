@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
 from golden.common.border import State
-from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from golden.numbers.fixed import Codes
@@ -48,6 +48,9 @@ class ImageReceiver(Block):
 
     block = "image_receiver"
     area = "link"
+    data_flags = frozenset({"load_last"})
+    # Clocks from a byte of an image to the same byte at the output, if none waits.
+    latency = 1
     idle_clocks: int
     depth: int
 
@@ -58,17 +61,15 @@ class ImageReceiver(Block):
                 "expected 1 or more of each"
             )
 
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        return (
-            *CLOCKED,
-            input_port("in_valid", "`in_data` holds a byte from the line"),
-            input_port("in_data", "the byte", Unsigned(8)),
-            input_port("load_ready", "a byte of the image is taken in this clock"),
-            output_port("load_valid", "`load_data` holds a byte of an image, until it is taken"),
-            output_port("load_data", "the byte", Unsigned(8)),
-            output_port("load_last", "the byte is the last of the image"),
-        )
+    ports = (
+        *CLOCKED,
+        input_port("in_valid", "`in_data` holds a byte from the line"),
+        input_port("in_data", "the byte", Unsigned(8)),
+        input_port("load_ready", "a byte of the image is taken in this clock"),
+        output_port("load_valid", "`load_data` holds a byte of an image, until it is taken"),
+        output_port("load_data", "the byte", Unsigned(8)),
+        output_port("load_last", "the byte is the last of the image"),
+    )
 
     @property
     def states(self) -> tuple[State, ...]:
@@ -76,15 +77,6 @@ class ImageReceiver(Block):
             State("place in a packet where the line falls idle", range(PLACES)),
             State("bytes kept", range(self.depth + 1)),
         )
-
-    @property
-    def data_flags(self) -> frozenset[str]:
-        return frozenset({"load_last"})
-
-    @property
-    def latency(self) -> int:
-        """Clocks from a byte of an image to the same byte at the output, if none waits."""
-        return 1
 
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, load_ready: ArrayLike, reset: ArrayLike

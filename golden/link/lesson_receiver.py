@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
 from golden.common.border import State
-from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.link.packets import CHECK_BYTES, CODE_BYTES, LESSON, SYNC, check_of, kind_byte
 from golden.numbers.fixed import Codes
@@ -56,6 +56,9 @@ class LessonReceiver(Block):
 
     block = "lesson_receiver"
     area = "link"
+    data_flags = frozenset({"target_last"})
+    # Clocks from the end of a frame to the first known output.
+    latency = 1
     outputs: int
     elements: int
     idle_clocks: int
@@ -82,25 +85,21 @@ class LessonReceiver(Block):
     def packet_bytes(self) -> int:
         return HEAD_BYTES - 1 + self.payload_bytes + CHECK_BYTES
 
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        return (
-            *CLOCKED,
-            input_port("in_valid", "`in_data` holds a byte from the line"),
-            input_port("in_data", "the byte", Unsigned(8)),
-            input_port("frame_end", "the last output of a frame leaves in this clock"),
-            input_port("target_ready", "a code is taken in this clock"),
-            output_port("target_valid", "`target_data` holds a code, until it is taken"),
-            output_port(
-                "target_data", "known output y, or an element of theta, in their order", SIGNAL
-            ),
-            output_port("target_last", "the code is the last one"),
-            output_port("target_theta", "the code is an element of theta"),
-            output_port("learn", "the bit of the last packet that was right; 0 after a reset"),
-            output_port(
-                "lesson_error", "high for one clock for each packet that is wrong or is cut"
-            ),
-        )
+    ports = (
+        *CLOCKED,
+        input_port("in_valid", "`in_data` holds a byte from the line"),
+        input_port("in_data", "the byte", Unsigned(8)),
+        input_port("frame_end", "the last output of a frame leaves in this clock"),
+        input_port("target_ready", "a code is taken in this clock"),
+        output_port("target_valid", "`target_data` holds a code, until it is taken"),
+        output_port(
+            "target_data", "known output y, or an element of theta, in their order", SIGNAL
+        ),
+        output_port("target_last", "the code is the last one"),
+        output_port("target_theta", "the code is an element of theta"),
+        output_port("learn", "the bit of the last packet that was right; 0 after a reset"),
+        output_port("lesson_error", "high for one clock for each packet that is wrong or is cut"),
+    )
 
     @property
     def states(self) -> tuple[State, ...]:
@@ -108,15 +107,6 @@ class LessonReceiver(Block):
             State("byte of a packet where the line falls idle", range(self.packet_bytes)),
             State("codes that have left when a byte comes", range(self.codes)),
         )
-
-    @property
-    def data_flags(self) -> frozenset[str]:
-        return frozenset({"target_last"})
-
-    @property
-    def latency(self) -> int:
-        """Clocks from the end of a frame to the first known output."""
-        return 1
 
     def process(
         self,

@@ -59,6 +59,8 @@ class PacketSender(Block):
 
     block = "packet_sender"
     area = "link"
+    # Clocks from what completes a frame, its last output or its winner, to the first byte.
+    latency = 2
     inputs: int
     outputs: int
     points: int
@@ -147,11 +149,6 @@ class PacketSender(Block):
             *([State("index", range(self.outputs))] if self.decides else []),
             *([State("element of theta", range(self.elements))] if self.learns else []),
         )
-
-    @property
-    def latency(self) -> int:
-        """Clocks from what completes a frame, its last output or its winner, to the first byte."""
-        return 2
 
     @property
     def interval(self) -> int:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.link.uart_transmitter import BYTE_BITS, check_divisor
 from golden.numbers.fixed import Codes
 
@@ -42,27 +42,20 @@ class UartReceiver(Block):
     block = "uart_receiver"
     part_of = "uart_instrument"
     area = "link"
+    # Number of registers that the line passes first.
+    synchroniser = 2
     divisor: int
 
     def __post_init__(self) -> None:
         check_divisor(self.entity, self.divisor)
 
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        return (
-            *CLOCKED,
-            input_port("rx", "the line; comes at any time"),
-            output_port("out_valid", "`out_data` holds a byte, for this clock"),
-            output_port("out_data", "the byte, where `out_valid`", Unsigned(8)),
-            output_port(
-                "line_error", "one clock long: a byte without a stop bit, which is dropped"
-            ),
-        )
-
-    @property
-    def synchroniser(self) -> int:
-        """Number of registers that the line passes first."""
-        return 2
+    ports = (
+        *CLOCKED,
+        input_port("rx", "the line; comes at any time"),
+        output_port("out_valid", "`out_data` holds a byte, for this clock"),
+        output_port("out_data", "the byte, where `out_valid`", Unsigned(8)),
+        output_port("line_error", "one clock long: a byte without a stop bit, which is dropped"),
+    )
 
     @property
     def stop_clocks(self) -> int:

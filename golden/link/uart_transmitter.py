@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.common.block import Block
-from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.common.port import CLOCKED, Unsigned, input_port, output_port
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
@@ -36,25 +36,20 @@ class UartTransmitter(Block):
     block = "uart_transmitter"
     part_of = "uart_instrument"
     area = "link"
+    # Clocks from the clock in which a byte is accepted to its start bit.
+    latency = 1
     divisor: int
 
     def __post_init__(self) -> None:
         check_divisor(self.entity, self.divisor)
 
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        return (
-            *CLOCKED,
-            input_port("in_valid", "`in_data` holds a byte"),
-            input_port("in_data", "the byte", Unsigned(8)),
-            output_port("in_ready", "a byte is taken in this clock if there is one"),
-            output_port("tx", "the line; from a register"),
-        )
-
-    @property
-    def latency(self) -> int:
-        """Clocks from the clock in which a byte is accepted to its start bit."""
-        return 1
+    ports = (
+        *CLOCKED,
+        input_port("in_valid", "`in_data` holds a byte"),
+        input_port("in_data", "the byte", Unsigned(8)),
+        output_port("in_ready", "a byte is taken in this clock if there is one"),
+        output_port("tx", "the line; from a register"),
+    )
 
     @property
     def interval(self) -> int:

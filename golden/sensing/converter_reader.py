@@ -45,6 +45,8 @@ class ConverterReader(Scan):
 
     block = "converter_reader"
     area = "sensing"
+    # Clocks from the last bit of a scan to the first sample of its frame.
+    latency = 3
     fmt: Fix
     part: ConverterPart
     inputs: int
@@ -158,11 +160,6 @@ class ConverterReader(Scan):
         (codes,) = inputs
         half = 1 << max(0, self.shift - 1)
         return {"rounded code": (self._signed(codes) + half) >> max(0, self.shift)}
-
-    @property
-    def latency(self) -> int:
-        """Clocks from the last bit of a scan to the first sample of its frame."""
-        return 3
 
     def process(self, codes: ArrayLike) -> Codes:
         """The samples for codes of the converter."""

@@ -35,6 +35,9 @@ class FrameWindow(Block):
 
     block = "frame_window"
     area = "sensing"
+    # One clock each for the ring's address, for its word, and until the frame counts as the
+    # newest.
+    latency = 3
     fmt: Fix
     window: Window
     slots: int
@@ -105,12 +108,6 @@ class FrameWindow(Block):
                 "which does not enter the past",
             ),
         )
-
-    @property
-    def latency(self) -> int:
-        # One clock each for the ring's address, for its word, and until the frame counts as the
-        # newest.
-        return 3
 
     @property
     def interval(self) -> int:

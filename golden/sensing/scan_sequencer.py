@@ -35,6 +35,7 @@ class ScanSequencer(Scan):
     block = "scan_sequencer"
     section = "5.4.4, 5.5"
     area = "sensing"
+    latency = 1
     fmt: Fix
     inputs: int
     slots: int
@@ -129,10 +130,6 @@ class ScanSequencer(Scan):
             f"address={n}": f"there are {self.inputs} sensors"
             for n in range(self.inputs, 1 << self.address_width)
         }
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, scans: ArrayLike) -> Codes:
         """Frames, shape (scans, slots), from the converter's codes in every clock of the scans.

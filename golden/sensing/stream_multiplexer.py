@@ -23,6 +23,7 @@ class StreamMultiplexer(Block):
     block = "stream_multiplexer"
     section = "5.5"
     area = "sensing"
+    latency = 1
     fmt: Fix
     slot: int
 
@@ -57,10 +58,6 @@ class StreamMultiplexer(Block):
     @property
     def states(self) -> tuple[State, ...]:
         return (State("elements before, at most one beyond the slot", range(self.slot + 2)),)
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(
         self,

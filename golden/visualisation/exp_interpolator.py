@@ -28,6 +28,7 @@ class ExpInterpolator(Block):
     block = "exp_interpolator"
     part_of = "load_profile"
     area = "visualisation"
+    latency = 2
     word_width: int
     offset_width: int
     frac: int
@@ -53,10 +54,6 @@ class ExpInterpolator(Block):
             output_port("out_valid", "`out_data` holds a result"),
             output_port("out_data", "exp(-x)", word, "word_width"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 2
 
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
         """exp(-x) in the word's format; the arguments are broadcast."""

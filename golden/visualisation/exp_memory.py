@@ -19,14 +19,11 @@ class ExpMemory(Rom):
     section = "5.8"
     area = "visualisation"
     port_meanings = ("upper bits of x", "exp(-x) in the middle of the interval")
+    latency = 1
 
     @property
     def ports(self) -> tuple[Port, ...]:
         return CLOCK, *super().ports
-
-    @property
-    def latency(self) -> int:
-        return 1
 
 
 def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:

@@ -25,6 +25,7 @@ class PulseDensity(Block):
     block = "pulse_density"
     part_of = "uart_instrument"
     area = "visualisation"
+    latency = 1
     fmt: Fix
 
     @property
@@ -34,10 +35,6 @@ class PulseDensity(Block):
             input_port("in_data", "the code, in every clock", self.fmt, "fmt"),
             output_port("out_bit", "the bit; from a register"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self, in_data: ArrayLike, reset: ArrayLike) -> Codes:
         """``out_bit`` in each clock; all arrays have one element for each clock."""

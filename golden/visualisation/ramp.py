@@ -35,6 +35,7 @@ class Ramp(Block):
     part_of = "load_profile"
     section = "5.8"
     area = "visualisation"
+    latency = 1
     fmt: Fix
     start: int
     step: int
@@ -84,10 +85,6 @@ class Ramp(Block):
             output_port("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
             output_port("out_last", "the position is the last of the ramp; held as long as it"),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1
 
     def process(self) -> Codes:
         """Codes of all positions in rising order, shape (points,)."""
