@@ -27,10 +27,9 @@ from golden.engine.formats import (
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, Kind, Neuron, Term
 from golden.engine.lane_groups import LaneGraph
-from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.engine.neurons import graph_of
-from golden.engine.pipeline import Pipeline
+from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
@@ -235,7 +234,7 @@ def test_the_page_says_where_each_field_stands(registers: int) -> None:
         high, low = int(row[1]), int(row[2] or row[1])
         words = [0] * 40
         words[20] = (2 << high) - (1 << low)
-        steps = LaneProgram(1, 9, (), tuple(words), pipeline, (), shared=shared).lane_steps
+        steps = LaneProgram(1, 9, (), tuple(words), pipeline, (), shared=shared).steps
         found = [n for n, step in enumerate(steps) if getattr(step, name)]
         assert found == [20 - (getattr(pipeline, row[3]) if row[3] else 0)], name
         others = [getattr(steps[found[0]], other) for other in names if other != name]
@@ -273,7 +272,7 @@ def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
     main()
     head, columns, *lines = capsys.readouterr().out.splitlines()
     engine = load_scene(str(path)).twin()
-    steps = engine.program.lane_steps
+    steps = engine.program.steps
     assert head.startswith("tanh in 256 segments of 0.03125")
     names = columns.split()
     assert names == ["step", "neuron", "operand", "address", "weight", "then"]

@@ -17,9 +17,8 @@ from golden.engine.function_table import codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.integer_network import evaluate
 from golden.engine.lane_groups import CHAIN, LaneGraph, reduction_steps
-from golden.engine.lane_listing import critical_path, lane_listing
-from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneInstruction, LaneProgram
+from golden.engine.pipeline import LanePipeline
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
@@ -28,7 +27,7 @@ from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, Quantiser, network_of
 from golden.trained.function import TANH, Function
 from hdl.common.lookup import hardware
-from tactus.cli.listing import main
+from tactus.cli.listing import critical_path, lane_listing, main
 from tactus.export.hierarchy import port_signals
 from tactus.scene import load_scene
 from tactus.verify.benches.written import scene_of
@@ -124,10 +123,10 @@ def test_no_operand_is_read_before_it_is_stored_in_its_lane(
     many, _ = lanes_of(name, lanes, pipeline=pipeline)
     program, shared = many.program, many.program.shared
     assert shared is not None
-    steps = program.scheduled(many.graph)
+    steps = program.scheduled
     at = {step.neuron: n for n, step in enumerate(steps) if step.last}
     products = []
-    for n, (step, code) in enumerate(zip(steps, program.lane_steps, strict=True)):
+    for n, (step, code) in enumerate(zip(steps, program.steps, strict=True)):
         source = step.term.source - many.inputs
         if step.neuron >= 0 and source >= 0 and not code.gather:
             assert n >= at[source] + program.pipeline.result_ready
@@ -147,9 +146,7 @@ def test_the_program_holds_what_was_scheduled() -> None:
     many, _ = lanes_of("rails-engine", 3)
     program = many.program
     address = {k: k for k in range(many.inputs)}
-    for n, (step, code) in enumerate(
-        zip(program.scheduled(many.graph), program.lane_steps, strict=True)
-    ):
+    for n, (step, code) in enumerate(zip(program.scheduled, program.steps, strict=True)):
         assert code.kind == step.term.kind
         assert bool(code.opens) == step.first
         assert bool(code.store) == step.last
@@ -170,7 +167,7 @@ def test_a_word_has_a_place_for_each_field() -> None:
         words = [0] * 40
         words[20] = 1 << bit
         program = LaneProgram(1, 9, (), tuple(words), pipeline, (), shared=shared)
-        steps = program.lane_steps
+        steps = program.steps
         named = [
             (n, field.name)
             for n, step in enumerate(steps)
@@ -280,7 +277,7 @@ def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
     many = scene_of(LANES[name], tmp_path, name).twin()
     program, neurons = many.program, many.graph.neurons
     found = Counter[Function]()
-    for step, code in zip(program.scheduled(many.graph), program.lane_steps, strict=True):
+    for step, code in zip(program.scheduled, program.steps, strict=True):
         if step.neuron >= 0 and code.kind in LOOKED_UP:
             members = [n for n in program.shared.groups[step.neuron].members if n >= 0]
             (function,) = {neurons[n].function for n in members}

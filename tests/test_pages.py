@@ -19,13 +19,13 @@ from shared import Shared
 
 from golden.common.block import walk
 from golden.input_error import InputError
-from golden.layers.listing import listing
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.left_out import left_out
 from golden.sensing.scan import Scan
 from tactus.cli.demo import error_table
+from tactus.cli.listing import adders as listing
 from tactus.cli.train import train_scene
 from tactus.core.commands import BY_NAME
 from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors

@@ -14,10 +14,10 @@ from golden.engine.formats import (
 )
 from golden.engine.function_table import table_of
 from golden.engine.graph import Kind
-from golden.engine.line_table import LineTable
 from golden.engine.operand_select import OperandSelect
 from golden.engine.quantise import first_values, planned
 from golden.engine.table_address import TableAddress
+from golden.engine.tanh_table import LineTable
 from golden.numbers.fixed import Codes, Overflow, Rounding, requantise
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real

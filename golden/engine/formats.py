@@ -7,6 +7,10 @@ from golden.numbers.precision import EXACT, SIGNAL
 # operand and of the sum that it belongs to.
 WIDTH = 18
 PRODUCT_WIDTH = 2 * WIDTH
+# A word of the operand memory, whose binary point depends on what it is.
+WORD = Fix(WIDTH, 0)
+# Bits of a word of a program.
+WORD_WIDTH = 36
 # A sample is shifted left in the operand memory, so that weights of layer 1 reach 32.
 SAMPLE = Fix(WIDTH, 16)
 SAMPLE_SHIFT = SAMPLE.frac - SIGNAL.frac

@@ -28,8 +28,7 @@ from functools import lru_cache
 import numpy as np
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
-from golden.engine.line_table import LineTable
-from golden.engine.tanh_table import ENDS, tanh_table
+from golden.engine.tanh_table import ENDS, LineTable, tanh_table
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes, Fix
 from golden.numbers.real import Real

@@ -10,7 +10,7 @@ values are too, and the weights of the next layer are divided by it. Then the co
 only the ratio of the scales of a sum and of the quantiser behind it matters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 from golden.engine.formats import WIDTH
@@ -18,6 +18,7 @@ from golden.engine.integer_network import LayerRounding
 from golden.input_error import InputError
 from golden.numbers.fixed import Fix
 from golden.trained.dense import Dense
+from golden.trained.function import Function
 
 # At least one bit of a word is cut, and its highest bit is the sign.
 MOST_BITS = WIDTH - 2
@@ -94,3 +95,46 @@ def grid_of(layer: Dense) -> Grid | None:
         step / scale,
         quantiser.nearest,
     )
+
+
+@dataclass(frozen=True)
+class Value:
+    """A word that a layer takes as an operand.
+
+    node: The input of the layer to which it belongs. A node with leaky ReLU has two words.
+    factor: The factor by which the weights of that input are multiplied.
+    low, high: The least and the largest code.
+    earlier: Whether it is an output of an earlier network.
+    """
+
+    node: int
+    factor: Fraction
+    fmt: Fix
+    low: int
+    high: int
+    earlier: bool = False
+
+
+@dataclass(frozen=True)
+class Exact:
+    """One layer of a network, with numbers that are not rounded.
+
+    number: Which layer of the network it is.
+    activation: "table", "relu", "leaky_relu", "hard_tanh" or "linear"; "sums" of those that later
+        functions take.
+    weights: A list for each node, with a weight for each node of the layer before.
+    grid: The grid of a layer with a quantiser.
+    functions: Of a "table", the function of each node.
+    output: Whether it is the last layer.
+    added: For each node the functions of operands that are added to its sum; empty for none.
+    """
+
+    number: int
+    activation: str
+    leak: Fraction
+    weights: list[list[Fraction]]
+    biases: list[Fraction]
+    grid: Grid | None
+    functions: tuple[Function, ...]
+    output: bool
+    added: list[list[tuple[int, Function]]] = field(default_factory=list)

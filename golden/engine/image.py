@@ -17,7 +17,7 @@ from itertools import chain, zip_longest
 from typing import Any
 
 from golden.engine.fields import signed_code
-from golden.engine.formats import WIDTH
+from golden.engine.formats import WIDTH, WORD_WIDTH
 from golden.engine.function_table import (
     MOST_WORDS,
     SEGMENT_WIDTH,
@@ -28,10 +28,9 @@ from golden.engine.function_table import (
 )
 from golden.engine.graph import Graph
 from golden.engine.lane_groups import LaneGraph
-from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import LaneProgram, Layout, assemble_lanes
-from golden.engine.line_table import LineTable
-from golden.engine.program import WORD_WIDTH
+from golden.engine.pipeline import LanePipeline
+from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.trained.function import TANH, Function
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import CLOCKED, Port, Unsigned, input_port, output_port
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import BEFORE_LAST, CHECK_BYTES, LAST_ADDR, WORD_BYTES
-from golden.engine.program import WORD_WIDTH
 from golden.numbers.fixed import Codes
 
 

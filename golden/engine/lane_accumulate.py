@@ -5,10 +5,9 @@ from typing import Self
 
 from golden.common.port import CLOCK, Port, Unsigned, group, input_port, output_port
 from golden.engine.accumulator import Accumulator
-from golden.engine.formats import WIDTH
+from golden.engine.formats import WIDTH, WORD
 from golden.engine.lane_groups import partners
 from golden.engine.lane_program import FIELDS
-from golden.engine.operand_memory import WORD
 from golden.numbers.fixed import Fix
 
 

@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 from golden.common.block import Block
 from golden.common.border import Border
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
-from golden.engine.formats import HIDDEN, WIDTH
+from golden.engine.formats import HIDDEN, WIDTH, WORD
 from golden.engine.graph import Kind
-from golden.engine.operand_memory import WORD
 from golden.numbers.fixed import Codes
 
 

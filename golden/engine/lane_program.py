@@ -1,24 +1,21 @@
 """The program of an engine with one multiplier or several, and a function that executes it."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self, TypeVar
 
 import numpy as np
 
-from golden.engine.fields import get, put, signed_code
-from golden.engine.finish import word_of
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.fields import get, put, signed_code, word_of
+from golden.engine.formats import DROPPED, ONE, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, coeff_frac
 from golden.engine.function_table import SEGMENT_WIDTH, check_words, codes_of, joined, segments_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
 from golden.engine.lane_groups import LaneGraph, assign_to_lanes, reduction_steps
 from golden.engine.lane_memory import block_of
-from golden.engine.lane_pipeline import LanePipeline
-from golden.engine.line_table import LineTable
-from golden.engine.listing import operand_text, weight_text
-from golden.engine.program import Program, weight_of
+from golden.engine.pipeline import LanePipeline
 from golden.engine.schedule import Step
+from golden.engine.tanh_table import LineTable
 from golden.input_error import InputError
 from golden.numbers.fixed import Codes
 
@@ -109,9 +106,19 @@ class LaneInstruction:
 
 
 @dataclass(frozen=True)
-class LaneProgram(Program):
+class LaneProgram:
     """The contents of the program memory, and of the memories of the lanes.
 
+    inputs: Samples of a frame.
+    segment_width: Bits of q within a segment of the table.
+    table: Words of the table.
+    words: Words of the steps.
+    pipeline: The pipeline for which the fields are spread over the words.
+    notes: What each word stands for.
+    rectifies: Whether the hardware has ReLU.
+    even: Of results with ReLU; see ``Neuron``.
+    blocks: Blocks of the table; see ``LineTable``. With several, steps say in which one they look
+        up.
     shared: The groups from which it was assembled.
     beside: The weight that stands beside each word, where one memory holds the program, the weights
         and the table of a single lane; empty where lanes have memories of their own.
@@ -119,6 +126,16 @@ class LaneProgram(Program):
     rows: How many rows of the table that memory holds; a row is an intercept and a slope.
     """
 
+    inputs: int
+    segment_width: int
+    table: tuple[int, ...]
+    words: tuple[int, ...]
+    pipeline: LanePipeline
+    notes: tuple[str, ...]
+    rectifies: bool = False
+    cut: int = 0
+    even: bool = False
+    blocks: int = 1
     shared: LaneGraph = field(kw_only=True)
     layout: Layout = field(default=Layout(), kw_only=True)
     beside: tuple[int, ...] = field(default=(), kw_only=True)
@@ -182,9 +199,14 @@ class LaneProgram(Program):
         return self.row_width + 1 if above else self.counter_width
 
     @property
+    def segments(self) -> int:
+        """The number of segments in each block of the table."""
+        return len(self.table) // 2 // self.blocks
+
+    @property
     def segment_bits(self) -> int:
         """Bits of the number of a segment."""
-        return (len(self.table) // 2 // self.blocks - 1).bit_length() if self.table else 0
+        return (self.segments - 1).bit_length() if self.table else 0
 
     @property
     def row_width(self) -> int:
@@ -200,10 +222,9 @@ class LaneProgram(Program):
         return np.array([signed_code(word) for word in self.table[len(self.table) // 2 :]])
 
     @cached_property
-    def lane_steps(self) -> list[LaneInstruction]:
+    def steps(self) -> list[LaneInstruction]:
         """The steps, up to the end of the frame."""
         at, words = self.pipeline, self.words
-        assert isinstance(at, LanePipeline)
         clocks = {name: getattr(at, clock) for name, (clock, _) in FIELDS.items()}
         found: list[LaneInstruction] = []
         for n in range(len(words) - at.mark):
@@ -216,22 +237,46 @@ class LaneProgram(Program):
         return found
 
     @property
-    def steps(self) -> list[LaneInstruction]:
-        return self.lane_steps
+    def output_steps(self) -> list[int]:
+        """The steps whose results leave the engine."""
+        return [n for n, step in enumerate(self.steps) if step.output]
 
-    def scheduled(self, graph: Graph) -> list[Step]:
+    @property
+    def store_steps(self) -> list[int]:
+        """The steps whose results are stored."""
+        return [n for n, step in enumerate(self.steps) if step.store]
+
+    @property
+    def length(self) -> int:
+        """The number of steps."""
+        return len(self.steps)
+
+    @property
+    def addresses(self) -> int:
+        """The number of words of the operand memory that the program uses."""
+        return self.inputs + len(self.store_steps)
+
+    def clock(self, step: int) -> int:
+        """The clock in which a step's result is valid, counted from a frame's last sample."""
+        return self.pipeline.begin + step + self.pipeline.result
+
+    @property
+    def scheduled(self) -> list[Step]:
         """The steps of the groups."""
         return self.shared.schedule(self.pipeline)
 
     def execute(self, samples: Codes) -> Codes:
-        results = [
-            words[0] >> OUTPUT_SHIFT for step, _, words in self.lanes_run(samples) if step.output
-        ]
+        """Compute output codes, shape (frames, outputs), from sample codes, shape (frames, inputs).
+
+        The steps are those of the hardware; only the sum has more bits here.
+        """
+        results = [words[0] >> OUTPUT_SHIFT for step, _, words in self.run(samples) if step.output]
         return np.stack(results, axis=-1)
 
-    def stored(self, graph: Graph, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
-        order = [step.neuron for step in self.scheduled(graph) if step.last]
-        for number, (step, sums, words) in zip(order, self.lanes_run(samples), strict=True):
+    def stored(self, samples: Codes) -> Iterator[tuple[int, bool, Codes, Codes]]:
+        """Each neuron as it is stored: its number, whether it is a ReLU, its sums, their words."""
+        order = [step.neuron for step in self.scheduled if step.last]
+        for number, (step, sums, words) in zip(order, self.run(samples), strict=True):
             for lane, neuron in enumerate(self.shared.groups[number].members):
                 if neuron >= 0:
                     yield neuron, bool(step.relu), sums[lane], words[lane]
@@ -256,15 +301,13 @@ class LaneProgram(Program):
             f"{name}{label} {n}" for label in labels for name in names for n in range(self.segments)
         ] * bool(self.table) + texts
 
-    def lanes_run(
-        self, samples: Codes
-    ) -> Iterator[tuple[LaneInstruction, list[Codes], list[Codes]]]:
+    def run(self, samples: Codes) -> Iterator[tuple[LaneInstruction, list[Codes], list[Codes]]]:
         """The last step of each group, the sum of each lane, and the word that it stores."""
         lanes, zero = range(self.lanes), np.zeros(len(samples), dtype=np.int64)
         first = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
         memories = [list(first) for _ in lanes]
         sums = [zero for _ in lanes]
-        for step in self.lane_steps:
+        for step in self.steps:
             if step.gather:
                 pairs = dict(reduction_steps(self.lanes)[step.gather.bit_length() - 1])
                 added = [sums[pairs[j]] if j in pairs else zero for j in lanes]
@@ -294,7 +337,7 @@ class LaneProgram(Program):
         word = memory[step.source]
         negative = word >> (WIDTH - 1)
         segment = ((word ^ negative) >> self.segment_width) & (self.segments - 1)
-        if self.names_blocks:
+        if self.blocks > 1:
             segment += block_of(step.place, negative & 1) * self.segments
         if step.kind == Kind.INTERCEPT:
             return np.asarray(self.intercepts[segment] * ((negative | 1) << DROPPED))
@@ -352,12 +395,12 @@ def assemble_lanes(
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         opens = OWN if not group.joined else JOINED_OUTPUT if neuron.output else JOINED
-        place = weight_of(term, codes)
+        place = codes[term.function] if term.kind in LOOKED_UP else term.weight
         if beside and term.kind not in LOOKED_UP:
             weights[n + pipeline.beside] = code = shared.weights[place][0]
             if not wait:
-                own = replace(step, term=replace(term, weight=code))
-                texts[n + pipeline.beside] = f"{neuron.name} x {weight_text(shared.graph, own)}"
+                text = weight_text(shared.graph, step, [code])
+                texts[n + pipeline.beside] = f"{neuron.name} x {text}"
             place = 0
         values = {
             "place": place,
@@ -446,3 +489,27 @@ def _notes(shared: LaneGraph, steps: Sequence[Step]) -> Iterator[str]:
         joint = f"{neuron.name} {'=' if step.first else '+'}"
         added = "sums of lanes" if left <= 0 else operand_text(shared.graph, step)
         yield f"{joint} {added}{', done' if step.last else ''}"
+
+
+def operand_text(graph: Graph, step: Step) -> str:
+    """The text for the operand that a step reads."""
+    term = step.term
+    if step.neuron < 0:
+        return "wait"
+    if term.kind is Kind.ONE:
+        return "1"
+    if term.source < graph.inputs:
+        return f"sample {term.source + 1}"
+    name = graph.neurons[term.source - graph.inputs].name
+    before = {Kind.WORD: "", Kind.INTERCEPT: "sign of ", Kind.DISTANCE: "low bits of "}
+    return f"{before[term.kind]}{name}"
+
+
+def weight_text(graph: Graph, step: Step, codes: Iterable[int]) -> str:
+    """The weights of a step, one for each lane, as decimal numbers."""
+    term = step.term
+    if term.kind in LOOKED_UP:
+        return f"{'intercept' if term.kind is Kind.INTERCEPT else 'slope'} of the table"
+    operand = ONE if term.kind is Kind.ONE else graph.format_of(term.source)
+    unit = 2 ** coeff_frac(graph.neurons[step.neuron].result, operand)
+    return " ".join(f"{code / unit:.6g}" for code in codes)

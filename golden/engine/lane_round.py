@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, input_port, output_port
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import WORD
 from golden.numbers.fixed import Fix
 from golden.numbers.precision import SIGNAL
 

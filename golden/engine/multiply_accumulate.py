@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
 from golden.engine.accumulator import Accumulator
-from golden.engine.formats import PRODUCT_WIDTH, WIDTH
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import PRODUCT_WIDTH, WIDTH, WORD
 from golden.numbers.fixed import Fix
 
 

@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 from golden.common.block import Block
 from golden.common.port import CLOCK, Port, Unsigned, input_port, output_port
-from golden.engine.formats import WIDTH
-from golden.numbers.fixed import Fix
-
-WORD = Fix(WIDTH, 0)
+from golden.engine.formats import WORD
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ from numpy.typing import ArrayLike
 
 from golden.common.block import Block
 from golden.common.port import CLOCK, Unsigned, input_port, output_port
-from golden.engine.formats import DROPPED
+from golden.engine.formats import DROPPED, WORD
 from golden.engine.graph import Kind
-from golden.engine.operand_memory import WORD
 from golden.numbers.fixed import Codes
 
 

@@ -1,20 +1,20 @@
 """program_ram: a writable memory for the words of a program, with its counter."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.common.block import Block
 from golden.common.border import State
 from golden.common.port import Port, Unsigned, input_port, output_port
-from golden.engine.program import WORD_WIDTH
-from golden.engine.program_words import Stepped, counters, later
+from golden.engine.formats import WORD_WIDTH
+from golden.engine.program_memory import COUNTER_PORTS, counters, later
 from golden.numbers.fixed import Codes
 
 
 @dataclass(frozen=True)
-class ProgramRam(Stepped):
+class ProgramRam(Block):
     """Words of 36 bits that can be written, and of which a counter reads one in each clock.
 
     registers: Number of registers behind the memory.
@@ -25,7 +25,6 @@ class ProgramRam(Stepped):
 
     block = "program_ram"
     area = "engine"
-    begin: ClassVar[int] = 0
     addr_width: int
     registers: int = 0
 
@@ -33,7 +32,7 @@ class ProgramRam(Stepped):
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
         return (
-            *self.counter_ports,
+            *COUNTER_PORTS,
             input_port("write", "`data` is written, and nothing is read"),
             input_port(
                 "write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"
@@ -47,6 +46,10 @@ class ProgramRam(Stepped):
         )
 
     @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+    @property
     def states(self) -> tuple[State, ...]:
         return (State("counter", range(1 << self.addr_width)),)
 
@@ -54,7 +57,7 @@ class ProgramRam(Stepped):
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> Codes:
         """The counter in each clock, starting in a clock in which it rests."""
-        return counters(self.begin, 1 << self.addr_width, start, run, finish, reset)
+        return counters(1 << self.addr_width, start, run, finish, reset)
 
     def process(
         self,

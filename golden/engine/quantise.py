@@ -19,7 +19,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from golden.engine.exact_layer import Exact, Value
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -31,7 +30,7 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.function_table import SEGMENT_WIDTH, format_of
-from golden.engine.grid import OR_NEAREST, Grid, grid_of
+from golden.engine.grid import OR_NEAREST, Exact, Grid, Value, grid_of
 from golden.engine.integer_network import IntegerLayer, IntegerNetwork, LayerRounding
 from golden.engine.ranges import ENOUGH, Range, frac_of
 from golden.engine.sums_of_functions import added_up

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from golden.engine.exact_layer import Exact, Value
 from golden.engine.formats import HIDDEN, RESULT
 from golden.engine.function_table import fits
+from golden.engine.grid import Exact, Value
 from golden.numbers.precision import SIGNAL
 from golden.trained.function import ITSELF, TANH
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from golden.engine.program import SOURCE
+from golden.engine.fields import SOURCE
 from golden.input_error import InputError
 
 

@@ -7,14 +7,7 @@ from itertools import count
 
 import numpy as np
 
-from golden.engine.fields import get, put, signed_code
-from golden.engine.finish import word_of
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
-from golden.engine.function_table import joined
-from golden.engine.graph import Graph, Kind, start_of
-from golden.engine.line_table import LineTable
-from golden.engine.pipeline import Pipeline
-from golden.engine.program import (
+from golden.engine.fields import (
     END,
     FIRST,
     FIRST_OF_OUTPUT,
@@ -26,10 +19,17 @@ from golden.engine.program import (
     STORE,
     TAKE_INTERCEPT,
     WEIGHT,
-    table_notes,
-    table_words,
+    get,
+    put,
+    signed_code,
+    word_of,
 )
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.function_table import joined
+from golden.engine.graph import Graph, Kind, start_of
+from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step
+from golden.engine.tanh_table import LineTable
 from golden.learning import steps
 from golden.learning.corrected import Corrected
 from golden.learning.places import Places
@@ -498,3 +498,22 @@ def _spread(words: list[int], part: Sequence[Slot], read: Sequence[int]) -> None
         put(words, read[n + at.mark], END, n == len(part) - 1)
         if slot.places:
             put(words, read[n + at.operand], OUTPUT, 1)
+
+
+def table_words(table: LineTable) -> tuple[int, ...]:
+    """The words of a table."""
+    pairs = zip(table.intercepts, table.slopes, strict=True)
+    mask = (1 << WIDTH) - 1
+    return tuple(((intercept & mask) << WIDTH) | (slope & mask) for intercept, slope in pairs)
+
+
+def table_notes(table: LineTable) -> list[str]:
+    """What the words of a table stand for."""
+    found = []
+    for block, (name, result) in enumerate(table.labels):
+        place = slice(block * table.segments, (block + 1) * table.segments)
+        pairs = zip(
+            result.texts(table.intercepts[place]), result.texts(table.slopes[place]), strict=True
+        )
+        found += [f"{name} {intercept}, slope {slope}" for intercept, slope in pairs]
+    return found

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import OUTPUT_SHIFT, SAMPLE_SHIFT, WORD
 from golden.learning.program import EQUATIONS, FRAME, KEEP, LessonProgram
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL

@@ -20,11 +20,11 @@ from golden.engine.integer_network import IntegerNetwork
 from golden.engine.lane_accumulate import LaneAccumulate
 from golden.engine.lane_groups import assign_to_lanes
 from golden.engine.lane_memory import LaneMemory
-from golden.engine.lane_pipeline import LanePipeline
 from golden.engine.lane_program import FIELDS, LaneProgram, assemble_lanes
 from golden.engine.lane_round import LaneRound
 from golden.engine.neurons import graph_of
 from golden.engine.operand_memory import OperandMemory
+from golden.engine.pipeline import LanePipeline
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
 from golden.engine.quantise import integer_networks
@@ -172,11 +172,6 @@ class Engine(Design):
     def rectifies(self) -> bool:
         """Whether it has ReLU."""
         return self.program.rectifies
-
-    @property
-    def names_blocks(self) -> bool:
-        """Whether steps say in which block of the table they look up."""
-        return self.program.names_blocks
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -373,7 +368,7 @@ class Engine(Design):
         layers = {place: one.layer for one in ranges for place in one.places}
         for start in range(0, len(frames), CHUNK):
             part = slice(start, start + CHUNK)
-            for place, relu, sums, word in self.program.stored(self.graph, frames[part]):
+            for place, relu, sums, word in self.program.stored(frames[part]):
                 if place in layers:
                     found = sums >> DROPPED
                     counts[layers[place]][part] += (found > word) | ((found < word) & (not relu))

@@ -5,7 +5,7 @@ from functools import singledispatch
 from golden.activation.bipartite_table import RESULT
 from golden.common.block import Block
 from golden.common.flow import Flow, Replicated, SideBySide, Step, Wire, WithController
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import WORD
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.networks.cascade import Cascade

@@ -2,9 +2,9 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv, modbv
 
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import BEFORE_LAST, LAST_ADDR, WORD_BYTES
 from golden.engine.image_loader import ImageLoader
-from golden.engine.program import WORD_WIDTH
 from hdl.common.check_byte import check_byte
 from hdl.common.signals import Stream, flag, unsigned
 

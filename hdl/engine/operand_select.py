@@ -2,8 +2,7 @@
 
 from myhdl import always, always_comb, block, concat
 
-from golden.engine.formats import DROPPED, WIDTH
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import DROPPED, WIDTH, WORD
 from golden.engine.operand_select import OperandSelect
 from hdl.common.delay import delay
 from hdl.common.signals import fixed, flag, signed, unsigned

@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 
-from golden.engine.program import WORD_WIDTH
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.program_memory import ProgramMemory
 from hdl.common.delay import connect, delay
 from hdl.common.rom import Constants
@@ -15,9 +15,8 @@ def program_memory(clk, rst, *, start, run, finish, word, spec: ProgramMemory):
 
     Reset puts the counter to the first word.
     """
-    begin = spec.begin
     memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
-    counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
+    counter = Signal(modbv(0, min=0, max=1 << spec.addr_width))
     stands, fetched = flag(), unsigned(WORD_WIDTH)
 
     @always_comb
@@ -27,7 +26,7 @@ def program_memory(clk, rst, *, start, run, finish, word, spec: ProgramMemory):
     @always_seq(clk.posedge, reset=rst)
     def step():
         if stands:
-            counter.next = begin
+            counter.next = 0
         else:
             counter.next = counter + 1
 

@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 
-from golden.engine.program import WORD_WIDTH
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.program_ram import ProgramRam
 from hdl.common.delay import connect, delay
 from hdl.common.signals import flag, unsigned
@@ -15,9 +15,8 @@ def program_ram(clk, rst, *, start, run, finish, write, write_addr, data, word, 
     What is written takes the counter's port. Nothing is read in the clock of a write, because what
     a block RAM then gives differs between devices. Reset puts the counter to the first word.
     """
-    begin = spec.begin
     memory = [unsigned(WORD_WIDTH) for _ in range(1 << spec.addr_width)]
-    counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
+    counter = Signal(modbv(0, min=0, max=1 << spec.addr_width))
     addr = unsigned(spec.addr_width)
     stands, fetched = flag(), unsigned(WORD_WIDTH)
 
@@ -28,7 +27,7 @@ def program_ram(clk, rst, *, start, run, finish, write, write_addr, data, word, 
     @always_seq(clk.posedge, reset=rst)
     def step():
         if stands:
-            counter.next = begin
+            counter.next = 0
         else:
             counter.next = counter + 1
 

@@ -2,8 +2,7 @@
 
 from myhdl import always, always_comb, block
 
-from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
-from golden.engine.operand_memory import WORD
+from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH, WORD
 from golden.engine.round_saturate import RoundSaturate
 from hdl.common.signals import fixed, flag, unsigned
 

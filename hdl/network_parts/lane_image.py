@@ -2,9 +2,8 @@
 
 from myhdl import Signal, always_comb, block, concat, modbv
 
-from golden.engine.formats import WIDTH
+from golden.engine.formats import WIDTH, WORD_WIDTH
 from golden.engine.image import Sizes
-from golden.engine.program import WORD_WIDTH
 from hdl.common.signals import flag, unsigned
 
 

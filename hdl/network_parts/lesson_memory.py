@@ -2,7 +2,7 @@
 
 from myhdl import Signal, always, always_seq, block, modbv
 
-from golden.engine.program import WORD_WIDTH
+from golden.engine.formats import WORD_WIDTH
 from golden.networks.learning_engine import LearningEngine
 from hdl.common.rom import Constants, rom
 from hdl.common.signals import unsigned

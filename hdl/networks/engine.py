@@ -2,10 +2,8 @@
 
 from myhdl import always, always_comb, always_seq, block
 
-from golden.engine.formats import OUTPUT_SHIFT, WIDTH
+from golden.engine.formats import OUTPUT_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.engine.lane_groups import partners
-from golden.engine.operand_memory import WORD
-from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from hdl.common.delay import delay
 from hdl.common.signals import Stream, Words, fixed, flag, signed, unsigned

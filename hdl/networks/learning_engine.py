@@ -2,9 +2,7 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, modbv
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
-from golden.engine.operand_memory import WORD
-from golden.engine.program import (
+from golden.engine.fields import (
     END,
     FIRST,
     FIRST_OF_OUTPUT,
@@ -12,8 +10,8 @@ from golden.engine.program import (
     OUTPUT,
     SOURCE,
     STORE,
-    WORD_WIDTH,
 )
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD, WORD_WIDTH
 from golden.learning.program import PRODUCT
 from golden.learning.unit import SHORT
 from golden.networks.learning_engine import LearningEngine

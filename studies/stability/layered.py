@@ -174,7 +174,7 @@ def _filled(kind: str, lean: bool) -> tuple[float, int, int]:
         for mixed in (False, True):
             engine = Engine.of([_at_ends(kind, signs, mixed)], Settings(lean=lean))
             off = max(off, largest(engine.process(frames) - exact(engine, frames)))
-            run = engine.program.lanes_run(frames)
+            run = engine.program.run(frames)
             sums = [int(total) for _, (made,), _ in run for total in made]
             pairs.append((signed_width(sums), engine.acc_width))
     return off, *max(pairs, key=lambda pair: pair[0] / pair[1])

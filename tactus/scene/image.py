@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import Image
-from golden.engine.program import WORD_WIDTH
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from tactus.core.files import replace_folder

@@ -3,8 +3,8 @@
 Here all bits of the count in the header are used, and the check is computed bit by bit.
 """
 
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import LAST_ADDR, WORD_BYTES
-from golden.engine.program import WORD_WIDTH
 from tb.common.properties import Property
 from tb.common.watch import check_byte
 

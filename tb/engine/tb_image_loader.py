@@ -19,8 +19,8 @@ from dataclasses import replace
 import cocotb
 import numpy as np
 
+from golden.engine.formats import WORD_WIDTH
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image
-from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.case_library import RELOADED, RELOADED_LANES

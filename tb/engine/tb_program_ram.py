@@ -13,7 +13,7 @@ undefined.
 import cocotb
 import numpy as np
 
-from golden.engine.program import WORD_WIDTH
+from golden.engine.formats import WORD_WIDTH
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.case_library import RELOADED, RELOADED_LANES
 from tb.common.stimulus import random_resets, random_runs

@@ -1,8 +1,7 @@
 """The properties of the parts of engine, for every word that comes."""
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD
 from golden.engine.graph import Kind
-from golden.engine.operand_memory import WORD
 from tb.common.properties import Property
 from tb.common.watch import pipe
 

@@ -4,9 +4,8 @@ The proofs do not cover what the data paths compute. A program has one jump, in 
 frames have none, so the clocks of every frame are the same.
 """
 
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH, WORD
 from golden.engine.graph import Kind
-from golden.engine.operand_memory import WORD
 from golden.learning.program import FRAME
 from golden.numbers.precision import SIGNAL
 from tb.common.properties import Property

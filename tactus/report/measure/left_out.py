@@ -6,8 +6,8 @@ from golden.activation.lut import Lut
 from golden.activation.precise import Precise
 from golden.activation.rom import Rom
 from golden.common.block import Block, walk
+from golden.engine.program_memory import ProgramMemory
 from golden.engine.program_ram import ProgramRam
-from golden.engine.program_words import ProgramWords
 from golden.networks.engine import Engine
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Cell, Table
@@ -25,13 +25,11 @@ def words(block: Block) -> int:
 
 
 def _words(part: Block) -> int:
-    if isinstance(part, ProgramWords):
-        return len(part.table) + len(part.words)
     if isinstance(part, Engine) and part.alone:
         return part.program.rows + len(part.program.words)
     if isinstance(part, ProgramRam):
         return 1 << part.addr_width
-    if isinstance(part, Rom | Lut):
+    if isinstance(part, ProgramMemory | Rom | Lut):
         return len(part.words)
     if isinstance(part, Precise):
         return part.words

@@ -11,8 +11,7 @@ from itertools import zip_longest
 
 from golden.activation.schemes import forms
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.engine.lane_pipeline import LanePipeline
-from golden.engine.pipeline import Pipeline
+from golden.engine.pipeline import LanePipeline, Pipeline
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import KeyTable, key_rows
 from tactus.errors.decisions import decisions_of, held_out_or_all
