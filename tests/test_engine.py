@@ -3,8 +3,6 @@
 import re
 from collections import Counter
 from dataclasses import fields, replace
-from fractions import Fraction
-from math import floor
 from pathlib import Path
 
 import numpy as np
@@ -14,92 +12,31 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.engine.formats import (
-    DROPPED,
     HIDDEN,
-    ONE,
-    OUTPUT_SHIFT,
-    RESULT,
     SAMPLE,
-    SAMPLE_SHIFT,
     WIDTH,
     coeff_frac,
 )
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, Kind, Neuron, Term
+from golden.engine.integer_network import evaluate
 from golden.engine.lane_groups import LaneGraph
 from golden.engine.lane_program import LaneInstruction, LaneProgram
 from golden.engine.neurons import graph_of
 from golden.engine.pipeline import LanePipeline, Pipeline
 from golden.engine.quantise import integer_networks
 from golden.engine.schedule import Step, schedule
-from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
-from golden.numbers.fixed import Codes, Fix
+from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL, THESIS
 from golden.trained.mlp import Mlp
 from tactus.cli.listing import main
 from tactus.scene import load_scene
 
-SCENES = (
-    "digit-single",
-    "digit",
-    "digit-multiple",
-    "swing-single",
-    "swing-multiple",
-    "swing-cascade",
-)
 PAGE = Path(__file__).parents[1] / "docs" / "instruction-set.md"
 PIPELINES = [Pipeline(), Pipeline(memory_registers=1)]
-
-
-def code(value: float | Fraction, result: Fix, operand: Fix) -> int:
-    """The nearest code of a weight, with halves rounded up."""
-    return floor(Fraction(value) * (1 << coeff_frac(result, operand)) + Fraction(1, 2))
-
-
-def word(total: Codes) -> Codes:
-    """A sum to which a half has been added, as a word."""
-    return np.clip(total >> DROPPED, -(1 << (WIDTH - 1)), (1 << (WIDTH - 1)) - 1)
-
-
-def tanh(q: Codes, width: int) -> Codes:
-    """tanh by a line for each segment of q, as the page of the engine says."""
-    table = tanh_table(width)
-    segment = np.minimum(np.where(q < 0, ~q, q) >> width, len(table.slopes) - 1)
-    middle = np.where(q < 0, -1, 1) * np.array(table.intercepts)[segment]
-    distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
-    total = (middle << DROPPED) + np.array(table.slopes)[segment] * distance
-    return word(total + (1 << (DROPPED - 1)))
-
-
-def layer_by_layer(arrangement: str, mlps: list[Mlp], codes: Codes, width: int = 9) -> Codes:
-    """The outputs as the formats define them, one network and one layer after the other."""
-    samples = [column << SAMPLE_SHIFT for column in codes.T]
-    half = 1 << (DROPPED - 1)
-    outputs: list[Codes] = []
-    for mlp in mlps:
-        seen = [*samples, *(outputs if arrangement == "cascade" else [])]
-        formats = [SAMPLE] * len(samples) + [RESULT] * (len(seen) - len(samples))
-        hidden = []
-        for weights, bias in zip(mlp.w1.tolist(), mlp.b1.tolist(), strict=True):
-            rounded = [code(w, HIDDEN, f) for w, f in zip(weights, formats, strict=True)]
-            # The output of an earlier network includes half a unit of its last place.
-            extra = sum(
-                Fraction(w, 1 << coeff_frac(HIDDEN, RESULT)) / (2 << SIGNAL.frac)
-                for w in rounded[len(samples) :]
-            )
-            total = half + (code(Fraction(bias) - extra, HIDDEN, ONE) << DROPPED)
-            for operand, weight in zip(seen, rounded, strict=True):
-                total = total + operand * weight
-            hidden.append(tanh(word(total), width))
-        for weights, bias in zip(mlp.w2.tolist(), mlp.b2.tolist(), strict=True):
-            total = (half << OUTPUT_SHIFT) + (code(bias, RESULT, ONE) << DROPPED)
-            for operand, weight in zip(hidden, weights, strict=True):
-                total = total + operand * code(weight, RESULT, RESULT)
-            outputs.append(word(total))
-    return np.stack(outputs, axis=-1) >> OUTPUT_SHIFT
 
 
 def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
@@ -107,15 +44,6 @@ def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
     codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
     codes[0], codes[1] = SIGNAL.low, SIGNAL.high
     return codes
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_executing_the_program_is_computing_layer_by_layer(name: str) -> None:
-    scene = load_scene(name)
-    mlps = scene.mlps()
-    engine = Engine.of(mlps, arrangement=scene.arrangement)
-    codes = np.concatenate([scene.vectors().codes, random_codes(engine.inputs, 500)])
-    assert np.array_equal(engine.process(codes), layer_by_layer(scene.arrangement, mlps, codes))
 
 
 SHAPES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
@@ -145,11 +73,11 @@ def networks(draw: st.DrawFn) -> tuple[str, list[Mlp]]:
 def test_networks_of_any_shape(several: tuple[str, list[Mlp]], width: int) -> None:
     arrangement, mlps = several
     codes = random_codes(mlps[0].shape[0], 50)
-    wanted = layer_by_layer(arrangement, mlps, codes, width)
+    expected = evaluate(integer_networks(arrangement, mlps, segment_width=width), codes)
     for lean in (True, False):
         settings = Settings(options={"segment_width": width}, lean=lean)
         engine = Engine.of(mlps, settings, arrangement)
-        assert np.array_equal(engine.process(codes), wanted)
+        assert np.array_equal(engine.process(codes), expected)
 
 
 @pytest.mark.parametrize("pipeline", PIPELINES, ids=str)
@@ -252,17 +180,6 @@ def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
         assert len(parts) > 1
         assert all(-most < part < most for part in parts)
         assert sum(parts) == weight << coeff_frac(HIDDEN, SAMPLE)
-
-
-def test_registers_behind_the_memories_change_no_result() -> None:
-    mlps = [random_mlp((3 + n, 3, 1), 1.0, n) for n in range(3)]
-    plain, registered = (
-        Engine.of(mlps, Settings(options={"pipeline": depth}), "cascade")
-        for depth in ("short", "deep")
-    )
-    codes = random_codes(3, 20)
-    assert np.array_equal(registered.process(codes), plain.process(codes))
-    assert registered.latency > plain.latency
 
 
 def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from myhdl import Simulation, delay, instance
 from test_engine import networks, random_codes
 
-from golden.common.block import walk
 from golden.engine.formats import WIDTH
 from golden.engine.function_table import codes_of
 from golden.engine.graph import LOOKED_UP, Graph, Kind
@@ -101,16 +100,6 @@ def test_sums_of_lanes_are_added_once() -> None:
         assert sums[0] == set(range(lanes))
         adding = [lane for pairs in reduction_steps(lanes) for lane, _ in pairs]
         assert lanes > CHAIN or len(set(adding)) == len(adding)
-
-
-@pytest.mark.parametrize("lanes", [2, 3, 8])
-@pytest.mark.parametrize("name", DEEP)
-def test_registers_behind_the_memories_change_no_result(name: str, lanes: int) -> None:
-    deep, one = lanes_of(name, lanes, pipeline="deep")
-    codes = random_codes(one.inputs, 100)
-    assert np.array_equal(deep.process(codes), one.process(codes))
-    assert deep.latency > lanes_of(name, lanes)[0].latency
-    assert deep.operand_memory.registers == 1
 
 
 @pytest.mark.parametrize("pipeline", ["short", "deep"])
@@ -291,27 +280,7 @@ def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
     }
 
 
-def test_tables_that_take_too_much_memory_are_refused() -> None:
-    functions = tuple((f"bell{n}", f"1 / ({n} + x * x)") for n in range(1, 10))
-    names = ",".join(name for name, _ in functions)
-    wide = replace(
-        LANES["bell-lanes"],
-        shapes=[(2, 9, 1)],
-        activations=(f"table:{names}",),
-        functions=functions,
-        spread=20.0,
-    ).networks()
-    with pytest.raises(InputError, match="functions: got 18432 words"):
-        Engine.of(wide, Settings(options={"segment_width": 7}, lean=False))
-
-
 def test_a_scene_with_too_many_weights_is_refused() -> None:
     wide = replace(LANES["least-lanes"], shapes=[(900, 20, 1)]).networks()
     with pytest.raises(InputError, match="got 8998 weights of each lane, expected 8192 at most"):
         Engine.of(wide, Settings(options={"lanes": 2}))
-
-
-def test_parts_have_names_of_their_own() -> None:
-    names = [block.entity for block in walk(load_scene("comparison/digits-lanes8").twin())]
-    assert len(set(names)) == len(names)
-    assert {"lane_accumulate_lead_3", "lane_accumulate_2", "lane_round_other"} <= set(names)
