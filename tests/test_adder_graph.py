@@ -176,9 +176,3 @@ def test_what_it_cannot_compute_is_refused_by_name() -> None:
         replace(design, activations=((),))
     with pytest.raises(InputError, match="argmax: got outputs=1, expected 2 or more"):
         replace(design, decides=True)
-
-
-def test_no_multiplier_and_a_frame_a_clock() -> None:
-    design = load_scene("digit-fast").twin()
-    assert design.interval == 1
-    assert any("every multiplier" in text for text in left_out(design))

@@ -92,26 +92,6 @@ def test_the_winner_is_the_first_of_the_largest_and_its_margin_what_is_left(code
     assert margin == best[-1] - best[-2]
 
 
-def test_ends_and_ties() -> None:
-    low, high = FMT.low, FMT.high
-    frames = [[low, high], [high, low], [low, low], [high, high], [-1, 0]]
-    index, margin = Argmax(FMT, 2).process(frames)
-    assert index.tolist() == [1, 0, 0, 0, 1]
-    assert margin.tolist() == [31, 31, 0, 0, 1]
-    assert margin.max() == (1 << Argmax(FMT, 2).margin_fmt.width) - 1
-
-
-@pytest.mark.parametrize(("outputs", "bits"), [(2, 1), (3, 2), (4, 2), (5, 3), (16, 4), (17, 5)])
-def test_the_index_has_as_many_bits_as_it_needs(outputs: int, bits: int) -> None:
-    assert Argmax(FMT, outputs).index_fmt.width == bits
-
-
-@pytest.mark.parametrize("outputs", [1, 0, -1])
-def test_one_output_has_no_winner(outputs: int) -> None:
-    with pytest.raises(InputError, match=f"argmax: got outputs={outputs}, expected 2 or more"):
-        Argmax(FMT, outputs)
-
-
 @given(st.lists(st.integers(FMT.low, FMT.high), min_size=2, max_size=9))
 def test_a_tree_decides_as_the_block_that_takes_one_output_after_the_other(codes) -> None:
     tree = ArgmaxTree(FMT, len(codes))

@@ -19,27 +19,15 @@ from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
 from tactus.errors.scene_errors import held_out_rows, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
-from tactus.report.measure.networks import clocks_per_frame
 from tactus.rig import check, class_counts
 from tactus.rig.readings import at_ends
-from tactus.scene import FOLDER, class_names, load_scene
+from tactus.scene import class_names, load_scene
 from tactus.scene.labels import decided, margins, ordered, wrong_percent
-from tactus.synth.budget import read_budget
 from tactus.train.layer_objective import ClassObjective, LabelledRows
 from tb.common.cases import random_network
 
-# For each shipped scene how many LUTs of a Virtex-II and how many clocks it may take.
-LIMITS = {
-    "breast-cancer": (190, 310),
-    "digits": (190, 2500),
-    "loads": (190, 550),
-    "wine": (190, 420),
-    "digits-fast": (9500, 10),
-    "wine-fast": (500, 10),
-}
 # To build the network of digits-fast out of adders takes ten times as long as all others together.
 QUICK = [name for name in class_names() if name != "classes/digits-fast"]
-APPENDIX = FOLDER / "data" / "appendix2.csv"
 LABELS = ("fist", "flat", "wave")
 CENTRES = np.array([[0.4, -0.3], [-0.4, -0.2], [0.0, 0.5]])
 SCENE = """
@@ -353,25 +341,6 @@ def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
     assert every.differ <= 2
     assert every.take(rows).right >= 0.95 * len(rows)
     assert not class_counts.findings(found)[1:]
-
-
-@pytest.mark.parametrize("name", LIMITS)
-def test_a_shipped_scene_costs_what_it_may(name: str) -> None:
-    found, (luts, clocks) = load_scene(f"classes/{name}"), LIMITS[name]
-    top = read_budget(found.path)["xc2v"][found.design]
-    assert clocks_per_frame(found.twin()) <= clocks
-    assert top["LUT"] <= luts
-    assert top["multiplier"] == (found.design == "engine")
-
-
-def test_loads_are_the_recorded_vectors_and_the_letters_of_the_thesis() -> None:
-    """Table 3.1 gives the eight loads in grams; 23 g is 0.9."""
-    found = load_scene("classes/loads").data_path.read_text().splitlines()
-    rows = [line.rpartition(",") for line in found]
-    assert [row[0] for row in rows] == APPENDIX.read_text().splitlines()
-    grams = {letter: float(row.split(",")[4]) / 0.9 * 23 for row, _, letter in rows[1:]}
-    weights = {"A": 23, "B": 19, "C": 12, "D": 8, "E": 11, "F": 9, "G": 6, "H": 16}
-    assert {letter: round(value) for letter, value in grams.items()} == weights
 
 
 def test_of_equal_outputs_the_first_counts() -> None:

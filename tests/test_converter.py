@@ -289,24 +289,20 @@ def test_a_scale_that_is_not_the_converters_is_a_fault(tmp_path: Path, name: str
     assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
 
 
-@pytest.mark.parametrize("command", ["vhdl", "sim", "synth", "report", "train"])
-def test_no_command_makes_hardware_with_another_scale(desk: Desk, command: str) -> None:
-    rig(desk.folder, "mcp3208", codes_of("mcp3208"), written("{ offset = 2046, factor = 95 }"))
-    says = "mine.toml: data.scale.x0: got { offset = 2046, factor = 95 }, expected { offset = 2048"
-    desk.refuses(command, "mine.toml", says=says)
-
-
-def test_nor_does_one_that_programs_a_board(desk: Desk) -> None:
-    path = rig(
-        desk.folder, "mcp3208", codes_of("mcp3208"), written("{ offset = 2046, factor = 95 }"),
-        reference="\n[uart]\n",
-    )  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        *("vhdl", "sim", "synth", "report", "train", "image"),
+        *("bitstream ulx3s", "load twin", "monitor twin"),
+    ],
+)
+def test_no_command_makes_hardware_with_another_scale(desk: Desk, words: str) -> None:
+    scale = "{ offset = 2046, factor = 95 }"
+    path = rig(desk.folder, "mcp3208", codes_of("mcp3208"), written(scale), reference="\n[uart]\n")
     path.write_text(path.read_text().replace('"engine"', '"engine"\nreload = true'))
-    says = "data.scale.x0: got { offset = 2046, factor = 95 }, expected { offset = 2048"
-    desk.refuses("bitstream", "mine.toml", "ulx3s", says=says)
-    desk.refuses("image", "mine.toml", says=says)
-    desk.refuses("load", "mine.toml", "twin", says=says)
-    desk.refuses("monitor", "mine.toml", "twin", says=says)
+    command, *others = words.split()
+    says = f"mine.toml: data.scale.x0: got {scale}, expected {{ offset = 2048"
+    desk.refuses(command, "mine.toml", *others, says=says)
 
 
 def test_readings_beyond_the_converter(tmp_path: Path) -> None:
@@ -337,19 +333,8 @@ def test_training_leaves_the_scale_of_the_sensors(tmp_path: Path) -> None:
     assert np.array_equal(scene.vectors().codes, signals_of(scene, codes))
 
 
-SCANNED = Fix(14, 13)
-
-
 def sequencer(inputs=4, slots=4, counter_width=12, sample_clock=900, pause=0) -> ScanSequencer:
-    return ScanSequencer(SCANNED, inputs, slots, counter_width, sample_clock, pause)
-
-
-def test_the_pattern_of_four_slots() -> None:
-    """Section 5.4.4 of the thesis has 12 bits and four slots of 1024 clocks."""
-    scan = sequencer()
-    assert scan.addresses == (0, 1, 2, 3)
-    assert (scan.slot_clocks, scan.scan_clocks) == (1024, 4096)
-    assert scan.sample_clocks.tolist() == [900, 1924, 2948, 3972]
+    return ScanSequencer(FMT, inputs, slots, counter_width, sample_clock, pause)
 
 
 def test_the_pattern_of_seven_slots() -> None:
@@ -360,27 +345,15 @@ def test_the_pattern_of_seven_slots() -> None:
     assert scan.slot_clocks == 512
 
 
-def test_a_frame_is_what_stood_on_the_converter() -> None:
-    scan = sequencer(inputs=3, slots=5, counter_width=6, sample_clock=7)
-    codes = np.arange(2 * 64).reshape(2, 64)
-    assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [71, 79, 87, 95, 103]]
-
-
-def test_a_pause_behind_the_slots_takes_nothing() -> None:
-    scan = replace(sequencer(inputs=3, slots=5, counter_width=6, sample_clock=7), pause=36)
-    assert (scan.scan_clocks, scan.interval) == (100, 8)
-    codes = np.arange(2 * 100).reshape(2, 100)
-    assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [107, 115, 123, 131, 139]]
-
-
-def scene_scanned(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
-    mlp = random_mlp(shape, 1.0, 1)
-    path = write_scene(tmp_path, "rig", "exact", [mlp], design=design, sections=section)
-    return load_scene(str(path))
-
-
-def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
-    assert scene_scanned(tmp_path, "").twin().block == "hybrid"
+@pytest.mark.parametrize(
+    ("pause", "second"), [(0, [71, 79, 87, 95, 103]), (36, [107, 115, 123, 131, 139])]
+)
+def test_a_frame_is_what_stood_on_the_converter(pause: int, second: list[int]) -> None:
+    """A pause behind the slots takes nothing."""
+    scan = sequencer(inputs=3, slots=5, counter_width=6, sample_clock=7, pause=pause)
+    assert (scan.scan_clocks, scan.interval) == (64 + pause, 8)
+    codes = np.arange(2 * scan.scan_clocks).reshape(2, -1)
+    assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], second]
 
 
 @pytest.mark.parametrize(
@@ -399,7 +372,7 @@ def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
 def test_a_rate_is_kept_to_a_clock_and_what_is_missing_is_told(
     tmp_path, rate: str, clocks: int, told: str
 ) -> None:
-    scene = scene_scanned(tmp_path, f"{FRONT_END}rate_hz = {rate}\n")
+    scene = scene_with(tmp_path, f"rate_hz = {rate}\n")
     assert scene.twin().interval == clocks
     assert scene.front_end.describe().startswith(f"a scan every {clocks} clocks, {told}")
     # The samples of a frame are as close together as without a rate.
@@ -407,13 +380,13 @@ def test_a_rate_is_kept_to_a_clock_and_what_is_missing_is_told(
 
 
 def test_make_check_tells_the_rate(tmp_path) -> None:
-    scene = scene_scanned(tmp_path, f"{FRONT_END}rate_hz = 1100\n")
+    scene = scene_with(tmp_path, "rate_hz = 1100\n")
     (found,) = (f for f in check.design(scene, trained=True) if f.subject == "front_end")
     assert found.text == scene.front_end.describe()
 
 
 def test_a_rate_needs_the_clock(tmp_path) -> None:
-    scene = scene_scanned(tmp_path, f"{FRONT_END}rate_hz = 200\n")
+    scene = scene_with(tmp_path, "rate_hz = 200\n")
     text = scene.path.read_text(encoding="utf-8")
     scene.path.write_text(text.replace("[hardware]", "[hardware]\nclock_mhz = 100", 1), "utf-8")
     assert load_scene(str(scene.path)).twin().interval == 500_000

@@ -177,13 +177,6 @@ def test_another_board_is_told_and_not_at_its_first_packet(
     assert decoder.tally.skipped == 0
 
 
-def test_each_fault_is_one_line() -> None:
-    tally = Tally(9, 5, 2, 3)
-    assert set(tally.faults(Tally(), PLAIN)) == {"skipped", "failed", "missed"}
-    assert all("\n" not in line for line in tally.faults(Tally(), PLAIN).values())
-    assert set(tally.faults(Tally(skipped=5, failed=2), PLAIN)) == {"missed"}
-
-
 def test_an_image_is_no_frame() -> None:
     decoder = Decoder(PLAIN)
     packet = PLAIN.to_bytes(Frame(0, (), 0, (1, 2), (3,)))

@@ -10,12 +10,9 @@ from pathlib import Path
 import pytest
 from pages import ROUNDING, cells, section, shows
 
-from tactus.errors.scene_errors import scene_errors
 from tactus.report.measure.motions import FORMS, RUNS
-from tactus.report.measure.networks import scenes
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.table import Table
-from tactus.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
 
@@ -173,24 +170,6 @@ def table(measured_tables: dict[str, Table]) -> Table:
 def by_scene(table: Table, name: str) -> dict[str, object]:
     at = table.columns.index(name)
     return {str(row[0]): row[at] for row in table.rows}
-
-
-def test_every_scene_is_there(table: Table) -> None:
-    assert [row[0] for row in table.rows] == [scene.name for scene in scenes()]
-
-
-def test_the_worst_output_has_the_largest_error(table: Table) -> None:
-    found = by_scene(table, "largest %")
-    for name in ("digit-single-thesis", "swing-cascade"):
-        errors = scene_errors(load_scene(name))["bit-true"]
-        assert found[name] == max(error.largest_mean for error in errors)
-
-
-def test_an_instrument_waits_for_its_sensors(table: Table) -> None:
-    found = by_scene(table, "clocks a frame")
-    scan = load_scene("digit-instrument").twin().scan_sequencer
-    assert found["digit-instrument"] > scan.sample_clocks[-1] > 10 * found["digit"]
-    assert by_scene(table, "interval clocks")["digit-instrument"] == scan.scan_clocks
 
 
 def test_a_cascade_pays_clocks_for_accuracy(table: Table) -> None:

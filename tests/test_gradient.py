@@ -9,7 +9,6 @@ import pytest
 
 from golden.activation import pade, polynomial, segments
 from golden.activation.gradient import gradient_for
-from golden.activation.lut import lut_for
 from golden.activation.pade import UnsettledWarning, pade_for
 from golden.activation.polynomial import normalised, polynomial_for
 from golden.activation.schemes import SCHEMES
@@ -108,20 +107,6 @@ def test_table_5_2_holds_gradients_divided_by_q(q: int) -> None:
     assert [round(g / q, 4) for g in segments.GRADIENT] == list(TABLE_5_2[q])
 
 
-def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
-    """Compares the words of g_memory.md for Q = 24 with its rule in exact arithmetic."""
-    exact = [Fraction(str(gradient)) * 24 for gradient in segments.GRADIENT]
-    own = [max(p for p in range(14) if int(g * 2**p + Fraction(1, 2)) < 2**13) for g in exact]
-    common = max(p for p in range(14) if int(max(exact) * 2**p + Fraction(1, 2)) < 2**17)
-    points = [min(p, common) for p in own]
-    assert len(set(points)) > 1
-    words = [
-        int(g * 2**p + Fraction(1, 2)) * 2 ** (common - p)
-        for g, p in zip(exact, points, strict=True)
-    ]
-    assert coefficient_codes(24, 14, 13) == (words, common)
-
-
 def test_binary_points_of_table_4_3() -> None:
     """For Q = 3, every coefficient has the binary point that the thesis prints."""
     codes, frac = coefficient_codes(3, 14, 13)
@@ -143,20 +128,6 @@ def test_largest_error_of_a_gradient_word() -> None:
             reach = min(1.0, upper / factor)
             worst = max(worst, abs(code / 2**frac - gradient * factor) * reach * 8192)
     assert 0.58 < worst < 0.59
-
-
-LUT_CASES = [(THESIS, q) for q in (1, 2, 3, 7, 12, 77, 100, 511, 512, 3000)] + [(EXACT, 1)]
-
-
-@pytest.mark.parametrize(("precision", "factor"), LUT_CASES, ids=lambda v: getattr(v, "name", v))
-def test_every_magnitude_reads_the_word_of_its_step(precision, factor: int) -> None:
-    fmt = precision.hidden_fmt
-    table = lut_for(precision, factor, fmt.high)
-    assert table.scale < 1 << 17
-    mags = range(0, fmt.high + 1, 1 if fmt.width == 14 else 7)
-    entries = [int(Fraction(m * factor * 256, 7 * 2**fmt.frac)) for m in mags]
-    words = np.array([*np.floor(8192 * np.tanh(np.arange(128) * 3.5 / 128) + 0.5), SIGNAL.high])
-    assert np.array_equal(table.process(np.array(mags)), words[np.minimum(entries, 128)])
 
 
 PADE_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["pade"]

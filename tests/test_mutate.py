@@ -300,14 +300,6 @@ def test_a_changed_bit_is_in_the_word_alone(shared: Shared) -> None:
         assert [w.value for w in changed] == values
 
 
-def test_bits_are_drawn_without_repetition(with_words: dict[str, list[Word]]) -> None:
-    words = with_words["program_memory"]
-    chosen = drawn(words, 300, seed=1)
-    assert len(set(chosen)) == 300
-    assert chosen != drawn(words, 300, seed=2)
-    assert len(drawn(words[:2], 300, seed=1)) == 2 * 36
-
-
 def test_the_bench_finds_few_changed_bits(shared: Shared) -> None:
     """Each bit of these words is compared with the twin's by the bench."""
     found = score_words(shared.subject("program_memory"), count=3, seed=2)
