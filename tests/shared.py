@@ -10,11 +10,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from subprocess import CompletedProcess
 from typing import TYPE_CHECKING
 
 import pytest
 from exporter import Exporter
 
+from tactus.core.fingerprint import ROOT
 from tactus.core.store import VARIABLE
 from tactus.scene import Scene, load_scene
 from tactus.verify.benches.collected import CASES, CASES_OF
@@ -125,6 +127,14 @@ class Shared:
         return run_jobs(planned, lambda _: None, AT_ONCE)
 
 
+def run(*words: str | Path, folder: Path = ROOT, **variables: str) -> CompletedProcess[str]:
+    """What a program prints and how it ends, with more variables in its environment."""
+    environment = os.environ | variables
+    return subprocess.run(
+        words, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
 def copied_job(job: Job, folder: Path) -> Job:
     """The same bench on a copy of its files, which may be changed."""
     copied = replace(job, build=folder)
@@ -137,6 +147,5 @@ def copied_job(job: Job, folder: Path) -> Job:
 def printed(folder: Path, text: str) -> list[str]:
     """The words that some Verilog prints."""
     (folder / "text.v").write_text(text)
-    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
-        result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    return result.stdout.split()
+    run("iverilog", "-g2012", "-o", "text", "text.v", folder=folder)
+    return run("vvp", "-n", "text", folder=folder).stdout.split()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from shared import run
 
 from golden.input_error import InputError
 from tactus.core.table import read_table
@@ -37,7 +37,6 @@ from tactus.physics.strain_sensor import (
 )
 from tactus.report import gauges
 
-ROOT = Path(__file__).parents[1]
 BEAM = Beam()
 ALONG = np.linspace(0, BEAM.length, 1001)
 
@@ -114,10 +113,8 @@ def test_what_the_fit_makes_of_the_recorded_sensors() -> None:
 
 
 def test_the_command_writes_a_csv(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tactus.physics.digit_data", str(tmp_path / "d.csv")]
-    result = subprocess.run(
-        [*command, "--rows", "9", "--seed", "4"], cwd=ROOT, capture_output=True, text=True
-    )
+    command = [sys.executable, "-m", "tactus.physics.digit_data", tmp_path / "d.csv"]
+    result = run(*command, "--rows", "9", "--seed", "4")
     assert result.returncode == 0, result.stderr
     written = read_table(tmp_path / "d.csv", [*SENSORS, *COLUMNS])
     assert np.abs(written - digit_data(9, 4)).max() <= 5.1e-5

@@ -9,6 +9,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from shared import run
 
 from tactus.boards import board_names, load_board
 from tactus.boards.bitstream import record_path
@@ -24,17 +25,6 @@ from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
-
-
-def run(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        list(command),
-        cwd=ROOT,
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 def make(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -30,7 +30,7 @@ from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
-from golden.numbers.precision import SIGNAL, THESIS
+from golden.numbers.precision import SIGNAL
 from golden.trained.mlp import Mlp
 from tactus.cli.listing import main
 from tactus.scene import load_scene
@@ -218,28 +218,8 @@ def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None
 
 
 def test_what_does_not_fit_is_refused() -> None:
-    mlp = random_mlp((2, 2, 1), 1.0, 1)
-    with pytest.raises(InputError, match="segment_width: got 10, expected one of 7, 8, 9"):
-        Engine.of([mlp], Settings(options={"segment_width": 10}))
     with pytest.raises(InputError, match=r"frame_check: got inputs=8, expected 1 to 7"):
         FrameCheck(8, 3, 20, Pipeline())
     wide = random_mlp((1000, 12, 1), 1.0, 1)
     with pytest.raises(InputError, match=re.escape("got 1025 words of the operand memory")):
         Engine.of([wide])
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        (Settings(THESIS), "precision: got 'thesis', expected exact"),
-        (Settings(activation="gradient"), "activation: got 'gradient', expected precise"),
-        (
-            Settings(activation_options={"coefficients": "block_ram"}),
-            "activation_options: got coefficients, expected none: its precise has one form",
-        ),
-        (Settings(options={"clock": 9}), "hardware: got 'clock', expected lanes or"),
-    ],
-)
-def test_settings_that_an_engine_does_not_know_are_refused(settings, message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(f"engine: {message}")):
-        Engine.of([random_mlp((2, 2, 1), 1.0, 1)], settings)

@@ -1,9 +1,7 @@
 """The exported files are reproducible, standard-conforming, readable, and free of latches."""
 
 import json
-import os
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from importlib.metadata import version
@@ -12,7 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import tiered
 from refused import Desk
-from shared import Shared
+from shared import Shared, run
 
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.schemes import SCHEMES
@@ -31,9 +29,6 @@ from tb.common.cases import random_mlp
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-ROOT = Path(__file__).parents[1]
-
-
 SCENES = tiered(
     ["digit-single", "digit-single-thesis", "digit-parallel", "block-ram", "chain", "axis-chain"],
     [
@@ -43,52 +38,28 @@ SCENES = tiered(
 )
 
 
-@pytest.fixture
-def build(shared: Shared, request: pytest.FixtureRequest) -> Path:
-    """Both languages of the scene of a test."""
-    scene = request.node.callspec.params.get("scene", "digit-single")
-    for language in ("vhdl", "verilog"):
-        shared.export(scene, language)
-    return shared.build
-
-
-def top_of(folder: Path) -> str:
-    """The top entity, which is the last one in compile order."""
-    return str(json.loads((folder / MANIFEST).read_text())[-1]["entity"])
-
-
 def files(folder: Path) -> list[Path]:
     return [folder / name for name in compile_order(folder)]
 
 
 @pytest.mark.parametrize("seed", tiered(["1"], ["2"]))
-def test_the_same_bytes_whatever_the_hash_seed(build: Path, tmp_path: Path, seed: str) -> None:
-    subprocess.run(
-        [sys.executable, "-m", "tactus.export", "digit-single", "both", "--build", str(tmp_path)],
-        cwd=ROOT,
-        env=os.environ | {"PYTHONHASHSEED": seed},
-        check=True,
-        capture_output=True,
-    )
+def test_the_same_bytes_whatever_the_hash_seed(shared: Shared, tmp_path: Path, seed: str) -> None:
+    command = [sys.executable, "-m", "tactus.export", "digit-single", "both", "--build", tmp_path]
+    assert run(*command, PYTHONHASHSEED=seed).returncode == 0
     for language in ("vhdl", "verilog"):
-        here, again = (fingerprint([f / "digit-single" / language]) for f in (build, tmp_path))
-        assert here == again
+        folder = tmp_path / "digit-single" / language
+        assert fingerprint([shared.export("digit-single", language)]) == fingerprint([folder])
 
 
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("standard", ["93", "08"])
 def test_ghdl_accepts_every_file_in_the_listed_order(
-    build: Path, tmp_path: Path, scene: str, standard: str
+    shared: Shared, tmp_path: Path, scene: str, standard: str
 ) -> None:
     """The files are only analysed. Benches and tests of the handover generate code from them."""
-    listed = files(build / scene / "vhdl")
+    listed = files(shared.export(scene, "vhdl"))
     assert listed
-    result = subprocess.run(
-        ["ghdl", "-s", f"--std={standard}", f"--workdir={tmp_path}", *map(str, listed)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    result = run("ghdl", "-s", f"--std={standard}", f"--workdir={tmp_path}", *listed)
     assert result.returncode == 0, result.stderr
     assert not result.stderr
 
@@ -104,8 +75,8 @@ UNREADABLE = {
 
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
-def test_files_read_as_if_written_by_hand(build: Path, scene: str, language: str) -> None:
-    folder = build / scene / language
+def test_files_read_as_if_written_by_hand(shared: Shared, scene: str, language: str) -> None:
+    folder = shared.export(scene, language)
     for entry in json.loads((folder / MANIFEST).read_text()):
         text = (folder / entry["file"]).read_text()
         found = re.search(UNREADABLE[language], text)
@@ -124,40 +95,30 @@ def test_a_cascade_is_few_entities_in_short_files(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_every_table_says_what_its_words_stand_for(build: Path, scene: str) -> None:
-    folder = build / scene / "vhdl"
-    for file in files(folder):
+def test_every_table_says_what_its_words_stand_for(shared: Shared, scene: str) -> None:
+    for file in files(shared.export(scene, "vhdl")):
         text = file.read_text()
         rows = re.findall(r"^ +when \w+ => \w+ <= \"[01]+\";(.*)$", text, re.M)
         rows += re.findall(r"^ +(?:others => )?X\"[0-9a-f]+\"(?:,|\);)(.*)$", text, re.M)
         assert all(re.fullmatch(r"  -- \S.*", note) for note in rows), file.name
 
 
-def synthesise(sources: list[Path], top: str, work: Path) -> subprocess.CompletedProcess[str]:
-    """Run GHDL's synthesis, which refuses a latch."""
-    options = ["--std=93", f"--workdir={work}", "--out=raw-vhdl"]
-    return subprocess.run(
-        ["ghdl", "--synth", *options, *map(str, sources), "-e", top],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
 @pytest.mark.parametrize("scene", SCENES)
-def test_vhdl_synthesises_without_a_latch(build: Path, tmp_path: Path, scene: str) -> None:
-    folder = build / scene / "vhdl"
-    top = top_of(folder)
-    result = synthesise(files(folder), top, tmp_path)
+def test_vhdl_synthesises_without_a_latch(shared: Shared, tmp_path: Path, scene: str) -> None:
+    """GHDL's synthesis refuses a latch."""
+    sources = files(shared.export(scene, "vhdl"))
+    top = sources[-1].stem
+    options = ["--std=93", f"--workdir={tmp_path}", "--out=raw-vhdl"]
+    result = run("ghdl", "--synth", *options, *sources, "-e", top)
     assert result.returncode == 0, result.stderr
     assert f"entity {top}" in result.stdout
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_a_reader_finds_every_block_by_name(shared: Shared, build: Path, scene: str) -> None:
+def test_a_reader_finds_every_block_by_name(shared: Shared, scene: str) -> None:
     """Each block of the design has an entity, which the parent that the twin names instantiates."""
     design = shared.scene(scene).twin()
-    folder = build / scene / "vhdl"
+    folder = shared.export(scene, "vhdl")
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}
     assert entities == {block.entity for block in walk(design)}
     for block in walk(design):

@@ -3,25 +3,18 @@
 import csv
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from pages import ROUNDING, cells, section, shows
+from shared import run
 
 from tactus.report.measure.motions import FORMS, RUNS
 from tactus.report.measure.registry import TABLES
 from tactus.report.measure.table import Table
 
-ROOT = Path(__file__).parents[1]
-
-
-def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "tactus.report.measure", *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-
-
+MEASURE = (sys.executable, "-m", "tactus.report.measure")
 # Two quick tables.
 QUICK = ("beam", "profile")
 
@@ -35,7 +28,7 @@ def tables(measured_tables: dict[str, Table]) -> dict[str, Table]:
 def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
     """The folder and the output of a call, and the requested tables."""
     build = tmp_path_factory.mktemp("build")
-    result = run("--build", str(build), "--seed", "3", " ".join(QUICK))
+    result = run(*MEASURE, "--build", str(build), "--seed", "3", " ".join(QUICK))
     assert result.returncode == 0, result.stderr
     return build / "figures", result.stdout, list(QUICK)
 
@@ -81,7 +74,7 @@ def test_the_json_says_what_took_part(written) -> None:
 @pytest.mark.all_only
 def test_the_same_seed_gives_the_same_bytes(written, tmp_path: Path) -> None:
     folder, _, names = written
-    assert run("--build", str(tmp_path), "--seed", "3", " ".join(names)).returncode == 0
+    assert run(*MEASURE, "--build", str(tmp_path), "--seed", "3", " ".join(names)).returncode == 0
     again = tmp_path / "figures"
     assert {p.name for p in again.iterdir()} == {p.name for p in folder.iterdir()}
     for file in again.iterdir():
@@ -109,8 +102,8 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
     names = ("scene", "run", "output", "float %", "bit-true %")
     worst: dict[tuple[str, str], float] = {}
     final: dict[tuple[str, str], float] = {}
-    for scene, run, output, real, exact in columns(tables, "motions", *names):
-        kept = worst if run in RUNS[:2] else final
+    for scene, one, output, real, exact in columns(tables, "motions", *names):
+        kept = worst if one in RUNS[:2] else final
         kept[scene, output] = max(exact, kept.get((scene, output), 0))
         # In the thesis' 14 bits the activation is trained with, and differs from floating point.
         assert scene.endswith("-thesis") or abs(exact - real) < 0.03

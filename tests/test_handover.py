@@ -2,17 +2,17 @@
 
 import re
 import shutil
-import subprocess
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 import yaml
 from conftest import tiered
-from shared import Shared
+from shared import Shared, run
 
 from tactus.core.fingerprint import fingerprint
 from tactus.export.exporter import compile_order
-from tactus.scene import Scene, load_scene
+from tactus.scene import load_scene
 from tactus.verify.benches.runner import export
 from tactus.verify.benches.simulate import QUICK
 from tactus.verify.benches.written import write_scene
@@ -53,84 +53,47 @@ FAULTS = [
 ]
 
 
-class Exported(dict[str, Scene]):
-    """Scenes by name, each exported in both languages when it is asked for."""
-
-    def __init__(self, shared: Shared) -> None:
-        super().__init__()
-        self.shared = shared
-
-    def __missing__(self, name: str) -> Scene:
-        for language in ("vhdl", "verilog"):
-            self.shared.export(name, language)
-        self[name] = self.shared.scene(name)
-        return self[name]
-
-
-@pytest.fixture(scope="module")
-def build(shared: Shared) -> Path:
-    return shared.build
-
-
-@pytest.fixture(scope="module")
-def scenes(shared: Shared) -> Exported:
-    """The scenes above, exported into ``build``."""
-    return Exported(shared)
-
-
 @pytest.fixture
-def library(shared: Shared, scenes, build: Path, name: str) -> Path:
+def library(shared: Shared, name: str) -> Path:
     """A copy of the library of a scene, with its test bench and example, for all tests."""
     work = shared.folder / "libraries" / name
-    top = scenes[name].twin().entity
+    top = shared.scene(name).twin().entity
 
     def make() -> None:
         shutil.copytree(shared.library(name), work)
         more = [f"{top}_{part}.vhd" for part in ("vectors", "tb", "example")]
-        analyse(build / name / "vhdl", work, *more, start=more[0])
+        analyse(shared.export(name, "vhdl"), work, *more, start=more[0])
 
     shared.once(f"library {name}", make)
     return work
 
 
-def order(folder: Path) -> list[str]:
-    return compile_order(folder)
-
-
-def ghdl(work: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(["ghdl", *words], cwd=work, capture_output=True, text=True, check=False)
-
-
 def analyse(folder: Path, work: Path, *more: str, start: str = "") -> None:
     """Analyse every file in order, then the others, as a user does; or from ``start`` on."""
-    names = [*order(folder), *more]
+    names = [*compile_order(folder), *more]
     names = names[names.index(start) if start else 0 :]
     # The library says that it had the changed ones from elsewhere.
     options = ["--std=93", QUICK, *(["-Wno-library"] if start else [])]
-    result = ghdl(work, "-a", *options, *(str(folder / name) for name in names))
+    result = run("ghdl", "-a", *options, *(folder / name for name in names), folder=work)
     assert result.returncode == 0, result.stderr
     assert not result.stderr
 
 
-def run(folder: Path, work: Path, top: str) -> subprocess.CompletedProcess[str]:
+def simulate(work: Path, top: str) -> CompletedProcess[str]:
     """Run the test bench as docs/handover.md says."""
-    analyse(folder, work, f"{top}_vectors.vhd", f"{top}_tb.vhd")
-    return simulate(work, top)
+    assert run("ghdl", "-e", "--std=93", f"{top}_tb", folder=work).returncode == 0
+    words = ("--std=93", f"{top}_tb", "--ieee-asserts=disable")
+    return run("ghdl", "-r", *words, folder=work)
 
 
-def simulate(work: Path, top: str) -> subprocess.CompletedProcess[str]:
-    assert ghdl(work, "-e", "--std=93", f"{top}_tb").returncode == 0
-    return ghdl(work, "-r", "--std=93", f"{top}_tb", "--ieee-asserts=disable")
-
-
-def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
+def counts(result: CompletedProcess[str]) -> list[tuple[int, int]]:
     found = re.findall(r"(\d+) of (\d+) frames match", result.stdout + result.stderr)
     return [(int(matched), int(frames)) for matched, frames in found]
 
 
 @pytest.mark.parametrize("name", EXPORTED)
-def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
-    scene = scenes[name]
+def test_every_recorded_frame_matches(shared: Shared, library: Path, name: str) -> None:
+    scene = shared.scene(name)
     result = simulate(library, scene.twin().entity)
     frames = len(scene.vectors().codes)
     text = result.stdout + result.stderr
@@ -147,11 +110,11 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
     ],
 )
 def test_a_fault_in_an_entity_fails(
-    scenes, build, library, tmp_path, name, file, pattern, text
+    shared: Shared, library: Path, tmp_path: Path, name: str, file: str, pattern: str, text: str
 ) -> None:
-    top = scenes[name].twin().entity
+    top = shared.scene(name).twin().entity
     copy, work = tmp_path / "vhdl", tmp_path / "work"
-    shutil.copytree(build / name / "vhdl", copy)
+    shutil.copytree(shared.export(name, "vhdl"), copy)
     shutil.copytree(library, work)
     source, count = re.subn(pattern, text, (copy / file).read_text(), count=1)
     assert count == 1, f"{pattern} is not in {file}"
@@ -162,16 +125,16 @@ def test_a_fault_in_an_entity_fails(
     assert "does not give the recorded results" in result.stdout + result.stderr
 
 
-@pytest.mark.parametrize("name", EXPORTED)
+@pytest.mark.parametrize("name", EVERY_RUN)
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
-def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, language: str) -> None:
-    folder = build / name / language
-    top = scenes[name].twin().entity
+def test_the_core_file_lists_exactly_the_files(shared: Shared, name: str, language: str) -> None:
+    folder = shared.export(name, language)
+    top = shared.scene(name).twin().entity
     text = (folder / f"{name}.core").read_text()
     assert text.startswith("CAPI=2:\n")
     core = yaml.safe_load(text)
     assert core["name"] == f"tactus::{name}:0"
-    assert core["filesets"]["rtl"]["files"] == order(folder)
+    assert core["filesets"]["rtl"]["files"] == compile_order(folder)
     assert core["targets"]["default"] == {"filesets": ["rtl"], "toplevel": top}
     if language == "vhdl":
         assert core["filesets"]["tb"]["files"] == [f"{top}_vectors.vhd", f"{top}_tb.vhd"]
@@ -185,17 +148,12 @@ def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, languag
 
 
 @pytest.mark.parametrize("name", EXPORTED)
-def test_the_examples_compile(scenes, build, library: Path, tmp_path: Path, name: str) -> None:
-    top = scenes[name].twin().entity
-    assert ghdl(library, "-e", "--std=93", f"{top}_example").returncode == 0
-    folder = build / name / "verilog"
-    result = subprocess.run(
-        ["iverilog", "-Wall", "-o", str(tmp_path / "a.out"), "-s", f"{top}_example"]
-        + [str(folder / file) for file in [*order(folder), f"{top}_example.v"]],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def test_the_examples_compile(shared: Shared, library: Path, tmp_path: Path, name: str) -> None:
+    top = shared.scene(name).twin().entity
+    assert run("ghdl", "-e", "--std=93", f"{top}_example", folder=library).returncode == 0
+    folder = shared.export(name, "verilog")
+    files = [folder / file for file in [*compile_order(folder), f"{top}_example.v"]]
+    result = run("iverilog", "-Wall", "-o", tmp_path / "a.out", "-s", f"{top}_example", *files)
     assert result.returncode == 0, result.stderr
     assert f"{top}_example.v" not in result.stderr
 
@@ -219,7 +177,8 @@ def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:
     folder = (tmp_path / "größe 1" / "vhdl").rename(tmp_path / "vhdl")
     assert all(file.read_text().isascii() for file in folder.iterdir())
     assert yaml.safe_load((folder / "gr__e_1.core").read_text())["name"] == "tactus::gr__e_1:0"
-    assert run(folder, tmp_path, "hybrid").returncode == 0
+    analyse(folder, tmp_path, "hybrid_vectors.vhd", "hybrid_tb.vhd")
+    assert simulate(tmp_path, "hybrid").returncode == 0
 
 
 def test_new_recordings_are_exported_again(tmp_path: Path) -> None:

@@ -1,7 +1,6 @@
 """Tests the image of a scene: its bytes, what refuses it, and hardware that runs several."""
 
 import re
-import subprocess
 import sys
 from binascii import crc_hqx
 from dataclasses import replace
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 from conftest import tiered
 from copied import movable
+from shared import run
 from test_engine import random_codes
 
 from golden.engine.fields import signed_code
@@ -42,7 +42,6 @@ from tb.common.cases import random_mlp, random_network
 from tb.common.images import networks_of_other_depth, networks_of_other_functions
 from tb.networks.tb_engine import SCENES, shipped_with_room
 
-ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 LANE_KEYS = {1: "", 3: "lanes = 3"}
 CASES = {
@@ -267,32 +266,6 @@ def test_sums_that_are_too_large_are_refused(relu: bool) -> None:
     assert replace(graph, neurons=(first, fewer)).sum_bits(tanh_table(9)) == there
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"program_words": 500}, r"program_words: got 500, expected a power of two, 2 to 65536"),
-        (
-            {"lanes": 2, "program_words": 16384},
-            r"program_words: got 16384, expected a power of two, 2 to 8192",
-        ),
-        (
-            {"program_words": 256},
-            r"hardware\.program_words: got 256, expected 512 or more, which the tables of each "
-            "lane take with segment_width 9",
-        ),
-        (
-            {"program_words": 1024, "table_blocks": 3},
-            r"got 1024, expected 2048 or more, .* with segment_width 9 and table_blocks 3",
-        ),
-        ({"operand_words": 2048}, r"operand_words: got 2048, expected a power of two, 2 to 1024"),
-        ({"operand_words": 8}, r"needs \d+ operand words, there are 8 \(hardware.operand_words\)"),
-    ],
-)
-def test_a_size_that_cannot_be_is_refused(options: dict[str, int], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        engine(random_mlp((6, 5, 2), 1.0, seed=1), **options)
-
-
 def test_networks_that_no_image_holds_are_refused() -> None:
     functions, learned = networks_of_other_functions()[2], LEARNED["learned-engine"].networks()
     with pytest.raises(InputError, match=r"hardware\.lanes: got 2 for sums of functions, exp"):
@@ -401,8 +374,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
     command = [sys.executable, "-m", "tactus.cli.image", "digit-single"]
-    command += ["--hardware", str(small), "--build", str(tmp_path)]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = run(*command, "--hardware", small, "--build", tmp_path)
     assert result.returncode == 2
     assert "the image needs 40 operand words, there are 32" in result.stderr
     assert image.read_bytes() == b"before"
@@ -418,8 +390,8 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path, kind
         keys = LANE_KEYS[3 if kind == "lanes" else 1]
         scenes = [reloadable(name, tmp_path, keys) for name in ("digit", "swing-single")]
     for scene in scenes:
-        command = [sys.executable, "-m", "tactus.export", str(scene.path), "both"]
-        subprocess.run([*command, "--build", str(tmp_path)], check=True, capture_output=True)
+        command = [sys.executable, "-m", "tactus.export", scene.path, "both", "--build", tmp_path]
+        assert run(*command).returncode == 0
     for language in ("vhdl", "verilog"):
         first, second = (tmp_path / scene.name / language for scene in scenes)
         order = (first / "compile_order.txt").read_text()

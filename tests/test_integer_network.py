@@ -1,7 +1,6 @@
 """The network in whole numbers, which judges every engine, and the bounds of its error."""
 
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from golden.engine.bounds import error_bounds
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT
 from golden.engine.integer_network import IntegerLayer, LayerRounding, evaluate, sample_words
 from golden.engine.quantise import integer_networks
-from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
@@ -20,9 +18,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import ACTIVATIONS, Dense, Quantiser, Trained, layers_of, network_of
 from golden.trained.function import Function
-from tactus.scene import load_scene
-from tactus.verify.benches.written import write_scene
-from tb.common.cases import random_mlp, random_network
+from tb.common.cases import random_network
 
 TABLES = (Function("softsign", "x / (1 + abs(x))"), Function("bell", "exp(-x * x)"))
 KINDS = [*ACTIVATIONS, *(f"table:{function.name}" for function in TABLES)]
@@ -210,32 +206,3 @@ def test_a_quantiser_behind_what_is_not_exact_can_be_a_step_off() -> None:
     network = network_of([first, *layers[1:]])
     bounds = error_bounds(network, 9, 4)
     assert (bounds >= weights * quantiser.scale).all()
-
-
-def limited(tmp_path: Path, lines: str, sections: str = "") -> Engine:
-    path = write_scene(
-        tmp_path,
-        "limited",
-        "exact",
-        [random_mlp((2, 3, 3), 1.0, 4)],
-        activation="precise",
-        design="engine",
-        hardware=lines,
-        sections=sections,
-    )
-    found = load_scene(str(path)).twin().core
-    assert isinstance(found, Engine)
-    return found
-
-
-def test_too_few_clocks_are_refused(tmp_path) -> None:
-    clocks = limited(tmp_path, "").output_clocks[-1]
-    assert limited(tmp_path, f"clocks = {clocks}").output_clocks[-1] == clocks
-    with pytest.raises(InputError, match=rf"clocks: got {clocks - 1}, expected {clocks} or more"):
-        limited(tmp_path, f"clocks = {clocks - 1}")
-
-
-def test_an_engine_that_a_scan_leaves_no_time_for_is_refused(tmp_path) -> None:
-    assert limited(tmp_path, "", "\n[front_end]\ncounter_width = 8\n").output_clocks[-1] < 1 << 7
-    with pytest.raises(InputError, match="front_end: instrument: got counter_width=4, a scan"):
-        limited(tmp_path, "", "\n[front_end]\ncounter_width = 4\n")

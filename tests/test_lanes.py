@@ -243,23 +243,6 @@ def test_the_listing_names_every_step(capsys, monkeypatch) -> None:
     assert lines == lane_listing(many.graph, many.program)[2:]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"lanes": 17}, "hardware.lanes: got 17, expected 1 to 16"),
-        ({"lanes": 0}, "got 0, expected 1 to 16; adder_graph and table_graph need no multiplier"),
-        (
-            {"multiplier": "serial"},
-            "engine: hardware: got 'multiplier', expected lanes or segment_width or",
-        ),
-    ],
-)
-def test_options_that_it_does_not_have(options: dict, message: str) -> None:
-    with pytest.raises(InputError) as error:
-        Engine.of(ENGINES["least-engine"].networks(), Settings(options=options))
-    assert message in str(error.value)
-
-
 @pytest.mark.parametrize("name", ["tables-lanes", "bell-lanes"])
 def test_lanes_look_up_one_function_at_a_time(tmp_path, name: str) -> None:
     """A step names one function, so the nodes of a group have the same, and it is the one named."""

@@ -1,6 +1,5 @@
 """Variables of make reach the command unchanged, whatever characters they hold."""
 
-import os
 import re
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import GIVEN, MAKEFILE, ROOT
 from copied import movable
+from shared import run
 
 from tactus.core.commands import COMMANDS
 from tactus.scene import scene_path
@@ -84,14 +84,8 @@ def calls(log: Path) -> list[list[str]]:
 
 
 def make(folder: Path, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        ["make", "--no-print-directory", "-C", str(ROOT), *words],
-        cwd=folder,
-        env=os.environ | variables,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = ["make", "--no-print-directory", "-C", ROOT, *words]
+    return run(*command, folder=folder, **variables)
 
 
 @pytest.fixture(autouse=True)
@@ -285,7 +279,6 @@ def test_the_benches_of_a_board_that_learns_are_green(name: str, tmp_path: Path)
     own.write_text(text + LEARNS + drawn)
     for block in ("readout", "lesson_receiver", "packet_sender", "uart_instrument"):
         words = ["sim", f"SCENE={own}", f"BLOCK={block}", "SIM=icarus"]
-        command = ["make", "--no-print-directory", "-o", "ready", f"VENV={sys.prefix}", *words]
-        said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        said = make(ROOT, "-o", "ready", f"VENV={sys.prefix}", *words)
         assert said.returncode == 0, said.stdout + said.stderr
         assert "1 benches, 0 failed" in said.stdout
