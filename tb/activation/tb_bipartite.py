@@ -1,43 +1,29 @@
-"""bipartite against its twin.
+"""bipartite against its twin: codes over the whole range, back to back, with gaps and resets.
 
-Sweeps: a random code from each of 16384 equal parts of the input's range, or every code of a narrow
-input; for each bit of every word of both tables, a code of either sign whose result it changes; two
-codes on either side of 2, 4, 8, zero and both ends.
-Drives: the inputs back to back, then in random order with gaps and resets.
-Checks: the activation bit for bit, and the clock in which it appears.
-Does not prove: how close the tables are to tanh (tests/test_precise.py, over all codes).
+For each bit of every word of both tables there is a code of either sign whose result it changes.
 """
 
 import cocotb
-import numpy as np
 
 from tb.common import activation
-from tb.common.activation import INPUTS, OUTPUTS
 from tb.common.bench import Bench
 from tb.common.case_library import BIPARTITE
 from tb.common.properties import Property
-from tb.common.stream import check_gaps_and_resets, check_stream
 from tb.common.watch import ago, pipeline
 
 CASES = BIPARTITE
 
 
-def codes(bench):
-    return np.concatenate([activation.codes(bench), bench.twin.word_codes])
-
-
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
-    bench.finish(at_least=4096)
+    await activation.sweep(bench, bench.twin.word_codes, at_least=4096)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
-    items = {"in_data": codes(bench)}
-    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+    await activation.gaps_and_resets(bench, bench.twin.word_codes)
 
 
 # In one copy the valid flag skips its last register, in the other a register has no reset.
@@ -71,5 +57,4 @@ def sign(activation, node="", refuted_by=EARLY_SIGN):
 
 
 def properties(twin):
-    """Proved properties, whatever drives it."""
     return [pipeline(twin, LATE), sign(twin)]

@@ -1,10 +1,4 @@
-"""bipartite_pair against its twin.
-
-Sweeps: the codes of tb_bipartite at both nodes, in different orders.
-Drives: the inputs back to back, then in random order with gaps and resets.
-Checks: both activations bit for bit, and their clock.
-Does not prove: how close the tables are to tanh (tests/test_precise.py, over all codes).
-"""
+"""bipartite_pair against its twin: codes of tb_bipartite at both nodes, in different orders."""
 
 import cocotb
 import numpy as np
@@ -13,13 +7,10 @@ from tb.activation.tb_bipartite import EARLY_SIGN, LATE, sign
 from tb.common.bench import Bench
 from tb.common.case_library import BIPARTITE
 from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+from tb.common.stream import check_gaps_and_resets, check_stream
 from tb.common.watch import pipeline
 
 CASES = {name: case for name, case in BIPARTITE.items() if name != "bipartite-logic"}
-
-INPUTS = {"in_data_0": SIGNED, "in_data_1": SIGNED}
-OUTPUTS = {"out_data_0": SIGNED, "out_data_1": SIGNED}
 
 
 def codes(bench):
@@ -31,14 +22,14 @@ def codes(bench):
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    await check_stream(bench, codes(bench), INPUTS, OUTPUTS, bench.twin.process)
+    await check_stream(bench, codes(bench))
     bench.finish(at_least=4096)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
-    await check_gaps_and_resets(bench, codes(bench), INPUTS, OUTPUTS, bench.twin.process)
+    await check_gaps_and_resets(bench, codes(bench))
 
 
 # Only the sign of the second node is wrong.
@@ -46,9 +37,4 @@ SECOND = tuple(part.replace(r"(\w+)negative_late", "(node1_)negative_late") for 
 
 
 def properties(twin):
-    """Proved properties, whatever drives it."""
-    return [
-        pipeline(twin, LATE),
-        sign(twin.activation, "_0"),
-        sign(twin.activation, "_1", SECOND),
-    ]
+    return [pipeline(twin, LATE), sign(twin.activation, "_0"), sign(twin.activation, "_1", SECOND)]

@@ -1,11 +1,4 @@
-"""i_memory against its twin.
-
-Sweeps: every address that the port can carry, also beyond the last word.
-Drives: each address once, then 200 addresses in random order, then those that the block gets while
-the recorded frames run through the design.
-Checks: the word bit for bit, in the same clock.
-Does not prove: that the contents are the right ones (tests/test_gradient.py does).
-"""
+"""i_memory against its twin: every address, also beyond the last word, in the same clock."""
 
 import cocotb
 
@@ -25,13 +18,5 @@ async def every_address(dut):
 
 
 def properties(twin):
-    """Proved properties, at every address."""
-    return [
-        read_only(
-            twin,
-            (
-                (r"0: word = ", "0: word = 1 + "),
-                (r"default: word = ", "default: word = 1 + "),
-            ),
-        ),
-    ]
+    broken = ((r"0: word = ", "0: word = 1 + "), (r"default: word = ", "default: word = 1 + "))
+    return [read_only(twin, broken)]

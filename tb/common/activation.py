@@ -3,25 +3,22 @@
 The tests themselves stand in each bench, because the seed of a test follows from its module.
 """
 
-from tb.common.bench import Bench
+import numpy as np
+
 from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
-
-INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
+from tb.common.stream import check_gaps_and_resets, check_stream
 
 
-def codes(bench):
+def codes(bench, *more):
+    """Codes over the whole range and about each border, and some more."""
     twin = bench.twin
-    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
+    return np.concatenate([all_codes(twin.in_fmt, twin.border_codes, bench.rng), *more])
 
 
-async def sweep(dut):
-    bench = Bench(dut)
-    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
-    bench.finish(at_least=16384)
+async def sweep(bench, *more, at_least=16384):
+    await check_stream(bench, {"in_data": codes(bench, *more)})
+    bench.finish(at_least)
 
 
-async def gaps_and_resets(dut):
-    bench = Bench(dut)
-    items = {"in_data": codes(bench)}
-    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+async def gaps_and_resets(bench, *more):
+    await check_gaps_and_resets(bench, {"in_data": codes(bench, *more)})

@@ -219,6 +219,11 @@ class Bench:
                 f"rerun: {self.configuration['rerun']}"
             )
 
+    def read(self, recording: Recording, port: str, rows: np.ndarray) -> np.ndarray:
+        """Codes of a port of the twin in the given rows."""
+        signed = any(one.signed for one in self.twin.ports if one.name == port)
+        return (recording.signed if signed else recording.unsigned)(port, rows)
+
     def meet(self, quantity: str, values: np.ndarray) -> None:
         """Count values of a quantity on either side of its borders; see ``Block.borders``."""
         self.coverage.meet(quantity, np.asarray(values))
@@ -248,6 +253,18 @@ class Bench:
                 f"difference {got[at] - expected[at]} LSB; {rerun}"
             )
         self.compared += len(got)
+
+    def compare_stream(
+        self, recording: Recording, rows: np.ndarray, codes: np.ndarray, last: np.ndarray, **context
+    ):
+        """Compare ``out_valid``, ``out_data`` and ``out_last`` with what must leave.
+
+        rows, codes, last: Its clocks, what it is, and whether each is the last of its frame.
+        """
+        left = recording.rows("out_valid")
+        self.compare("clocks of out_valid", left, rows)
+        self.compare("out_data", recording.signed("out_data", left), codes, **context)
+        self.compare("clocks of out_last", recording.rows("out_last"), rows[last])
 
     def finish(self, at_least: int = 1):
         """Fail if fewer results were compared than promised, and hand the count to the runner."""

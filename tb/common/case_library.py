@@ -114,10 +114,7 @@ TABLE_GRAPHS = {
         hardware="sample_bits = 14\nhidden_bits = 9\noutput_bits = 14",
     ),
     "operands-tables": replace(
-        TABLE_GRAPH,
-        shapes=[(3, 3, 2)],
-        hardware="adders_per_clock = 1\nadder_operands = 3",
-        seed=9,
+        TABLE_GRAPH, shapes=[(3, 3, 2)], hardware="adders_per_clock = 1\nadder_operands = 3", seed=9
     ),
     "two-tables": replace(TABLE_GRAPH, shapes=[(2, 3, 1), (2, 2, 1)], arrangement="multiple"),
     "argmax-tables": replace(
@@ -173,7 +170,7 @@ DRAWN = {
         "exact",
         seed=2,
         sections=f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n",
-    ),
+    )
 }
 # These have samples of past frames; a cascade whose outputs are in another order, one of them not
 # drawn; a ramp that starts below 0; and a gain that is not a whole number.
@@ -321,11 +318,7 @@ LANES = {
         spread=1.0,
     ),
     "bell-lanes": replace(
-        LANE,
-        shapes=[(2, 3, 1)],
-        activations=("table:bell",),
-        functions=(BELL,),
-        spread=0.3,
+        LANE, shapes=[(2, 3, 1)], activations=("table:bell",), functions=(BELL,), spread=0.3
     ),
 }
 SMALL_TABLES = replace(
@@ -380,10 +373,7 @@ LEARNED = {
 # a range from the data, which other frames leave.
 LAYERED = {
     "layers-engine": replace(
-        ENGINE,
-        shapes=[(3, 4, 5, 3, 2)],
-        activations=("relu", "sigmoid", "leaky_relu"),
-        spread=1.5,
+        ENGINE, shapes=[(3, 4, 5, 3, 2)], activations=("relu", "sigmoid", "leaky_relu"), spread=1.5
     ),
     "deep-layers-engine": replace(
         ENGINE,

@@ -189,10 +189,6 @@ def check_loading(bench: Bench, recording: Recording) -> list[int]:
         alive &= leave.ravel() < len(rows)
         expected.append(np.stack([leave.ravel(), results.ravel(), last.ravel()], axis=1)[alive])
     due = np.concatenate(expected)
-    left = recording.rows("out_valid")
-    bench.compare("clocks of out_valid", left, rows[0] + due[:, 0])
-    bench.compare("out_data", recording.signed("out_data", left), due[:, 1], clock=left)
-    bench.compare(
-        "clocks of out_last", recording.rows("out_last"), rows[0] + due[due[:, 2] == 1, 0]
-    )
+    at = rows[0] + due[:, 0]
+    bench.compare_stream(recording, at, due[:, 1], due[:, 2] == 1, clock=at)
     return counts

@@ -9,7 +9,7 @@ from golden.common.block import Block
 from golden.instruments.block_inputs import seen
 from golden.numbers.fixed import Codes
 from tb.common.bench import Bench
-from tb.common.stream import check_stream
+from tb.common.stream import check_stream, ports_of
 
 # At most so many inputs, evenly spaced. A quarter of an hour of frames would take hours.
 MOST_SEEN = 4000
@@ -34,22 +34,16 @@ def recorded_inputs(
 
 
 async def check_recorded(
-    bench: Bench,
-    inputs: dict[str, Callable[..., Codes]],
-    outputs: dict[str, Callable[..., Codes]],
-    twin: Callable[..., Any],
-    operands: tuple[Codes, ...] | None = None,
-    interval: int = 1,
+    bench: Bench, twin: Callable[..., Any] | None = None, items: dict[str, Codes] | None = None
 ) -> None:
-    """Play the recorded inputs as close as ``interval`` allows; compare every result and its clock.
+    """Play the recorded inputs as close as the twin takes them; compare each result and its clock.
 
-    inputs, outputs, twin, interval: See ``check_stream``.
-    operands: The values of the ports in the order of ``inputs``, if they are not those that
-        ``process`` of the twin takes.
+    twin: See ``check_stream``.
+    items: The values of the input ports, if they are not those that ``process`` takes.
     """
-    operands = recorded_inputs(bench) if operands is None else operands
-    items = dict(zip(inputs, operands, strict=True))
-    await check_stream(bench, items, inputs, outputs, twin, interval=interval)
-    count = len(operands[0])
+    if items is None:
+        items = dict(zip(ports_of(bench.twin, "in"), recorded_inputs(bench), strict=True))
+    await check_stream(bench, items, twin)
+    count = len(next(iter(items.values())))
     bench.facts["recorded"] = count
-    bench.finish(at_least=(1 + len(outputs)) * count)
+    bench.finish(at_least=(1 + len(ports_of(bench.twin, "out"))) * count)

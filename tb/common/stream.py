@@ -4,37 +4,42 @@ from collections.abc import Callable
 
 import numpy as np
 
+from golden.common.block import Block
 from golden.common.border import State
-from tb.common.bench import Bench, Recording
+from tb.common.bench import Bench
 from tb.common.stimulus import random_resets, spread
 
-SIGNED, UNSIGNED = Recording.signed, Recording.unsigned
+Items = dict[str, np.ndarray]
+
+
+def ports_of(twin: Block, direction: str) -> list[str]:
+    """The ports of a direction that hold data, in the order of what ``process`` takes or gives."""
+    control = ("clk", "rst", f"{direction}_valid")
+    ports = [port.name for port in twin.ports if port.direction == direction]
+    return [name for name in ports if name not in control]
 
 
 async def check_stream(
     bench: Bench,
-    items: dict[str, np.ndarray],
-    inputs: dict[str, Callable],
-    outputs: dict[str, Callable],
-    twin: Callable,
+    items: Items,
+    twin: Callable | None = None,
     gap: float = 0.0,
     resets: bool | np.ndarray = False,
-    interval: int = 1,
     pause: np.ndarray | None = None,
 ):
     """Play ``items``, feed the recorded inputs to ``twin``, and compare all outputs.
 
     items: The values of the input ports, without ``in_valid``.
-    inputs, outputs: For each port SIGNED or UNSIGNED.
-    twin: A function from the recorded inputs, in the order of ``inputs``, to the outputs, in the
-        order of ``outputs``.
+    twin: A function from the recorded inputs, in their order, to the outputs, in the order of the
+        ports; by default ``process`` of the twin.
     gap: The probability of an idle clock before each item.
     resets: Whether there are random resets, or the clocks of the resets. An item must vanish if a
         reset comes while it is in the block.
-    interval: The least clocks from one item to the next. An item that is followed earlier must
-        vanish.
-    pause: Idle clocks before each item. The default is as many as ``interval`` demands.
+    pause: Idle clocks before each item. The default is as many as the interval of the twin demands.
+        An item that is followed earlier must vanish.
     """
+    twin, interval = twin or bench.twin.process, bench.twin.interval
+    outputs = ports_of(bench.twin, "out")
     tail = bench.latency + 4
     idle = interval - 1 if pause is None else pause
     drive = spread(bench.rng, items, "in_valid", gap, tail, pause=idle)
@@ -54,7 +59,7 @@ async def check_stream(
         next_reset = np.append(at, -1)[np.searchsorted(at, entered)]
         bench.visit(State("clocks to a reset", range(bench.latency)), next_reset - entered)
     kept = entered[recording.undisturbed(entered, entered + bench.latency - 1) & ~followed]
-    seen = {port: read(recording, port, kept) for port, read in inputs.items()}
+    seen = {port: bench.read(recording, port, kept) for port in items}
     for quantity, values in bench.twin.quantities(*seen.values()).items():
         bench.meet(quantity, values)
     expected = twin(*seen.values())
@@ -62,65 +67,44 @@ async def check_stream(
         expected = (expected,)
     left = recording.rows("out_valid")
     bench.compare("clocks of the results", left, kept + bench.latency)
-    for (port, read), values in zip(outputs.items(), expected, strict=True):
-        bench.compare(port, read(recording, port, left), np.asarray(values, dtype=np.int64), **seen)
+    for port, values in zip(outputs, expected, strict=True):
+        bench.compare(port, bench.read(recording, port, left), np.asarray(values, np.int64), **seen)
 
 
-async def check_in_parts(
-    bench: Bench,
-    items: dict[str, np.ndarray],
-    inputs: dict[str, Callable],
-    outputs: dict[str, Callable],
-    at_once: int = 1024,
-):
+async def check_in_parts(bench: Bench, items: Items, at_once: int = 1024):
     """Play items as close as the twin takes them, so few at once that the recording stays small."""
-    twin = bench.twin
     for start in range(0, len(next(iter(items.values()))), at_once):
         part = {name: values[start : start + at_once] for name, values in items.items()}
-        await check_stream(bench, part, inputs, outputs, twin.process, interval=twin.interval)
+        await check_stream(bench, part)
 
 
-async def check_gaps_and_resets(
-    bench: Bench,
-    items: dict[str, np.ndarray],
-    inputs: dict[str, Callable],
-    outputs: dict[str, Callable],
-    twin: Callable,
-    interval: int = 1,
-):
+def some_of(bench: Bench, items: Items, count: int) -> Items:
+    """So many of the items, in random order."""
+    order = bench.rng.integers(0, len(next(iter(items.values()))), count)
+    return {name: values[order] for name, values in items.items()}
+
+
+async def check_gaps_and_resets(bench: Bench, items: Items, twin: Callable | None = None):
     """Play 2000 of the items in random order, with idle clocks and resets between them.
 
     Then play items with a reset at each clock of their way through the block.
     """
-    order = bench.rng.integers(0, len(next(iter(items.values()))), 2000)
-    chosen = {name: values[order] for name, values in items.items()}
-    await check_stream(
-        bench, chosen, inputs, outputs, twin, gap=0.3, resets=True, interval=interval
-    )
+    chosen = some_of(bench, items, 2000)
+    await check_stream(bench, chosen, twin, gap=0.3, resets=True)
     # An item is followed by a reset so many clocks later, and by another item in the next clock.
     every = np.arange(bench.latency + 1)
     pairs = {name: values[: 2 * len(every)] for name, values in chosen.items()}
-    room = bench.latency + interval
+    room = bench.latency + bench.twin.interval
     pause = np.stack([np.full(len(every), room), every], axis=1).ravel()
     at = np.cumsum(pause + 1)[0::2] - 1 + every
-    await check_stream(
-        bench, pairs, inputs, outputs, twin, resets=at, interval=interval, pause=pause
-    )
+    await check_stream(bench, pairs, twin, resets=at, pause=pause)
     bench.finish(at_least=1000)
 
 
-async def check_early(
-    bench: Bench,
-    items: dict[str, np.ndarray],
-    inputs: dict[str, Callable],
-    outputs: dict[str, Callable],
-    twin: Callable,
-    interval: int,
-):
+async def check_early(bench: Bench, items: Items):
     """Play 1000 of the items in random order, one in three closer to the last than allowed."""
-    order = bench.rng.integers(0, len(next(iter(items.values()))), 1000)
-    chosen = {name: values[order] for name, values in items.items()}
+    chosen, interval = some_of(bench, items, 1000), bench.twin.interval
     close = bench.rng.integers(0, interval - 1, 1000)
     pause = np.where(bench.rng.random(1000) < 1 / 3, close, interval - 1)
-    await check_stream(bench, chosen, inputs, outputs, twin, interval=interval, pause=pause)
+    await check_stream(bench, chosen, pause=pause)
     bench.finish(at_least=500)

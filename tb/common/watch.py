@@ -36,11 +36,7 @@ def check_byte(data: str) -> str:
     )
 
 
-def pipeline(
-    twin: Block,
-    refuted_by: tuple[tuple[str, str], ...],
-    last: str = "",
-) -> Property:
+def pipeline(twin: Block, refuted_by: tuple[tuple[str, str], ...], last: str = "") -> Property:
     """The block gives a result for each item, a fixed number of clocks later.
 
     twin: Its latency is proved.

@@ -81,12 +81,7 @@ def properties(twin):
             sentence=f"The program starts {'one clock after' if waits else 'with'} the last sample "
             "of a good frame, in a clock without halt, and in no other clock. It runs until the "
             "last output leaves or a reset comes.",
-            states=(
-                "start == opens_now",
-                "run == going",
-                "busy == computing",
-                "!(start && halt)",
-            ),
+            states=("start == opens_now", "run == going", "busy == computing", "!(start && halt)"),
             watch=watch,
             reached=("start", "run && in_valid"),
             refuted_by=(

@@ -9,7 +9,7 @@ from tb.common.properties import Property
 from tb.common.watch import pipe, table
 
 # With weights alone, with smaller segments, with several blocks, and with words that are written.
-ALSO = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes", "tables-lanes-reload")
+PROVED = ("relu-lanes", "layers-lanes", "tables-lanes", "bell-lanes", "tables-lanes-reload")
 
 
 def properties(twin):
@@ -61,7 +61,7 @@ def properties(twin):
             refuted_by=((r"(memory\[1\] <= \S+);", r"\1 ^ 1;"), *faults),
             clocks=3,
             induction=2,
-        ),
+        )
     ]
 
 

@@ -1,17 +1,7 @@
-"""image_loader against its twin.
+"""image_loader against its twin: good images among cut, longer, changed and foreign ones.
 
-Sweeps: images of random words: of one word, of a few, and of as many as the memory holds. Some
-images are cut, at each of their last bytes or at random; some have further bytes, one changed bit,
-or are for other hardware. Some are wrong although their check matches: the header names more words
-than the memory has, with words behind it or none, a word is missing, or there is a word too many.
-In some the first byte of the check is wrong and the last byte fits it.
-Drives: good and wrong images in random order, their bytes with and without gaps, and ``busy`` at
-random clocks, so that a byte stays on the ports until it is taken; then the same with resets at
-random clocks.
-Checks: load_ready, halt and image_error in every clock; each word, its address and its clock; the
-number of samples of a frame while frames may come; that every complete image is found good, and no
-other.
-Does not prove: that every change of an image is found, which no check of 16 bits can do.
+Some are wrong although their check matches, wholly or in part. ``busy`` makes bytes wait. That
+every change of an image is found, no check of 16 bits can do.
 """
 
 from dataclasses import replace
@@ -25,7 +15,9 @@ from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.case_library import RELOADED, RELOADED_LANES
 from tb.common.images import fitting_checks, naming, with_check
+from tb.common.properties import Property
 from tb.common.stimulus import random_resets
+from tb.common.watch import check_byte
 
 CASES = RELOADED | RELOADED_LANES
 
@@ -143,3 +135,140 @@ async def resets(dut):
     found = await check(bench, drive)
     assert 0 < found < len(sent), f"found {found} good images of {len(sent)}"
     bench.finish(at_least=3000)
+
+
+def properties(twin):
+    addr, samples = twin.program_addr_width, twin.operand_addr_width
+    last_part = WORD_BYTES - 1
+    # Beyond any image that fits, words are not counted further.
+    most = max(1000, twin.words + 2)
+    low, bits = LAST_ADDR
+    watch = f"""
+        wire byte_taken = load_valid && !busy;
+        // Whole words of this image so far, the header among them, and bytes of the next.
+        reg [15:0] count = 0;
+        reg [2:0] part = 0;
+        reg [31:0] before;
+        wire [39:0] together = {{before, load_data}};
+        reg [39:0] header;
+        reg [15:0] sum_before = {twin.check_start};
+        reg [15:0] sum;
+        reg image_is_good = 0, image_failed = 0;
+        always @* begin
+            sum = sum_before;
+            {check_byte("load_data")}
+        end
+        wire [{bits}:0] words = header[{low + bits - 1}:{low}] + 1;
+        wire room = words <= {twin.words};
+        wire inside = count != 0 && room && count <= words;
+        wire ends_good = count != 0 && room && count == words + 1 && part == 1 && sum == 0;
+        always @(posedge clk) begin
+            if (byte_taken) begin
+                before <= together;
+                sum_before <= load_last ? {twin.check_start} : sum;
+                part <= load_last || part == {last_part} ? 0 : part + 1;
+                if (load_last) count <= 0;
+                else if (part == {last_part} && count != {most}) count <= count + 1;
+                if (part == {last_part} && count == 0) header <= together;
+                image_is_good <= load_last && ends_good;
+                if (load_last) image_failed <= !ends_good;
+            end
+            if (rst) begin
+                sum_before <= {twin.check_start};
+                count <= 0;
+                part <= 0;
+                image_is_good <= 0;
+                image_failed <= 0;
+            end
+        end
+    """
+    helps = (
+        "check == sum_before",
+        "whole == image_is_good",
+        "failed == image_failed",
+        "place == part",
+        f"part <= {last_part} && count <= {most}",
+        # The states are the header, the words, the check, and bytes that are too many.
+        "count != 0 || (!headed && !ended)",
+        f"!inside || (headed && !ended && addr == ((words - count) & {(1 << addr) - 1}))",
+        "count == 0 || !room || count != words + 1 || (headed && ended)",
+        "count == 0 || (room && count <= words + 1) || (!headed && ended)",
+        "held == before[27:0]",
+        f"count == 0 || !room || count > words + 1 || samples == header[{17 + samples}:18]",
+    )
+    # Both may be anything, but must be the same.
+    same = {
+        "Before the first byte, the register of bytes and its copy in the proof are equal.": (
+            "after_reset || held == before[27:0]"
+        )
+    }
+    return [
+        Property(
+            name="good images only",
+            sentence="halt ends with the last byte of an image that names no more words than the "
+            "memory has, that has all of them and no byte more, and whose check is right. It "
+            "begins with the first byte of the next image. No other image ends it, and image_error "
+            "says so.",
+            states=("halt == (byte_taken || !image_is_good)", "image_error == image_failed"),
+            watch=watch,
+            helps=helps,
+            assumes=same,
+            reached=("count == 2 && byte_taken",),
+            refuted_by=(
+                (r"check\[8-1:0\] == 0\)", "1'b1)"),
+                (r"headed && ended && \(place == 1\)", "headed && ended"),
+                (r"whole <= \(load_last && good\)", "whole <= good"),
+                (rf"fits = \(named < {twin.words}\)", "fits = 1'b1"),
+                (r"accept \|\| \(!whole\)", "!whole"),
+            ),
+            clocks=14,
+        ),
+        Property(
+            name="words in order",
+            sentence="Each word that the header names is written once, with its last byte, from "
+            "the last address to address 0, unless the header names more words than the memory "
+            "has. Nothing else is written, and nothing is written while busy is high.",
+            states=(
+                f"write == (byte_taken && inside && part == {last_part})",
+                f"!write || write_addr == ((words - count) & {(1 << addr) - 1})",
+                f"!write || word == together[{WORD_WIDTH - 1}:0]",
+                "!busy || !(write || load_ready)",
+            ),
+            watch=watch,
+            helps=helps,
+            assumes=same,
+            reached=("write",),
+            refuted_by=(
+                (rf"addr <= gathered\[{addr}-1:0\]", f"addr <= gathered[{addr + 1}-1:1]"),
+                (r"full && headed && \(!ended\)", "full && (!ended)"),
+                (rf"named < {twin.words}", f"named[17:{twin.words.bit_length()}] == 0"),
+                (r"load_valid && \(!busy\)", "load_valid"),
+                (r"held <= gathered\[28-1:0\]", "held <= {gathered[27:1], 1'b0}"),
+            ),
+            clocks=11,
+        ),
+        Property(
+            name="length stays",
+            sentence="The number of samples of a frame is that of the header when an image is "
+            "found good, and it changes only in clocks with halt.",
+            states=(f"!ends_good || before_last == header[{17 + samples}:18]", "steady"),
+            watch=watch
+            + f"""
+                reg [{samples - 1}:0] was;
+                reg may_change = 1;
+                always @(posedge clk) begin
+                    was <= before_last;
+                    may_change <= halt || rst;
+                end
+                wire steady = may_change || before_last == was;
+            """,
+            helps=helps,
+            assumes=same,
+            reached=("count == 1",),
+            refuted_by=(
+                (r"samples <= gathered", "samples <= held"),
+                (r"before_last = samples", "before_last = (samples ^ load_data)"),
+            ),
+            clocks=13,
+        ),
+    ]

@@ -11,7 +11,7 @@ from tb.common.properties import Property
 from tb.common.watch import busy_of, since
 from tb.instruments import tb_converter_instrument
 
-ALSO = ("plain-uart", "learn-uart")
+PROVED = ("plain-uart", "learn-uart")
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
 LESSONS = "u_lesson_receiver_0"
 
@@ -39,10 +39,7 @@ def no_half_image(twin, engine):
         """,
         helps=(f"!{loader}.whole || ended", *busy_of(twin.core, f"{engine}.")),
         # The program in the memory and the check of an image may be anything.
-        free=(
-            *("valid", "last", "heard_valid", "heard"),
-            *(f"{engine}.word", f"{loader}.good"),
-        ),
+        free=(*("valid", "last", "heard_valid", "heard"), *(f"{engine}.word", f"{loader}.good")),
         reached=(f"{engine}.start",),
         refuted_by=(
             (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
@@ -198,10 +195,7 @@ def rests(twin):
         name="line at rest",
         sentence="Each byte of a packet is taken by the line, one after the other. After a reset "
         f"tx stays 1 until a frame has left, or for {patience} clocks.",
-        states=(
-            f"{SENDER}.taken == {TRANSMITTER}.accept",
-            f"tx || left_one || age > {patience}",
-        ),
+        states=(f"{SENDER}.taken == {TRANSMITTER}.accept", f"tx || left_one || age > {patience}"),
         watch=f"""
             // Whether a frame has left since a reset, and clocks since then.
             reg left_one = 0;
@@ -312,10 +306,7 @@ def uart_receiver(twin):
                 always @(posedge clk)
                     if (ahead == 1 && looks != 9) bits <= {two, bits[7:1]};
             """,
-            helps=(
-                *helps,
-                "ahead == 0 || ((kept ^ bits) >> (looks > 8 ? 0 : 8 - looks)) == 0",
-            ),
+            helps=(*helps, "ahead == 0 || ((kept ^ bits) >> (looks > 8 ? 0 : 8 - looks)) == 0"),
             reached=("out_valid", "line_error"),
             whole=True,
             refuted_by=(
@@ -426,7 +417,7 @@ def pulse_density(twin):
     ]
 
 
-PARTS = {
+OF_PARTS = {
     "uart_receiver": uart_receiver,
     "uart_transmitter": uart_transmitter,
     "pulse_density": pulse_density,

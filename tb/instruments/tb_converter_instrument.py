@@ -1,13 +1,7 @@
 """converter_instrument against its twin: from the sensors' voltages to everything that is shown.
 
-Sweeps: recorded frames, then random ones: as many scans as fit into 1500 clocks, but at least four.
-Drives: the wires, as the converter answers for these voltages; transfers that no converter can have
-sent; resets.
-Checks: outputs, held outputs, the winner and every point of the profile bit for bit and in their
-clocks; ``converter_error`` in every clock; every limit of the converter's timing.
-Does not prove: that each bit which shows the presence of a converter is checked, and what the wires
-do in every clock (tb_converter_reader does); what frames of wrong lengths do, which the reader does
-not make (tb_readout drives them).
+The converter answers recorded and random voltages, with wrong transfers and resets. Each bit that
+shows its presence is a matter of tb_converter_reader, frames of wrong lengths one of tb_readout.
 """
 
 from dataclasses import replace
@@ -22,9 +16,9 @@ from tb.common.network import check_outputs, recorded_frames
 from tb.common.properties import Property
 from tb.common.stimulus import resets_before
 from tb.common.watch import sent
-from tb.sensing.prove_converter_reader import turns, verdict_clock
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error, listen
+from tb.sensing.tb_converter_reader import turns, verdict_clock
 
 DECIDES = "clock_mhz = 4.0\nargmax = true"
 CASES = CONVERTERS | {
@@ -138,7 +132,7 @@ def properties(twin):
                 "of converter_reader.": (
                     f"any_clock < {scan} && {at}done == (sensor && into == {verdict}) "
                     f"&& (!{at}done || {at}slot == turn_of_scan)"
-                ),
+                )
             },
             # A reset may come in any clock of a scan, so what is reached is reached soon.
             watch=f"""
@@ -169,5 +163,5 @@ def properties(twin):
                 (r"sending <= 0;", ""),
             ),
             clocks=slots + 6,
-        ),
+        )
     ]

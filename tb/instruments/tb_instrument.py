@@ -1,14 +1,7 @@
 """instrument against its twin: from the converter's codes to everything that is shown.
 
-Sweeps: recorded frames, then random codes in every clock: as many scans as fit into ten thousand
-clocks, which are two with a counter of 12 bits; and, of many random frames, those with the greatest
-and the least height.
-Drives: the code of the selected sensor in the clocks in which it is taken, and random codes in all
-other clocks; then random codes with resets.
-Checks: the address, and outputs, held outputs, the winner and every point of the profile bit for
-bit and in their clocks.
-Does not prove: what frames of wrong lengths do, which the sequencer does not make (tb_readout
-drives them).
+Codes are those of recorded frames, of the highest and the deepest profile, and random ones with
+resets. Frames of wrong lengths, which the sequencer does not make, are a matter of tb_readout.
 """
 
 from dataclasses import replace
@@ -171,5 +164,5 @@ def properties(twin):
                 (r"\.in_last\(last\)", ".in_last(valid)"),
             ),
             clocks=clocks + 8,
-        ),
+        )
     ]

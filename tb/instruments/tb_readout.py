@@ -1,39 +1,21 @@
 """readout against its twin: the stream of the network, and what is held, decided and drawn.
 
-Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to both of its ends,
-and random frames. For the held outputs, the winner and the profile there are recorded and random
-frames, and of many random frames those with the greatest and the least height.
-Drives: frames as close as the network takes them, with gaps, of wrong lengths, and with resets. For
-the profile they come at all distances, so that many results come while a ramp is being drawn. If
-the engine inside can be reloaded, its image comes first and after each reset, and a wrong image
-comes between good ones. One that learns gets known outputs of the wrong length and, in a test of
-its own, what tb_learning_engine shows.
-Checks: outputs, ``frame_error``, held outputs, index and margin of the winner, and every point of
-the profile bit for bit and in their clocks.
-Does not prove: the extremes of the profile; and, if the network needs about as long for a frame as
-the profile for a ramp, that the latest of two results during a ramp is drawn (tb_load_profile
-drives the block by itself).
+Besides the tests of tb/common/network.py, frames come at all distances, so that many results come
+while a ramp is drawn. An image comes first and after each reset, and a wrong one between good ones;
+an engine that learns gets what tb_learning_engine shows.
 """
 
 import cocotb
 import numpy as np
 
-from tb.common import readout
+from golden.numbers.precision import SIGNAL
+from tb.common import network, readout
 from tb.common.bench import Bench, test_of
 from tb.common.case_library import OTHER_PROFILES, READ_WINNERS, UART_INSTRUMENTS
 from tb.common.lessons import Player, refusals, traffic
 from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded, untaught
-from tb.common.network import (
-    WATCH,
-    corners_and_random,
-    random_elements,
-    recorded,
-    recorded_frames,
-    reset_at_every_clock,
-    resets_in_mid_frame,
-    whole_frames,
-    wrong_lengths,
-)
+from tb.common.network import WATCH, random_elements, recorded_frames, whole_frames
+from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
 
 LOADED = {name: UART_INSTRUMENTS[name] for name in ("reload-uart", "learn-uart")}
@@ -41,13 +23,12 @@ CASES = OTHER_PROFILES | LOADED | READ_WINNERS
 # It has the ports of the largest output too.
 ALSO = ("winner",)
 
-__all__ = [
-    "corners_and_random",
-    "recorded",
-    "reset_at_every_clock",
-    "resets_in_mid_frame",
-    "wrong_lengths",
-]
+# These tests are those of every network with a stream.
+corners_and_random = network.corners_and_random
+recorded = network.recorded
+reset_at_every_clock = network.reset_at_every_clock
+resets_in_mid_frame = network.resets_in_mid_frame
+wrong_lengths = network.wrong_lengths
 
 
 async def check(bench, frames, resets=None):
@@ -146,3 +127,77 @@ async def lessons(dut):
     traffic(player, 50)
     met = "frames refused", "targets refused", "placements", "steps taken", "steps refused"
     await player.check(*met, at_least=20)
+
+
+def properties(twin):
+    if not twin.holds:
+        return []
+    outputs, width = twin.outputs, SIGNAL.width
+    stream = ("result_valid", "result", "result_last")
+    words = "\n".join(
+        f"""
+            reg known_{n} = 0;
+            reg [{width - 1}:0] newest_{n};
+            always @(posedge clk) if (after_reset && result_valid && place == {n}) begin
+                known_{n} <= 1;
+                newest_{n} <= result;
+            end
+        """
+        for n in range(outputs)
+    )
+    found = [
+        Property(
+            name="held outputs",
+            sentence="Each output is held from the clock after it left until the next of its kind "
+            "has left, whatever the network gives. A reset begins a new frame and changes no held "
+            "output.",
+            states=tuple(f"!known_{n} || held_{n} == newest_{n}" for n in range(outputs)),
+            watch="""
+                // Outputs of this frame so far.
+                reg [15:0] place = 0;
+                always @(posedge clk) begin
+                    if (result_valid) place <= result_last ? 0 : place == 99 ? 99 : place + 1;
+                    if (rst) place <= 0;
+                end
+            """
+            + words,
+            helps=(f"count == (place > {outputs} ? {outputs} : place)", "place <= 99"),
+            free=stream,
+            reached=tuple(f"known_{n}" for n in (0, outputs - 1)),
+            refuted_by=(
+                (r"result_valid && \(count == 1\)", "result_valid && (count <= 1)"),
+                (r"if \(result_last\)", "if (0)"),
+                (r"rst == 1", "0"),
+                (r"assign held_0 = words_0", "assign held_0 = words_1"),
+                (r"words_2 <= result", "words_2 <= -result"),
+            ),
+            clocks=outputs + 4,
+        )
+    ]
+    if twin.load_profile is not None:
+        names = ("load", "position", "width", "shape")
+        drawn = " && ".join(
+            f"u_load_profile_0.in_{name} == held_{k}"
+            for name, k in zip(names, twin.results, strict=True)
+        )
+        found.append(
+            Property(
+                name="drawn frames",
+                sentence="The profile takes the held outputs one clock after the last output of a "
+                "frame, unless a reset came between, and at no other time.",
+                states=("u_load_profile_0.in_valid == was_last", drawn),
+                watch="""
+                    reg was_last = 0;
+                    always @(posedge clk) was_last <= !rst && result_valid && result_last;
+                """,
+                free=stream,
+                reached=("was_last",),
+                refuted_by=(
+                    (r"\(result_valid && result_last\)", "result_last"),
+                    (r"draw0_complete <= 0", "draw0_complete <= result_last"),
+                    (r"\.in_load\(words_\d\)", ".in_load(result)"),
+                ),
+                clocks=4,
+            )
+        )
+    return found

@@ -192,10 +192,7 @@ def results(twin, signals):
         states.append(f"!begun || {signal} == {value}")
     rectified = any(finish.rectified for finish in twin.row_finishes)
     finished = "saturated"
-    broken = (
-        (r"\(top == 0\) \|\| ", ""),
-        (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
-    )
+    broken = ((r"\(top == 0\) \|\| ", ""), (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"))
     if all(graph.widths[row.node] - twin.drop(row) <= fmt.width for row in graph.rows):
         # No result saturates, so there is no saturation to break.
         broken = ((r"\(word << ", "(~word << "),)
@@ -211,10 +208,7 @@ def results(twin, signals):
         f"{finished}. {len(signals.late)} numbers that a later clock needs are kept as they were.",
         states=tuple(states),
         watch="\n".join(watch),
-        refuted_by=(
-            *broken,
-            *((rf"({late} <=)", r"\1 ~") for late in list(signals.late)[:1]),
-        ),
+        refuted_by=(*broken, *((rf"({late} <=)", r"\1 ~") for late in list(signals.late)[:1])),
         free=tuple(s for (_, clock), s in signals.there.items() if not clock and "total" in s),
         clocks=3,
         induction=1,

@@ -1,16 +1,7 @@
-"""argmax against its twin.
+"""argmax against its twin: ties, neighbours, the ends of the codes and random outputs.
 
-Sweeps: frames of random outputs with the ends of the codes among them; frames of equal outputs, and
-of outputs that are equal or differ by one; frames with each output in turn as the largest and as
-the second largest, at both ends of the codes; frames with two distances from the largest that
-differ in one bit.
-Drives: frames back to back, and with gaps, with other outputs on the ports in idle clocks; frames
-of fewer outputs, down to 2; frames of one output and of too many, before others; and resets at
-random clocks, which end a frame.
-Checks: index, margin and the clock of both for every frame; of frames of one output or of too many
-the clock alone.
-Does not prove: anything about index and margin of a frame of one output or of too many, which have
-no meaning.
+Frames come back to back, with gaps and resets, and with fewer outputs. Of a frame of one output or
+of too many, index and margin have no meaning.
 """
 
 import cocotb
@@ -145,7 +136,6 @@ async def resets(dut):
 
 
 def properties(twin):
-    """Proved properties, whatever drives it."""
     outputs, width = twin.outputs, twin.fmt.width
     most = outputs - 1
     return [

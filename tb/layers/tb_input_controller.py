@@ -1,12 +1,4 @@
-"""input_controller against its twin.
-
-Sweeps: 4000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: the samples back to back and with gaps; then the same with resets at random clocks; then the
-recorded frames as close as the design takes them.
-Checks: that address, accumulate, preset, capture, valid and frame_error come in their clocks, and
-that none of the flags is high in any other clock.
-Does not prove: what frames longer than three times the right length do.
-"""
+"""input_controller against its twin: frames of all lengths with gaps and resets."""
 
 import cocotb
 import numpy as np
@@ -14,10 +6,14 @@ import numpy as np
 from tb.common.bench import Bench
 from tb.common.case_library import FOLDED
 from tb.common.framing import random_lengths, scan
+from tb.common.properties import Property
 from tb.common.recorded_frames import recorded_frames
 from tb.common.stimulus import random_resets, spread
+from tb.common.watch import ago, frames
 
 CASES = {name: FOLDED[name] for name in ("rails", "least", "wide")}
+# A case in which the least distance of frames is more than their length.
+PROVED = ("drawn",)
 
 RECORDED = 1000
 OUTPUTS = ["addr", "preset", "accumulate", "capture", "out_valid", "frame_error"]
@@ -94,3 +90,72 @@ async def gaps(dut):
 @cocotb.test()
 async def resets(dut):
     await check(Bench(dut), gap=0.2, resets=True)
+
+
+def properties(twin):
+    watch = frames(twin.inputs, twin.spacing)
+    helps = [
+        "place == count",
+        "skipping == dropping",
+        f"place < {twin.inputs}",
+        "!skipping || place == 0",
+    ]
+    helps += ["closed == remaining"] if twin.spacing else ["closed == 0"]
+    apart = f" or that ends less than {twin.spacing} clocks after a good one"
+    least = apart if twin.spacing else ""
+    shared = {"watch": watch, "helps": tuple(helps)}
+    return [
+        Property(
+            name="frame_error",
+            sentence=f"frame_error is high for exactly one clock for each frame that does not have "
+            f"{twin.inputs} samples{least}. It comes one clock after the sample that shows this.",
+            states=("frame_error == wrong_ago[0]",),
+            reached=("frame_error", "skipping && in_valid"),
+            refuted_by=(
+                (r"&& \(!done\)", "&& (!in_last)"),
+                (r"in_valid && \(!dropping\)", "in_valid"),
+                (r"dropping <= \(!in_last\)", "dropping <= 0"),
+            ),
+            **(shared | {"watch": watch + ago("wrong_ago", "wrong", 1)}),
+        ),
+        Property(
+            name="good frames only",
+            sentence=f"capture is high 3 clocks, and out_valid {twin.latency} clocks, after the "
+            "last sample of a good frame, unless a reset came between. They are high in no other "
+            "clock.",
+            states=("capture == good_ago[2]", f"out_valid == good_ago[{twin.latency - 1}]"),
+            reached=("out_valid",),
+            refuted_by=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"delay3_taps\[0\] <= done", "delay3_taps[0] <= complete"),
+                (r"rst == 1", "0"),
+            ),
+            induction=twin.latency + 2,
+            clocks=12,
+            **(shared | {"watch": watch + ago("good_ago", "good", twin.latency)}),
+        ),
+        Property(
+            name="every sample once",
+            sentence="For each sample of a frame that is not yet known to be wrong, addr is its "
+            "position, and it is added two clocks later. preset comes only with the first sample "
+            "of a frame.",
+            states=(
+                "!taken || addr == place",
+                "accumulate == taken_ago[1]",
+                "preset == first_ago[1]",
+            ),
+            reached=("preset", "accumulate && !preset"),
+            refuted_by=(
+                (r"accept && \(count == 0\)", "accept"),
+                (r"count <= \(count \+ 1\)", "count <= count"),
+            ),
+            **(
+                shared
+                | {
+                    "watch": watch
+                    + ago("taken_ago", "taken", 2)
+                    + ago("first_ago", "taken && place == 0", 2)
+                }
+            ),
+        ),
+    ]

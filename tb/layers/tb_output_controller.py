@@ -1,12 +1,6 @@
-"""output_controller against its twin.
+"""output_controller against its twin: frames as close as allowed, with gaps and resets.
 
-Sweeps: 500 frames.
-Drives: one ``in_valid`` for each frame, as close as the outputs allow and at random distances; then
-with resets at random clocks, which end a frame; then as it comes when recorded frames are sent as
-close as the design takes them.
-Checks: address, valid and last in every clock.
-Does not prove: what an ``in_valid`` does while the block still steps through rows; CONTROLLER 1
-prevents it.
+What an ``in_valid`` does while rows are stepped through is left out: CONTROLLER 1 prevents it.
 """
 
 import cocotb
@@ -89,7 +83,6 @@ async def resets(dut):
 
 
 def properties(twin):
-    """Proved properties, whatever drives it."""
     outputs = twin.outputs
     watch = f"""
         // Clocks since the in_valid that was the cause, as many as there are outputs, or none.
@@ -115,10 +108,7 @@ def properties(twin):
             name="rows in order",
             sentence="One row after the other is asked for. The first one comes with in_valid, and "
             "out_last marks the last one and no other.",
-            states=(
-                f"!out_valid || addr == {outputs} - left",
-                "out_last == (left == 1)",
-            ),
+            states=(f"!out_valid || addr == {outputs} - left", "out_last == (left == 1)"),
             watch=watch,
             helps=(f"due <= {outputs - 1}", f"count == (due == 0 ? 0 : {outputs} - due)"),
             reached=("out_last",),

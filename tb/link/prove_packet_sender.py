@@ -6,7 +6,7 @@ from tb.common.properties import Property
 from tb.common.watch import check_byte
 
 # Packets with the flags of an engine that learns.
-ALSO = ("learn-uart",)
+PROVED = ("learn-uart",)
 
 
 def properties(twin):

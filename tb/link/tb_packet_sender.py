@@ -1,12 +1,7 @@
-"""packet_sender against its twin.
+"""packet_sender against its twin: random codes, winners, points, theta and flags, often and seldom.
 
-Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
-Drives: samples, outputs, winners, points of a profile, elements of theta and flags at random
-clocks, often and seldom; a line that takes bytes at once, slowly, or not at all; so many packets
-that their number wraps around; resets in each byte of a packet.
-Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
-their numbers in order.
-Does not prove: that more than a few hundred frames are counted right; their count has 16 bits.
+The line takes bytes at once, slowly or not at all; resets come in each byte of a packet. A computer
+reads the bytes as packets, so many that their number wraps around.
 """
 
 import cocotb

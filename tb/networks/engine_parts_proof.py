@@ -47,7 +47,7 @@ def operand_memory(twin):
             induction=late,
             arrays=True,
             whole=True,
-        ),
+        )
     ]
 
 
@@ -216,10 +216,7 @@ def lane_round(twin):
                 "high and low say whether the sum is above or below every word.": "high == (cut > "
                 f"{high}) && low == (cut < {low})"
             },
-            reached=(
-                f"after_reset && expected == {low}",
-                f"after_reset && expected == {high}",
-            ),
+            reached=(f"after_reset && expected == {low}", f"after_reset && expected == {high}"),
             refuted_by=(
                 (r"kept = 131071", "kept = 131070"),
                 wrong,
@@ -229,5 +226,5 @@ def lane_round(twin):
             clocks=3,
             induction=2,
             whole=True,
-        ),
+        )
     ]

@@ -12,7 +12,7 @@ from tb.common.properties import Property
 from tb.common.watch import exact_sum, frames_computed, pipe
 
 # This has one output, and so one equation.
-ALSO = ("least-lesson",)
+PROVED = ("least-lesson",)
 # Whatever the data paths compute, and whichever placements are kept.
 FREE = ("read", "second", "table_word", "acc", "spoiled", "lesson_control0_none")
 ONE_AT_A_TIME = "!(frame_start || frame_run) || !(studying || opening || goes)"
@@ -213,7 +213,7 @@ def operand_select(twin):
             clocks=late + 2,
             induction=late + 1,
             whole=True,
-        ),
+        )
     ]
 
 
@@ -318,7 +318,7 @@ def table_address(twin):
             clocks=3,
             induction=2,
             whole=True,
-        ),
+        )
     ]
 
 
@@ -342,10 +342,7 @@ def round_saturate(twin):
                         : cut < {low} ? {low} : cut > {high} ? {high} : cut;
                 end
             """,
-            reached=(
-                f"after_reset && expected == {low}",
-                f"after_reset && expected == {high}",
-            ),
+            reached=(f"after_reset && expected == {low}", f"after_reset && expected == {high}"),
             refuted_by=(
                 (r"above != 0\)", "above != 1)"),
                 (r"above != 127", "above != 126"),
@@ -356,11 +353,11 @@ def round_saturate(twin):
             clocks=3,
             induction=2,
             whole=True,
-        ),
+        )
     ]
 
 
-PARTS = {
+OF_PARTS = {
     "operand_select": operand_select,
     "multiply_accumulate": multiply_accumulate,
     "table_address": table_address,

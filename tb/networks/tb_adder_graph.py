@@ -1,131 +1,158 @@
 """adder_graph, every sum a graph of shifted adds, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
-at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
-Drives: frames in every clock, with random gaps, with resets among them, and with one reset at each
-clock of a frame's way through the design.
-Checks: every output bit for bit in its clock, that no output comes in any other clock, the same of
-index and margin of the largest output where the design has them, and that ``frame_error`` stays
-low. The bench also measures the clocks of a frame.
-Does not prove: how accurate the network is (the report of `make demo` shows that).
+Recorded, corner, extreme and random frames come in every clock, with gaps, with resets among them,
+and with one reset at each clock of a frame's way. Outputs and winner are compared in their clocks.
 """
 
 import cocotb
-import numpy as np
 
-from golden.networks.oracle import hidden_weights
-from golden.numbers.precision import SIGNAL
+from tb.common import at_once
 from tb.common.bench import Bench
 from tb.common.case_library import ADDER_GRAPHS
-from tb.common.readout import WINNER
-from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
+from tb.common.properties import Property
+from tb.common.watch import ago, pipeline
+from tb.layers.constant_matrix_proof import constant_matrix
 
 CASES = ADDER_GRAPHS
-
-
-def through(twin):
-    """Clocks from a frame to the last that it gives."""
-    return twin.latency + (twin.argmax.latency if twin.argmax else 0)
-
-
-def ports(name, count):
-    return [f"{name}_{i}" for i in range(count)]
-
-
-async def check(bench, frames, gap, pause=0, resets=None):
-    """Play frames, and compare with what the twin computes from the recorded frames.
-
-    ``resets`` gives the reset column for a number of clocks.
-    """
-    twin, latency, argmax = bench.twin, bench.latency, bench.twin.argmax
-    sensors, outputs = ports("in_data", twin.inputs), ports("out_data", twin.outputs)
-    items = dict(zip(sensors, frames.T, strict=True))
-    tail = through(twin) + 4
-    drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
-    if resets is not None:
-        drive["rst"] = resets(len(drive["in_valid"]))
-    winner = WINNER if argmax else []
-    recording = await bench.play(drive, ["out_valid", *outputs, *winner, "frame_error"])
-
-    entered = recording.rows("in_valid")
-    entered = entered[recording.undisturbed(entered, entered)]
-    seen = np.stack([recording.signed(port, entered) for port in sensors], axis=-1)
-    alive = recording.undisturbed(entered, entered + latency - 1)
-    left = recording.rows("out_valid")
-    bench.compare("clocks of out_valid", left, entered[alive] + latency)
-    got = np.stack([recording.signed(port, left) for port in outputs], axis=-1)
-    bench.compare("out_data", got, twin.process(seen[alive]), frame=seen[alive])
-    if argmax:
-        kept = recording.undisturbed(left, left + argmax.latency - 1)
-        at = left[kept] + argmax.latency
-        bench.compare("clocks of winner_valid", recording.rows("winner_valid"), at)
-        for port, expected in zip(WINNER[1:], argmax.process(got[kept]), strict=True):
-            bench.compare(port, recording.unsigned(port, at), expected, outputs=got[kept])
-    assert not len(recording.rows("frame_error")), "frame_error is high"
-    return recording, entered
-
-
-def random_frames(bench, count):
-    return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, bench.twin.inputs))
+# A network without tables, with ReLUs and halves that go to the even code, that finds its largest
+# output; sums of three operands.
+PROVED = ("exact-graph", "operands-graph")
 
 
 @cocotb.test()
 async def recorded(dut):
-    """Play all recorded frames back to back, then with gaps, and count the clocks of a frame."""
-    bench = Bench(dut)
-    codes = bench.given.codes
-    recording, entered = await check(bench, codes, gap=0.0)
-    bench.facts = {
-        "frames": len(codes),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(recording.rows("out_valid")[0] - entered[0] + 1),
-        "interval": int(np.diff(entered).min()) if len(entered) > 1 else 1,
-    }
-    await check(bench, codes, gap=0.3)
-    bench.finish(at_least=len(codes))
+    await at_once.recorded(Bench(dut))
 
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
-    bench = Bench(dut)
-    ends = extreme_frames(SIGNAL, hidden_weights(bench.twin))
-    corners = corner_frames(SIGNAL, bench.twin.inputs)
-    frames = np.concatenate([corners, ends, random_frames(bench, 400)])
-    for gap in (0.0, 0.4):
-        await check(bench, frames, gap)
-    bench.finish(at_least=400)
+    await at_once.corners_and_random(Bench(dut))
 
 
 @cocotb.test()
 async def resets_among_frames(dut):
-    """Play frames at any distance, with resets at random clocks."""
-    bench = Bench(dut)
-    every = 2 * (1 + through(bench.twin))
-    await check(
-        bench,
-        random_frames(bench, 600),
-        gap=0.2,
-        resets=lambda length: random_resets(bench.rng, length, every),
-    )
-    bench.finish(at_least=20)
+    await at_once.resets_among_frames(Bench(dut))
 
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """Play a frame, a reset so many clocks after it, and then a good frame."""
-    bench = Bench(dut)
-    span = through(bench.twin) + 2
+    await at_once.reset_at_every_clock(Bench(dut))
 
-    def resets(clocks):
-        column = np.zeros(clocks, dtype=np.int64)
-        for t in range(span):
-            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
-            column[2 * t * (span + 1) + span + t] = 1
-        return column
 
-    _, entered = await check(
-        bench, random_frames(bench, 2 * span), gap=0.0, pause=span, resets=resets
+def all_at_once(twin):
+    """The property that all tables of a layer answer together."""
+    flags, states = 0, []
+    for groups in twin.groups:
+        states += [f"r_valid_{flags + n} == r_valid_{flags}" for n in range(1, len(groups))]
+        flags += len(groups)
+    return Property(
+        name="all nodes at once",
+        sentence="The flags of all tables of activations are the same.",
+        states=tuple(states),
+        reached=("r_valid_0",),
+        refuted_by=((r"(?s)(u_bipartite_pair_1 \(.*?\.in_valid\()q_valid", r"\1in_valid"),),
+        clocks=twin.latency + 2,
+        induction=twin.latency,
     )
-    assert len(entered) == 2 * span - 1, "a frame after a reset was lost"
-    bench.finish(at_least=span)
+
+
+def winner(twin):
+    """The property that index and margin come for each frame."""
+    late = twin.argmax.latency
+    return Property(
+        name="winner",
+        sentence=f"winner_valid is exactly what out_valid was {late} clocks before, unless a reset "
+        "came between.",
+        states=(f"winner_valid == out_ago[{late - 1}]",),
+        watch=ago("out_ago", "out_valid", late),
+        reached=("winner_valid",),
+        refuted_by=((r"winner_valid <= delay[^;]+", "winner_valid <= y_valid"),),
+        clocks=twin.latency + late + 2,
+        induction=late + 1,
+    )
+
+
+def properties(twin):
+    tabled = any(twin.activations)
+    # The last delay of the flag begins behind the tables, where there are any.
+    broken = (
+        (r"(delay1_taps\[0\]) <= r_valid_0", r"\1 <= (r_valid_0 || out_valid)"),
+        (r"q_valid <= in_valid", "q_valid <= (in_valid && !q_valid)"),
+        (r"(delay1_taps\[0\]) <= 0;", ""),
+    )
+    if not tabled:
+        broken = (
+            (r"(delay0_taps\[0\]) <= in_valid", r"\1 <= (in_valid && !\1)"),
+            (r"(delay0_taps\[0\]) <= 0;", ""),
+        )
+    return [
+        pipeline(twin, broken),
+        *([all_at_once(twin)] if tabled else []),
+        *([winner(twin)] if twin.argmax else []),
+        Property(
+            name="frame_error",
+            sentence="frame_error is never high.",
+            states=("!frame_error",),
+            reached=("out_valid",),
+            refuted_by=((r"frame_error <= 1'b0", "frame_error <= in_valid"),),
+            clocks=twin.latency + 2,
+        ),
+    ]
+
+
+def largest(twin):
+    """Verilog of the largest output, its number and the second, found one after the other."""
+    width, lines = twin.fmt.width, []
+    lines.append(f"wire signed [{width - 1}:0] top_0 = in_data_0, second_0 = 0;")
+    lines.append("wire [15:0] at_0 = 0;")
+    for n in range(1, twin.outputs):
+        new, old = f"in_data_{n}", n - 1
+        lines += [
+            f"wire leads_{n} = {new} > top_{old};",
+            f"wire signed [{width - 1}:0] top_{n} = leads_{n} ? {new} : top_{old};",
+            f"wire signed [{width - 1}:0] second_{n} = leads_{n} ? top_{old} : "
+            f"{n} == 1 || {new} > second_{old} ? {new} : second_{old};",
+            f"wire [15:0] at_{n} = leads_{n} ? {n} : at_{old};",
+        ]
+    return "\n".join(lines)
+
+
+def argmax_tree(twin):
+    width, late, last = twin.fmt.width, twin.latency, twin.outputs - 1
+    span = 16 * late
+    return [
+        Property(
+            name="winner",
+            sentence=f"{late} clocks after a frame, out_index is the number of its largest output, "
+            "the first of equal ones, and out_margin the difference between this output and the "
+            "largest of the others.",
+            states=(
+                f"age < {late} || out_index == ats[{span - 1}:{span - 16}]",
+                f"age < {late} || out_margin == leads[{span - 1}:{span - 16}]",
+            ),
+            watch=f"""
+                {largest(twin)}
+                wire [{width}:0] lead = top_{last} - second_{last};
+                wire [15:0] lead_now = lead;
+                reg [15:0] age = 0;
+                reg [{span - 1}:0] ats, leads;
+                always @(posedge clk) begin
+                    age <= age == {late} ? {late} : age + 1;
+                    ats <= {{ats, at_{last}}};
+                    leads <= {{leads, lead_now}};
+                end
+            """,
+            helps=(f"age <= {late}",),
+            reached=(f"age == {late} && out_index == {last}",),
+            refuted_by=(
+                (r"(pair0_loses = \(\S+) <", r"\1 <="),
+                (r"(subtract0_lead = \(\S+) -", r"\1 +"),
+            ),
+            clocks=late + 3,
+            induction=late + 1,
+            whole=True,
+        )
+    ]
+
+
+OF_PARTS = {"argmax_tree": argmax_tree, "constant_matrix": constant_matrix}

@@ -1,23 +1,8 @@
-"""hybrid, the whole folded network, against its twin.
+"""hybrid, the whole folded network, against its twin: the tests of tb/common/network.py."""
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
-at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
-are too short or too long among good frames.
-Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
-comes in any other clock. The bench also measures the clocks of a frame.
-Does not prove: how accurate the network is (the report of `make demo` shows that).
-"""
-
+from tb.common import network, watch
 from tb.common.case_library import FOLDED, PRECISE, both_precisions
-from tb.common.network import (
-    corners_and_random,
-    recorded,
-    reset_at_every_clock,
-    resets_in_mid_frame,
-    wrong_lengths,
-)
+from tb.common.properties import Property
 
 CASES = {
     **FOLDED,
@@ -27,11 +12,46 @@ CASES = {
     **both_precisions("pade"),
     **both_precisions("polynomial"),
 }
+# A case in which the least distance of frames is more than their length.
+PROVED = ("drawn",)
 
-__all__ = [
-    "corners_and_random",
-    "recorded",
-    "reset_at_every_clock",
-    "resets_in_mid_frame",
-    "wrong_lengths",
-]
+# These tests are those of every network with a stream.
+corners_and_random = network.corners_and_random
+recorded = network.recorded
+reset_at_every_clock = network.reset_at_every_clock
+resets_in_mid_frame = network.resets_in_mid_frame
+wrong_lengths = network.wrong_lengths
+
+
+def properties(twin):
+    controller = "u_input_controller_0"
+    too_soon = (r"accept && complete && in_last", "accept && in_last")
+    if twin.input_controller.spacing:
+        too_soon = (r" && \(!early\)", "")
+    return [
+        *watch.network(
+            twin,
+            controller,
+            wrong=(
+                (r"&& \(!done\)", "&& (!in_last)"),
+                (r"frame_error <= broken", "frame_error <= (broken && in_last)"),
+                too_soon,
+            ),
+            good=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"\.in_valid\(r_valid_0\)", ".in_valid(q_valid)"),
+                (r"delay3_taps\[1\] <= 0;", ""),
+                (r"in_valid \|\| \(count != 0\)", "in_valid"),
+            ),
+        ),
+        Property(
+            name="activations of one frame",
+            sentence="While the outputs of a frame are weighed, the activations stay those of that "
+            "frame: none comes from a later frame.",
+            states=("!r_valid_0 || row == 0",),
+            reached=("r_valid_0", "row != 0"),
+            refuted_by=(too_soon,),
+            clocks=twin.latency + twin.outputs,
+            induction=twin.latency + twin.outputs,
+        ),
+    ]

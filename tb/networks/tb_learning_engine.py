@@ -1,18 +1,9 @@
 """learning_engine, an engine that learns gains and offsets of its sensors, against its twin.
 
-Sweeps: all recorded frames of the scene; frames of random samples; known outputs that the networks
-would nearly give, random ones, and those at the ends of their range; more placements than are kept;
-theta that is put in, random, at its ends, and with gaps as long as the program; frames, known
-outputs and theta that are too short or too long, and known outputs and theta without a frame
-before, or behind one with a sample at an end of its range.
-Drives: frames as close as the design takes them, closer, and so far apart that equations fit
-between them; samples with gaps, which stop equations; known outputs behind a frame, late, with
-gaps, and interrupted by the next frame; a mode that is switched on and off; resets at random
-clocks.
-Checks: every output port in every clock, and every output of a frame bit for bit, in the twin's
-timeline, which executes the words of the program. So outputs show which steps were taken before
-the frame, and which were not. The bench also measures the clocks of a frame.
-Does not prove: how much of a drift the rule takes away (docs/learning.md).
+Frames, known outputs and theta of right and wrong lengths come at any time, and every port is
+compared in every clock with the twin's timeline, which executes the words of the program. Outputs
+show which steps were taken before the frame. How much of a drift the rule takes away is in
+docs/learning.md.
 """
 
 import cocotb

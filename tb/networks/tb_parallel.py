@@ -1,89 +1,32 @@
 """parallel, every multiplication at once, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
-at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
-Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
-resets among them, and with one reset at each clock of a frame's way through the design.
-Checks: every output and ``frame_error`` bit for bit in its clock, and that no output comes in any
-other clock. The bench also measures the clocks of a frame.
-Does not prove: how accurate the network is (the report of `make demo` shows that).
+Recorded, corner, extreme and random frames come as close as it takes them, with gaps, closer, with
+resets among them, and with one reset at each clock of a frame's way.
 """
 
 import cocotb
-import numpy as np
 
-from golden.numbers.precision import SIGNAL
+from golden.layers.weighted_sum import tree_depth
+from tb.common import at_once
 from tb.common.bench import Bench
 from tb.common.case_library import PARALLEL
-from tb.common.framing import scan
-from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
+from tb.common.properties import Property
+from tb.common.watch import ago, frames, pipe
 
 CASES = PARALLEL
-
-
-def ports(name, count):
-    return [f"{name}_{i}" for i in range(count)]
-
-
-async def check(bench, frames, gap, pause, resets=None):
-    """Play frames, and compare with what the twin computes from the recorded frames.
-
-    ``resets`` gives the reset column for a number of clocks.
-    """
-    twin, latency = bench.twin, bench.latency
-    sensors, outputs = ports("in_data", twin.inputs), ports("out_data", twin.outputs)
-    items = dict(zip(sensors, frames.T, strict=True))
-    drive = spread(bench.rng, items, "in_valid", gap, tail=latency + 4, pause=pause)
-    if resets is not None:
-        drive["rst"] = resets(len(drive["in_valid"]))
-    recording = await bench.play(drive, ["out_valid", *outputs, "frame_error"])
-
-    # The element that holds a frame is also the last of the frame.
-    rows, judged = scan(twin.input_controller, recording, last="in_valid")
-    entered = rows[judged.done]
-    seen = np.stack([recording.signed(port, entered) for port in sensors], axis=-1)
-    alive = recording.undisturbed(entered, entered + latency - 1)
-    left = recording.rows("out_valid")
-    bench.compare("clocks of out_valid", left, entered[alive] + latency)
-    got = np.stack([recording.signed(port, left) for port in outputs], axis=-1)
-    bench.compare("out_data", got, twin.process(seen[alive]), frame=seen[alive])
-    errors = recording.rows("frame_error")
-    bench.compare("clocks of frame_error", errors, rows[judged.error] + 1)
-    return recording, entered, errors
-
-
-def random_frames(bench, count):
-    return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, bench.twin.inputs))
+# A case whose activation takes a frame only every few clocks, and one in which products are exact
+# and sums are rounded.
+PROVED = ("pade-parallel", "wide-parallel")
 
 
 @cocotb.test()
 async def recorded(dut):
-    """Play all recorded frames, closest first, then with gaps, and count the clocks of a frame."""
-    bench = Bench(dut)
-    codes = bench.given.codes
-    pause = bench.twin.interval - 1
-    recording, entered, _ = await check(bench, codes, gap=0.0, pause=pause)
-    assert len(entered) == len(codes), "a recorded frame was refused"
-    bench.facts = {
-        "frames": len(codes),
-        "seconds": recording.seconds,
-        "clocks_per_frame": int(recording.rows("out_valid")[0] - entered[0] + 1),
-        "interval": int(np.diff(entered).min()),
-    }
-    await check(bench, codes, gap=0.3, pause=pause)
-    bench.finish(at_least=len(codes))
+    await at_once.recorded(Bench(dut))
 
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
-    bench = Bench(dut)
-    ends = extreme_frames(SIGNAL, [neuron.weights for neuron in bench.twin.hidden_neurons])
-    corners = corner_frames(SIGNAL, bench.twin.inputs)
-    frames = np.concatenate([corners, ends, random_frames(bench, 400)])
-    for gap in (0.0, 0.4):
-        await check(bench, frames, gap, pause=bench.twin.interval - 1)
-    bench.finish(at_least=400)
+    await at_once.corners_and_random(Bench(dut))
 
 
 @cocotb.test()
@@ -91,42 +34,161 @@ async def too_close(dut):
     """Play frames closer than the design takes them, if it does not take one every clock."""
     bench = Bench(dut)
     pause = bench.rng.integers(0, bench.twin.interval + 1, 400)
-    _, _, errors = await check(bench, random_frames(bench, 400), gap=0.0, pause=pause)
+    recording, _ = await at_once.check(bench, at_once.random_frames(bench, 400), 0.0, pause)
+    errors = recording.rows("frame_error")
     assert bool(len(errors)) == (bench.twin.interval > 1), "frame_error is wrong throughout"
     bench.finish(at_least=20)
 
 
 @cocotb.test()
 async def resets_among_frames(dut):
-    """Play frames at any distance, with resets at random clocks."""
     bench = Bench(dut)
-    pause = bench.rng.integers(0, bench.twin.interval + 1, 600)
-    every = 2 * (bench.twin.interval + bench.latency)
-    await check(
-        bench,
-        random_frames(bench, 600),
-        gap=0.2,
-        pause=pause,
-        resets=lambda length: random_resets(bench.rng, length, every),
-    )
-    bench.finish(at_least=20)
+    await at_once.resets_among_frames(bench, bench.rng.integers(0, bench.twin.interval + 1, 600))
 
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """Play a frame, a reset so many clocks after it, and then a good frame."""
-    bench = Bench(dut)
-    span = max(bench.latency + 2, bench.twin.interval)
+    await at_once.reset_at_every_clock(Bench(dut))
 
-    def resets(clocks):
-        column = np.zeros(clocks, dtype=np.int64)
-        for t in range(span):
-            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
-            column[2 * t * (span + 1) + span + t] = 1
-        return column
 
-    _, entered, _ = await check(
-        bench, random_frames(bench, 2 * span), gap=0.0, pause=span, resets=resets
+def properties(twin):
+    spacing, late = twin.input_controller.spacing, twin.latency
+    controller = "u_input_controller_0"
+    helps = [
+        "place == 0 && !skipping",
+        f"{controller}.count == 0 && !{controller}.dropping",
+        f"closed == {f'{controller}.remaining' if spacing else '0'}",
+    ]
+    # All samples come at once, so a frame is complete in the clock of in_valid.
+    watch = frames(1, spacing).replace("in_last", "in_valid")
+    no_result = "A frame that comes too early yields none." if spacing else "No frame is refused."
+    return [
+        Property(
+            name="one for each",
+            sentence=f"A frame, and nothing else, yields its outputs {late} clocks after it, "
+            f"unless a reset came between. {no_result}",
+            states=(f"out_valid == good_ago[{late - 1}]",),
+            watch=watch + ago("good_ago", "good", late),
+            helps=tuple(helps),
+            reached=("out_valid", "good_ago == 1"),
+            refuted_by=(
+                (r"delay1_taps\[0\] <= r_valid_0", "delay1_taps[0] <= (r_valid_0 || out_valid)"),
+                (r"(q_valid|taps\[0\]) <= accepted", r"\1 <= whole"),
+                (r"(delay1_taps\[0\]) <= 0;", ""),
+            ),
+            clocks=late + 8,
+            induction=late + 2,
+        ),
+        Property(
+            name="frame_error",
+            sentence="frame_error is high one clock after each frame that comes less than "
+            f"{spacing} clocks after a good one, and in no other clock."
+            if spacing
+            else "frame_error is never high.",
+            states=("frame_error == wrong_ago[0]",),
+            watch=watch + ago("wrong_ago", "wrong", 1),
+            helps=tuple(helps),
+            reached=("frame_error",) if spacing else (),
+            refuted_by=(
+                (r"frame_error <= broken", "frame_error <= accept"),
+                (r" && \(!done\)", ""),
+            ),
+        ),
+    ]
+
+
+def neuron(twin):
+    low, high = twin.out_fmt.low, twin.out_fmt.high
+    half = (1 << twin.out_shift) >> 1
+    width = twin.in_fmt.width
+    # A weight of 0 has no multiplier, but at least one multiplier stays.
+    weights = [(k, w) for k, w in enumerate(twin.weights) if w] or [(0, twin.weights[0])]
+    depth = tree_depth(len(twin.weights) + 1)
+    products = {
+        f"Product {n} is one that weight {k} and a sample can give.": f"$signed(weigh{n}_product) "
+        f">= 64'sd0 + {ends[0]} && $signed(weigh{n}_product) <= 64'sd0 + {ends[1]}"
+        for n, (k, weight) in enumerate(weights)
+        for ends in [sorted((weight * twin.in_fmt.low, weight * twin.in_fmt.high))]
+    }
+    start = twin.bias << twin.bias_shift
+    # In pairs, as the adders add: the same sum in another order takes a solver hours.
+    level = [*(f"term_{n}" for n in range(len(weights))), f"64'sd0 + ({start})"]
+    while len(level) > 1:
+        level = [f"({' + '.join(level[n : n + 2])})" for n in range(0, len(level), 2)]
+    wires = "\n".join(
+        f"wire signed [63:0] whole_{n} = $signed(weigh{n}_product), "
+        f"term_{n} = whole_{n} >>> {twin.product_shift};"
+        for n in range(len(weights))
     )
-    assert len(entered) == 2 * span - 1, "a frame after a reset was refused"
-    bench.finish(at_least=span)
+    late = int(twin.factor is not None)
+    scaled = f"{twin.factor} times the sum 2 clocks before" if late else "the sum one clock before"
+    return [
+        Property(
+            name="products",
+            sentence="Each product is that of the twin's weight and its sample, one clock later.",
+            states=tuple(
+                f"!there[0] || $signed(weigh{n}_product) == $signed(x_{n}_0) * 64'sd1 * {weight}"
+                for n, (_, weight) in enumerate(weights)
+            ),
+            watch="\n".join(
+                f"wire signed [{width - 1}:0] x_{n} = in_data_{k};"
+                + pipe(f"x_{n}", 1, width, also=n == 0)
+                for n, (k, _) in enumerate(weights)
+            ),
+            reached=("there[0] && x_0_0 == -3",),
+            refuted_by=(
+                (r"wide \* ", "wide * 3 * "),
+                (r"wide = in_data_0", "wide = in_data_0 + 1"),
+            ),
+            clocks=3,
+        ),
+        Property(
+            name="no overflow",
+            sentence=f"No sum loses a bit: {depth} clocks behind the products stands the exact sum "
+            "of the bias and all of them, whatever they are.",
+            states=(f"!there[{depth}] || $signed(total) == sum_{depth - 1}",),
+            watch=wires
+            + f"""
+                wire signed [63:0] sum = {level[0]};
+            """
+            + pipe("sum", depth, 64),
+            assumes=products,
+            free=tuple(f"weigh{n}_product" for n in range(len(weights))),
+            reached=(f"there[{depth}] && sum_{depth - 1} > {max(start, 1)}",),
+            refuted_by=(
+                (r"signed \[\d+:0\] summed", f"signed [{twin.acc_width - 2}:0] summed"),
+                (r"constant0_word <= .*;", "constant0_word <= 1;"),
+                (r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+                (
+                    r"signed \[\d+:0\] adder_tree0_add_pair0_total",
+                    f"signed [{twin.acc_width // 2}:0] adder_tree0_add_pair0_total",
+                ),
+            ),
+            clocks=depth + 2,
+            induction=depth + 2,
+        ),
+        Property(
+            name="result",
+            sentence=f"The result is {scaled}, rounded half up, or the end of the "
+            "result's range where that lies beyond it.",
+            states=(f"!there[{late}] || $signed(out_data) == expected_{late}",),
+            watch=f"""
+                wire signed [63:0] exact = $signed(total) * 64'sd{twin.factor or 1};
+                wire signed [63:0] rounds = (exact + 64'sd{half}) >>> {twin.out_shift};
+                wire signed [63:0] expected = rounds < {low} ? {low} : rounds > {high} ? {high}
+                    : rounds;
+            """
+            + pipe("expected", late + 1, 64),
+            free=("total",),
+            reached=(f"there[{late}] && expected_{late} < 0",),
+            refuted_by=(
+                (r"out_data <= result", "out_data <= -result"),
+                *([(r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")] if twin.out_shift else []),
+            ),
+            clocks=late + 3,
+            whole=True,
+        ),
+    ]
+
+
+OF_PARTS = {"neuron": neuron}

@@ -1,33 +1,33 @@
-"""windowed, a network that takes samples of past frames too, against its twin.
+"""windowed, a network that takes samples of past frames too: the tests of tb/common/network.py.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
-at a rail), which also are the past of others; frames that drive each hidden sum to both of its
-ends; 100 random frames; frames that are too short or too long among good frames.
-Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame;
-after each reset the past begins anew.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
-comes in any other clock, in particular none before the past is complete. The bench also measures
-the clocks of a frame.
-Does not prove: how accurate the network is (the report of `make demo` shows that).
+After each reset the past begins anew.
 """
 
+from tb.common import network
 from tb.common.case_library import WINDOWS
-from tb.common.network import (
-    corners_and_random,
-    recorded,
-    reset_at_every_clock,
-    resets_in_mid_frame,
-    wrong_lengths,
-)
+from tb.sensing.window_proof import window
 
 # The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
 CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}
+# A case with another network, and with slots after the samples.
+PROVED = ("chain-past",)
 
-__all__ = [
-    "corners_and_random",
-    "recorded",
-    "reset_at_every_clock",
-    "resets_in_mid_frame",
-    "wrong_lengths",
-]
+# These tests are those of every network with a stream.
+corners_and_random = network.corners_and_random
+recorded = network.recorded
+reset_at_every_clock = network.reset_at_every_clock
+resets_in_mid_frame = network.resets_in_mid_frame
+wrong_lengths = network.wrong_lengths
+
+
+def properties(twin):
+    return window(
+        twin.frame_window,
+        "u_frame_window_0.",
+        f"u_{twin.network.entity}_0.in_",
+        wrong=((r"\.frame_error\(frame_error\)", ".frame_error(broken)"),),
+        lost=(
+            (r"\.in_valid\(valid\)", ".in_valid(in_valid)"),
+            (r"\.in_last\(last\)", ".in_last(in_last)"),
+        ),
+    )

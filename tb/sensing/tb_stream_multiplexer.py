@@ -1,12 +1,7 @@
-"""stream_multiplexer against its twin.
+"""stream_multiplexer against its twin: frames of random length and results at random clocks.
 
-Sweeps: 3000 random elements in frames of random length, many shorter than the slot and many longer,
-with the rails among elements and results.
-Drives: results at random clocks, with random gaps between elements, and with resets, each of which
-is followed by a result.
-Checks: data, valid and last in every clock.
-Does not prove: what a slot carries before the first result after a reset; the delays of the cascade
-rule it out.
+What a slot carries before the first result after a reset is left out: the cascade's delays prevent
+it.
 """
 
 import cocotb
@@ -88,7 +83,6 @@ async def resets(dut):
 
 
 def properties(twin):
-    """Proved properties, whatever drives it."""
     width = twin.fmt.width
     return [
         pipeline(

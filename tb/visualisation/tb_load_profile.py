@@ -1,15 +1,8 @@
-"""load_profile, assembled, against its twin.
+"""load_profile, assembled, against its twin: outputs of recorded frames, extremes, random ones.
 
-Sweeps: the outputs of the network of digit-single for every third recorded frame; widths from the
-most negative code to the largest, with either shape; positions on the ramp, beside it and outside;
-loads and shapes at their ends and around the threshold; shapes that differ from the threshold in
-one bit; large loads with points far down the slope; random results.
-Drives: each frame in the clock of the last point of the frame before; then frames at random
-distances, so that many come while a ramp is being drawn, with and without resets; a reset of one
-clock at each clock from a frame to just after its first point.
-Checks: every point bit for bit and its clock; that it stays until the next point; that results
-which come during a ramp wait, and the latest of them are drawn.
-Does not prove: how close the points are to equation 3.18 (tests/test_visualisation.py bounds it).
+Frames come with the last point of the frame before, at random distances with and without resets,
+and before a reset at each clock up to the first point. tests/test_visualisation.py bounds how far
+the points are from equation 3.18.
 """
 
 from itertools import product
@@ -21,7 +14,9 @@ from golden.visualisation.load_profile import POWER_FRAC
 from tb.common.bench import Bench
 from tb.common.case_library import OTHER_PROFILES
 from tb.common.profile import check_profile
+from tb.common.properties import Property
 from tb.common.stimulus import random_resets, spread
+from tb.common.watch import read_only
 
 CASES = OTHER_PROFILES
 # A shipped scene that the runner gives to the bench.
@@ -168,9 +163,67 @@ async def resets(dut):
     at = np.arange(bench.latency + 3)
     apart = 3 * bench.latency
     await check(
-        bench,
-        random_frames(bench, len(at)),
-        pause=apart - 1,
-        resets=apart * (at + 1) - 1 + at,
+        bench, random_frames(bench, len(at)), pause=apart - 1, resets=apart * (at + 1) - 1 + at
     )
     bench.finish(at_least=10 * bench.twin.ramp.points)
+
+
+# For each result, the register that holds it while it is drawn.
+DRAWN = {"load": "load", "position": "centre", "width": "width", "shape": "shape"}
+
+
+def properties(twin):
+    bits = twin.fmt.width
+    newest = "\n".join(f"reg [{bits - 1}:0] newest_{n}, shown_{n};" for n in DRAWN)
+    taken = "\n".join(f"if (in_valid) newest_{n} <= in_{n};" for n in DRAWN)
+    shown = "\n".join(f"if (begins) shown_{n} <= newest_{n};" for n in DRAWN)
+    return [
+        Property(
+            name="newest frame",
+            sentence="A ramp begins with the newest results that came since the ramp before it "
+            "began, as soon as that one has given its last point. It keeps these results to its "
+            "end, whatever comes meanwhile. A reset ends it.",
+            states=(
+                "restart == begins",
+                *(f"!drawing || {place} == shown_{n}" for n, place in DRAWN.items()),
+            ),
+            watch=f"""
+                reg came = 0, drawing = 0, known = 0;
+                wire begins = came && !drawing;
+                {newest}
+                always @(posedge clk) begin
+                    came <= in_valid || came && !begins;
+                    drawing <= begins || drawing && !(out_valid && out_last);
+                    known <= known || in_valid;
+                    {taken}
+                    {shown}
+                    if (rst) begin
+                        came <= 0;
+                        drawing <= 0;
+                    end
+                end
+            """,
+            helps=(
+                "waiting == came && busy == drawing",
+                "!came || known",
+                *(f"!known || results0_{n}_held == newest_{n}" for n in DRAWN),
+            ),
+            free=("point_valid", "point_last"),
+            reached=("drawing && came", "begins && in_valid"),
+            refuted_by=(
+                (r"waiting && \(!busy\)", "waiting"),
+                (r"\(point_valid && point_last\)", "point_valid"),
+                (r"waiting <= 1'b0", "waiting <= 1'b1"),
+                (r"centre <= results0_position_held", "centre <= in_position"),
+                (r"busy <= 0;", ""),
+            ),
+            clocks=6,
+        )
+    ]
+
+
+def exp_memory(twin):
+    return [read_only(twin, ((r"0: word <= ", "0: word <= 1 + "),))]
+
+
+OF_PARTS = {"exp_memory": exp_memory}

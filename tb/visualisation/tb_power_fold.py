@@ -1,13 +1,6 @@
-"""power_fold against its twin.
+"""power_fold against its twin: every P with t at its ends, about 1, about saturation, and between.
 
-Sweeps: every P with the extremes of t, with t around 1 and around the value whose power saturates,
-and with one random t of each of 256 equal parts of the range.
-Drives: the pairs that the recorded frames bring, as close as the block takes them; then those of
-the sweep likewise, in random order with gaps and resets, and closer than the block takes them.
-Checks: the power bit for bit, and the clock in which it appears, which is the same for every P;
-that a pair which is followed too soon has no result.
-Does not prove: that every t is right (tests/test_visualisation.py bounds the profile over
-everything that the divider gives).
+They come as close as it takes them, with gaps and resets, and closer.
 """
 
 import cocotb
@@ -16,13 +9,12 @@ import numpy as np
 from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
 from tb.common.case_library import DRAWN
+from tb.common.properties import Property
 from tb.common.recorded_frames import check_recorded
-from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_in_parts
+from tb.common.stream import check_early, check_gaps_and_resets, check_in_parts
 
 CASES = DRAWN
 
-INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
-OUTPUTS = {"out_data": UNSIGNED}
 PARTS = 256
 
 
@@ -41,28 +33,104 @@ def pairs(bench):
 
 @cocotb.test()
 async def what_recorded_frames_bring(dut):
-    bench = Bench(dut)
-    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process, interval=bench.twin.interval)
+    await check_recorded(Bench(dut))
 
 
 @cocotb.test()
 async def sweep(dut):
     bench = Bench(dut)
-    await check_in_parts(bench, pairs(bench), INPUTS, OUTPUTS)
+    await check_in_parts(bench, pairs(bench))
     bench.finish(at_least=PARTS * bench.twin.max_power)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
-    twin = bench.twin
-    await check_gaps_and_resets(
-        bench, pairs(bench), INPUTS, OUTPUTS, twin.process, interval=twin.interval
-    )
+    await check_gaps_and_resets(bench, pairs(bench))
 
 
 @cocotb.test()
 async def early(dut):
     bench = Bench(dut)
-    twin = bench.twin
-    await check_early(bench, pairs(bench), INPUTS, OUTPUTS, twin.process, twin.interval)
+    await check_early(bench, pairs(bench))
+
+
+def properties(twin):
+    most = twin.max_power - 1
+    return [
+        Property(
+            name="cause",
+            sentence=f"out_valid is high {twin.latency} clocks after an in_valid that neither "
+            "another nor a reset has followed by then, and in no other clock.",
+            states=(f"out_valid == (age == {twin.latency - 1})",),
+            watch="""
+                // Clocks since the last in_valid; 255 where a reset came since or very many have.
+                reg [7:0] age = 255;
+                always @(posedge clk)
+                    age <= rst ? 255 : in_valid ? 0 : age == 255 ? 255 : age + 1;
+            """,
+            helps=(f"remaining == (age < {twin.latency - 1} ? {twin.latency - 1} - age : 0)",),
+            reached=("out_valid",),
+            refuted_by=(
+                (r"remaining <= 10", "remaining <= 11"),
+                (r"&& \(!in_valid\)\)", ")"),
+                (r"remaining <= \(remaining - 1\)", "remaining <= (remaining - 3)"),
+            ),
+            clocks=twin.latency + 6,
+        ),
+        Property(
+            name="no overflow",
+            sentence="The product, the sum with the half that rounds it, and the rounded power are "
+            "those of whole numbers: no bit is lost on the way to the accumulator.",
+            states=(
+                "whole_rounded == $signed(requantise1_rounded)",
+                "whole_kept == kept",
+                "whole_first == first",
+            ),
+            watch=f"""
+                wire signed [63:0] whole_rounded = $signed({{30'b0, product}})
+                    + 64'sd{(1 << twin.in_frac) >> 1};
+                wire signed [63:0] whole_power = whole_rounded >>> {twin.in_frac};
+                wire signed [63:0] most = 64'sd{(1 << twin.out_width) - 1};
+                wire signed [63:0] whole_kept = whole_power > most ? most : whole_power;
+                wire signed [63:0] whole_t = ($signed({{47'b0, in_data}})
+                    + 64'sd{(1 << twin.in_frac - twin.out_frac) >> 1})
+                    >>> {twin.in_frac - twin.out_frac};
+                wire signed [63:0] whole_first = whole_t > most ? most : whole_t;
+            """,
+            # The output of the multiplier is free: the property holds for every product that fits.
+            free=("product",),
+            refuted_by=(
+                (
+                    r"wire signed \[35:0\] requantise1_rounded",
+                    "wire signed [33:0] requantise1_rounded",
+                ),
+                (r"requantise1_kept > 131071", "requantise1_kept > 131072"),
+            ),
+        ),
+        Property(
+            name="multiplications",
+            sentence=f"The accumulator is multiplied P - 1 times, and for P from 1 to "
+            f"{twin.max_power} no result comes while multiplications are left.",
+            states=("!out_valid || uses == 0",),
+            assumes={
+                f"P is from 1 to {most + 1}.": "!in_valid || "
+                f"(in_power >= 1 && in_power <= {most + 1})"
+            },
+            watch="reg seen = 0; always @(posedge clk) seen <= rst ? 0 : seen || in_valid;",
+            helps=(
+                f"!seen || uses <= {most}",
+                "remaining == 0 || seen",
+                "!out_valid || (seen && remaining == 0)",
+                "remaining == 0 || 2 * uses <= remaining + remaining[0]",
+                "remaining != 0 || !seen || uses == 0",
+            ),
+            reached=("out_valid",),
+            free=("product",),
+            refuted_by=(
+                (r"uses <= \(in_power - 1\)", "uses <= in_power"),
+                (r"\(remaining\[0\] &&", "((remaining[1:0] == 0) &&"),
+            ),
+            clocks=twin.latency + 6,
+        ),
+    ]

@@ -31,7 +31,7 @@ PACKAGES = ("cocotb", "cocotbext-axi", "cocotbext-uart", "numpy")
 BENCH = "tb.common.bench"
 ASKS = re.compile(r"\.(given|around)\b")
 # The effect of cases is in the exported files, and properties are proved apart from benches.
-ELSEWHERE = re.compile(r"tb\.(common\.(case_library|properties|watch)|\w+\.prove_\w+)$")
+ELSEWHERE = re.compile(r"tb\.(common\.(case_library|properties|watch)|\w+\.(prove_\w+|\w+_proof))$")
 NAMES = ("CASES",)
 SCENE = "tactus.scene"
 # These list everything that a scene can choose. The blocks that they import matter only as twins.

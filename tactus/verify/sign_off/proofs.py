@@ -1,6 +1,6 @@
-"""The properties of every block: in its bench, or beside it as ``prove_<block>.py``.
+"""The properties of every block: in its bench or, where they are many, in ``prove_<block>.py``.
 
-There those of its parts stand, too: in ``PARTS``, by the part's name.
+There those of its parts stand, too: in ``OF_PARTS``, by the part's name.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,9 @@ PROOFS = {name: bench for name, bench in BENCHES.items() if hasattr(bench, "prop
 _OF: dict[str, Callable[[Any], list[Property]]] = {
     name: module.properties for name, module in PROOFS.items()
 } | {
-    name: make for module in _BESIDE.values() for name, make in getattr(module, "PARTS", {}).items()
+    name: make
+    for module in PROOFS.values()
+    for name, make in getattr(module, "OF_PARTS", {}).items()
 }
 
 

@@ -114,7 +114,7 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
     """The entities that stand for a block.
 
     They are its first entity in the first case of its bench, and in the cases that its proofs name
-    in ``ALSO``; each with its parts that have properties, of several alike the first.
+    in ``PROVED``; each with its parts that have properties, of several alike the first.
 
     export: Makes the entity from block and case.
     """
@@ -127,7 +127,7 @@ def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[
 
 def cases(block: str) -> list[str]:
     """The cases in which a block is proved."""
-    return [CASES_OF[block][0], *getattr(PROOFS.get(block), "ALSO", ())]
+    return [CASES_OF[block][0], *getattr(PROOFS.get(block), "PROVED", ())]
 
 
 def check_record(planned: list[Job]) -> list[str]:

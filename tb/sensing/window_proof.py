@@ -1,14 +1,7 @@
-"""Proved properties of frame_window, whatever comes on its stream."""
+"""The properties of a frame window, by itself or inside a network."""
 
 from tb.common.properties import Property
 from tb.common.watch import ago, frames, results
-
-# A case without a least distance of frames, and with slots after the samples.
-ALSO = ("chain-past",)
-
-
-def properties(twin):
-    return window(twin, "", "out_")
 
 
 def window(twin, part, out, wrong=(), lost=()):
