@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from golden.numbers.real import Real
-from tactus.train.descent.objective import Objective
+from tactus.train.objective import Objective
 
 
 def differences(function: Callable[[Real], Any], point: Real) -> Real:

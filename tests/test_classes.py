@@ -14,16 +14,16 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import Dense, Trained, layers_of, network_of, packed, unpacked
+from golden.trained.mlp import tanh
 from tactus.cli import predict, scene, train
-from tactus.errors.decisions import decisions_of, held_out_or_all, lines_of
-from tactus.errors.scene_errors import held_out_rows, scene_errors
+from tactus.errors import decisions_of, held_out_or_all, held_out_rows, lines_of, scene_errors
 from tactus.network_files.network_file import read_provenance, write_network
 from tactus.report.draw.network import network as network_plot
-from tactus.rig import check, class_counts
+from tactus.rig import check
 from tactus.rig.readings import at_ends
 from tactus.scene import class_names, load_scene
 from tactus.scene.labels import decided, margins, ordered, wrong_percent
-from tactus.train.layer_objective import ClassObjective, LabelledRows
+from tactus.train.objective import ClassObjective, LabelledRows
 from tb.common.cases import random_network
 
 # To build the network of digits-fast out of adders takes ten times as long as all others together.
@@ -221,7 +221,7 @@ def counted(tmp_path: Path, rows: list[str], more: str = "") -> str:
     path = write_hand(tmp_path, more=more)
     lines = [f"{n / 100},{n % 7 / 10},{label},{n}" for n, label in enumerate(rows)]
     path.with_suffix(".csv").write_text("\n".join(["x,y,gesture,day", *lines]) + "\n")
-    return "\n".join(map(str, class_counts.findings(load_scene(str(path)))))
+    return "\n".join(map(str, check.classes(load_scene(str(path)))))
 
 
 def test_what_classes_lack_is_said(tmp_path: Path) -> None:
@@ -287,9 +287,7 @@ def objective(network: Trained) -> ClassObjective:
         targets = np.eye(network.shape[-1])[rng.integers(0, network.shape[-1], count)]
         return LabelledRows(rng.normal(0, 1, (count, network.shape[0])), targets, targets)
 
-    return ClassObjective(
-        network, training=rows(9), validation=rows(5), weight_decay=1e-3, patience=9
-    )
+    return ClassObjective(network, tanh, rows(9), rows(5), weight_decay=1e-3, patience=9)
 
 
 NETWORKS = [
@@ -340,7 +338,7 @@ def test_a_shipped_scene_decides_as_in_floating_point(name: str) -> None:
     assert story["test_wrong_percent"] == round(100 * wrong[rows].mean(), 4)
     assert every.differ <= 2
     assert every.take(rows).right >= 0.95 * len(rows)
-    assert not class_counts.findings(found)[1:]
+    assert not check.classes(found)[1:]
 
 
 def test_of_equal_outputs_the_first_counts() -> None:

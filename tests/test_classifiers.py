@@ -11,9 +11,8 @@ from onnx import TensorProto, helper, numpy_helper
 from golden.input_error import InputError
 from golden.trained.dense import Quantiser
 from tactus.core.finding import OK
-from tactus.network_files.classes import for_labels
 from tactus.network_files.network_file import held_in, load_network, write_network
-from tactus.network_files.parsed import Ending, ParsedNetwork
+from tactus.network_files.parsed import Ending, ParsedLayer, ParsedNetwork, for_labels
 from tactus.rig.check import networks_there
 from tactus.scene import load_scene
 from tactus.verify.benches.written import write_scene
@@ -213,8 +212,9 @@ def test_a_sigmoid_at_the_end_is_left_out(tmp_path: Path, width: int, tail: str)
 
 
 def test_a_quantised_sigmoid_at_the_end_decides_at_a_half() -> None:
-    layers = {"w1": np.ones((1, 3)), "b1": np.zeros(1), "w2": np.eye(1), "b2": np.zeros(1)}
-    held = ParsedNetwork(layers, ("sigmoid",), quantisers=(Quantiser(1 / 8, 0, 0, 7),))
-    found = for_labels(Path("net.npz"), held, ("a", "b")).arrays
-    assert found["w2"].tolist() == [[0], [1]]
-    assert found["b2"].tolist() == [0.5, 0]
+    quantiser = Quantiser(1 / 8, 0, 0, 7)
+    first = ParsedLayer(np.ones((1, 3)), np.zeros(1), "sigmoid", quantiser=quantiser)
+    held = ParsedNetwork((first, ParsedLayer(np.eye(1), np.zeros(1))))
+    last = for_labels(Path("net.npz"), held, ("a", "b")).layers[-1]
+    assert last.weights.tolist() == [[0], [1]]
+    assert last.biases.tolist() == [0.5, 0]

@@ -20,7 +20,7 @@ from tactus.network_files.network_file import provenance_path
 from tactus.report.measure.networks import scenes
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import FOLDER, class_names, load_scene, scene_names
-from tactus.synth.recorded import CELLS, LEAN, TIMING
+from tactus.synth.budget import CELLS, LEAN, TIMING
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 

@@ -23,7 +23,7 @@ from tactus.rig import check
 from tactus.rig.check import before_training, everything
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings
-from tactus.train.descent.split import scaled
+from tactus.train.split import scaled
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of, write_scene
 from tb.common.cases import FRONT_END, random_mlp

@@ -23,14 +23,10 @@ from golden.trained.mlp import Mlp
 from tactus.cli import train as command
 from tactus.network_files.network_file import provenance_path, read_provenance
 from tactus.scene import Scene, load_scene
-from tactus.train.descent import few_digits
-from tactus.train.descent.few_digits import FewDigits, grid_of
-from tactus.train.descent.objective import pack
-from tactus.train.descent.search import train
-from tactus.train.descent.stages import Stages
-from tactus.train.descent.task import task_for
-from tactus.train.layer_digits import ClassDigits
-from tactus.train.layer_training import LayerStages
+from tactus.train import few_digits
+from tactus.train.few_digits import FewDigits, grid_of
+from tactus.train.search import Stages, train
+from tactus.train.task import task_for
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +44,7 @@ def asking(scene: Scene, digits: int | str, **settings) -> Scene:
 def few_of(scene: Scene, digits: int | str, **settings) -> FewDigits:
     """A network of a scene as it was trained, with a request for fewer digits."""
     task = task_for(asking(scene, digits, **settings), scene.vectors(), [])
-    return FewDigits(task, train(task, 5, 0))
+    return FewDigits(task, train(task, (5,), 0), layered=False)
 
 
 def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
@@ -85,7 +81,7 @@ def test_a_network_of_a_cascade_sees_what_few_digits_make_of_the_earlier_ones(
     scene = asking(small_cascade, 12)
     stages = Stages(scene)
     for hidden in (4, 3):
-        stages.add(hidden, 0)
+        stages.add((hidden,), 0)
     assert [digits_in_hardware(scene, mlp) <= 12 for mlp in stages.written] == [True, True]
     codes = stages.task(stages.chosen, 1).recorded.codes
     first = scene.build(stages.written[0]).process(codes[:, :3])
@@ -100,7 +96,7 @@ def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
         mlp = few.on_training_rows()
         assert few.worst(mlp) <= 1 + tolerance
         counts.append(digits_in_hardware(small_scene, mlp))
-        full = grid_of(few.chosen, 18).digits(pack(few.chosen))
+        full = grid_of(few.chosen, 18).digits(packed(few.chosen))
     assert counts[1] <= counts[0] <= full
     assert counts[1] < full
 
@@ -120,10 +116,10 @@ def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.Monk
         path = scene.data_path.with_name(f"moved{moved}.csv")
         path.write_text("\n".join(lines))
         stages = Stages(replace(scene, data_paths=(path,)))
-        stages.add(5, 0)
+        stages.add((5,), 0)
         found.append(stages)
     same = {
-        name: np.array_equal(*(pack(getattr(stages, name)[0]) for stages in found))
+        name: np.array_equal(*(packed(getattr(stages, name)[0]) for stages in found))
         for name in ("chosen", "tested", "written")
     }
     assert same == {"chosen": True, "tested": True, "written": False}
@@ -206,24 +202,10 @@ def test_a_network_of_several_layers_is_written_with_few_digits(
     assert digits_of_layers(path) <= 60
 
 
-def few_of_classes(path: Path) -> ClassDigits:
-    """A network for classes as it was trained, with a request for fewer digits."""
-    stages = LayerStages(load_scene(str(path)))
-    found: list[ClassDigits] = []
-
-    class Watched(ClassDigits):
-        def on_training_rows(self):
-            found.append(ClassDigits(self.task, self.chosen))
-            return self.chosen
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tactus.train.layer_training.ClassDigits", Watched)
-        stages.add((4,), 0)
-    return found[0]
-
-
 def test_the_teacher_of_classes_is_the_trained_network(tmp_path: Path) -> None:
-    few = few_of_classes(write_hand(tmp_path, more="digits = 24\n"))
+    scene = load_scene(str(write_hand(tmp_path, more="digits = 24\n")))
+    task = task_for(scene, scene.vectors(), [])
+    few = FewDigits(task, train(task, (4,), 0), layered=True)
     aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
     rows = aim.objective.training
     assert len(rows.inputs) == len(few.task.training.inputs) + few_digits.TEACHER_FRAMES

@@ -13,20 +13,20 @@ from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed
 from golden.trained.function import Function
+from golden.trained.mlp import tanh
 from tactus.cli.train import main
-from tactus.errors.scene_errors import held_out_rows
+from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
 from tactus.rig.check import design
 from tactus.scene import load_scene
-from tactus.train import candidate_runs, layer_training
-from tactus.train.descent.objective import Rows
-from tactus.train.descent.task import task_for
-from tactus.train.layer_objective import LayeredObjective
+from tactus.train import candidate_runs, search
+from tactus.train.objective import Objective, Rows
+from tactus.train.task import task_for
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_network
 
 
-def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
+def objective(network: Trained, decay: float = 1e-3) -> Objective:
     rng = np.random.default_rng(3)
     inputs, outputs = network.shape[0], network.shape[-1]
     parts = [
@@ -35,9 +35,7 @@ def objective(network: Trained, decay: float = 1e-3) -> LayeredObjective:
         )
         for n in (7, 5)
     ]
-    return LayeredObjective(
-        network, training=parts[0], validation=parts[1], weight_decay=decay, patience=9
-    )
+    return Objective(network, tanh, *parts, decay, 9)
 
 
 def leaky(network: Trained) -> Trained:
@@ -120,7 +118,7 @@ def test_layers_are_searched_where_the_scene_asks(tmp_path: Path, monkeypatch) -
     assert story["candidates"] == 8 * scene.training.restarts
     # The candidate that was chosen is trained again on its own, and is better than the least one.
     task = task_for(scene, scene.vectors(), [])
-    found = {one: layer_training.measure(task, *one) for one in layer_training.candidates(task)}
+    found = {one: search.measure(task, *one) for one in search.candidates(task)}
     best = min(found.values(), key=lambda c: c.rank)
     assert story["network"] == ":".join(map(str, (3, *best.layers, 2)))
     assert story["best_restart"] == best.restart
@@ -136,9 +134,9 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
     text = path.read_text().replace("[4, 4]", "0").replace('"single"', '"cascade"')
     text = text.replace('weights = "deep.npz"', 'weights = ["deep-0.npz", "deep-1.npz"]')
     path.write_text(text.replace("steps = 20", "steps = 20\nhidden = [2, 6]"))
-    monkeypatch.setattr(layer_training, "MANY_ROWS", 59)
+    monkeypatch.setattr(search, "MANY_ROWS", 59)
     monkeypatch.setattr(candidate_runs, "FIRST_ROWS", 10)
-    measure, seen = layer_training.measure, []
+    measure, seen = search.measure, []
 
     def watched(task, hidden, restart, *point):
         if len(seen) == 11:
@@ -147,7 +145,7 @@ def test_with_many_rows_the_worse_half_ends_early_and_an_interrupted_search_goes
         seen.append((task.number, len(task.training.inputs), (hidden, restart, *point), result))
         return result
 
-    monkeypatch.setattr(layer_training, "measure", watched)
+    monkeypatch.setattr(search, "measure", watched)
     with pytest.raises(KeyboardInterrupt):
         trained(path, monkeypatch)
     seen.append((None, 0, (), None))

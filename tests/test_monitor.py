@@ -29,9 +29,8 @@ from tactus.monitor.board import Board
 from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import HEAD, PAUSE, Monitor, csv_columns
-from tactus.monitor.server import Server
+from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard
-from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 
 BAUD = 1_000_000
@@ -353,7 +352,7 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     state["learning"] = {"on": True, "shown": 1, "places": 31, "tour": True, "there": True}
     errors = [[-2.0, *[0.1] * 4], [0.0, *[0.2] * 4]]
     state["learning"] |= {"errors": errors, "placements": [shown]}
-    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t" * 60)
+    page = page_of("t" * 60)
     stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
     page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")
     # The window of a browser is at least 500 wide, so the page is shown in a frame.

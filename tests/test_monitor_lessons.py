@@ -30,13 +30,12 @@ from tactus.monitor.board import Board
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import NOT_SENT, Monitor
 from tactus.monitor.placements import Drift
-from tactus.monitor.server import Server
+from tactus.monitor.server import Server, page_of
 from tactus.monitor.twin_board import TwinBoard, TwinLessons
 from tactus.recalibration.fit import fit
 from tactus.recalibration.folder import corrected
 from tactus.recalibration.outlook import proposed
 from tactus.recalibration.sensitivity import Placements, Sensitivity
-from tactus.report.page.page import environment
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.verify.benches.written import scene_of
@@ -470,7 +469,7 @@ def test_the_page_asks_for_what_is_pressed(scene: Scene, tmp_path: Path) -> None
     still.bring(still.packet(0, "learning", count=1))
     state = still.monitor.state()
     state["learning"]["tour"] = True
-    page = environment("tactus.monitor").get_template("page.html.jinja").render(title="t")
+    page = page_of("t")
     script = CLICKS.replace("STATE", json.dumps(state)).replace("KNOWN", json.dumps(KNOWN))
     (tmp_path / "page.html").write_text(page.replace("<body>", f"<body>{script}"))
     shown = browse((tmp_path / "page.html").as_uri(), tmp_path)

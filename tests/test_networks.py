@@ -27,16 +27,16 @@ from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.trained.mlp import Mlp
-from tactus.errors.scene_errors import held_out_means
+from tactus.errors import held_out_means
 from tactus.report.measure.networks import scenes
 from tactus.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
-from tactus.scene.metrics import percent_errors, summarise
+from tactus.scene.metrics import error_scale, summarise
 from tb.common.cases import random_mlp, random_network
 
 
 def largest_means(scene, results):
     vectors = scene.vectors()
-    errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
+    errors = vectors.percent_errors(results)
     return np.array([e.largest_mean for e in summarise(errors, vectors.groups)])
 
 
@@ -181,7 +181,8 @@ def test_recorded_vectors_are_those_of_their_provenance() -> None:
 def test_metrics_on_numbers_done_by_hand() -> None:
     targets = np.array([[0.5, 0.2], [0.5, 0.4], [0.25, 0.4]])
     results = np.array([[0.6, 0.29], [0.5, 0.4], [0.25, 0.58]])
-    errors = percent_errors(results, targets, ["load", "position"], {"position": 0.9})
+    scale = error_scale(targets, ["load", "position"], {"position": 0.9})
+    errors = 100 * np.abs(targets - results) / scale
     assert errors == pytest.approx(np.array([[20, 10], [0, 0], [0, 20]]))
     load, position = summarise(errors, [1, 2, 2])
     assert (load.largest_mean, load.worst) == pytest.approx((20, 20))

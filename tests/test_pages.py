@@ -28,7 +28,7 @@ from tactus.cli.demo import error_table
 from tactus.cli.listing import adders as listing
 from tactus.cli.train import train_scene
 from tactus.core.commands import BY_NAME
-from tactus.errors.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
+from tactus.errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from tactus.export.exporter import export
 from tactus.report.page import lists
 from tactus.report.page.lists import END, begin, put
@@ -37,7 +37,7 @@ from tactus.scene import load_scene, thesis_figures
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.image import hex_text
 from tactus.synth.budget import read_budget
-from tactus.synth.netlist import KINDS
+from tactus.synth.cells import KINDS
 from tactus.verify.benches.collected import CASES_OF
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp

@@ -13,12 +13,12 @@ from golden.trained.window import Window
 from tactus.cli.predict import main as predict
 from tactus.cli.train import train_scene
 from tactus.core.table import read_table, write_table
-from tactus.errors.scene_errors import held_out_rows, provenances
+from tactus.errors import held_out_rows, provenances
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.vectors import read_recorded
-from tactus.train.descent.split import split_of
-from tactus.train.descent.task import task_for
+from tactus.train.split import split_of
+from tactus.train.task import task_for
 
 WINDOW = Window(((0, 2, 3), (0,), (1, 5)))
 ROWS = (60, 47)

@@ -23,7 +23,7 @@ from tactus.rig.predict import predict, readings_of, write_prediction
 from tactus.rig.trained_on import UNLIKE, TrainedOn, learnt, trained_on
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.codes import saturating
-from tactus.train.descent.split import split_story
+from tactus.train.split import split_story
 from tactus.verify.benches.written import write_scene
 from tactus.verify.check import check
 from tb.common.cases import random_mlp

@@ -17,12 +17,11 @@ from tactus.core.finding import FAULT
 from tactus.core.table import read_csv_file, read_table
 from tactus.network_files.network_file import write_network
 from tactus.rig import readings
-from tactus.rig.draft import draft, names_of, write_scene
-from tactus.rig.network_of_others import brought
+from tactus.rig.draft import brought, draft, names_of, write_scene
 from tactus.rig.survey import Survey, survey
 from tactus.scene import Scene, load_scene
 from tactus.scene.codes import saturating as scene_saturating
-from tactus.train.descent.split import scaled
+from tactus.train.split import scaled
 from tb.common.cases import random_network
 
 ROOT = Path(__file__).parents[1]

@@ -12,15 +12,15 @@ from golden.input_error import InputError, MissingFileError
 from golden.numbers.precision import SIGNAL
 from tactus.cli import train as command
 from tactus.cli.demo import length_lines
-from tactus.errors.scene_errors import scene_errors, unit_errors
+from tactus.errors import scene_errors, unit_errors
 from tactus.export import __main__ as export
 from tactus.network_files.network_file import load_network, provenance_path, save_network
 from tactus.scene import Scene, load_scene
 from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from tactus.scene.vectors import warn_outside
-from tactus.train.descent import search
-from tactus.train.descent.split import scaled, split_rows
-from tactus.train.descent.task import task_for
+from tactus.train import search
+from tactus.train.split import scaled, split_rows
+from tactus.train.task import task_for
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
@@ -179,7 +179,7 @@ def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, colu
     scene = scaled(load_scene(str(scene.path)))
     task = task_for(scene, scene.vectors(), [])
     monkeypatch.setitem(search.OPTIMISERS, "levenberg-marquardt", lambda *_: None)
-    mlp = search.train(task, 5, 0)
+    mlp = search.train(task, (5,), 0)
     start = search.starting_weights((3, 5, 2), np.random.default_rng([1, 0, 5, 0]))
     inputs = task.training.inputs
     covered = inputs.copy()

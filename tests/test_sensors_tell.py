@@ -25,7 +25,7 @@ from tactus.rig.sensors_tell import (
 )
 from tactus.rig.survey import survey
 from tactus.scene import Scene, load_scene
-from tactus.train.descent.split import scaled, split_of, split_rows
+from tactus.train.split import scaled, split_of, split_rows
 
 RAIL = ROOT / "docs" / "tutorial" / "readings.csv"
 SENSORS = ("s1", "s2", "s3", "s4", "s5")

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pages import ROUNDING, shows
 
-from tactus.errors.scene_errors import held_out_means, scene_errors
+from tactus.errors import held_out_means, scene_errors
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.page.side_by_side import KINDS, side_by_side
 from tactus.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table

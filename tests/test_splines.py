@@ -14,19 +14,24 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.spline_basis import Basis
 from tactus.cli import train as command
-from tactus.errors.decisions import decisions_of
+from tactus.errors import decisions_of
 from tactus.network_files.network_file import provenance_path
 from tactus.scene import Scene, load_scene
-from tactus.train import spline_training
-from tactus.train.descent.objective import Rows
-from tactus.train.descent.search import bit_true_error
-from tactus.train.spline_training import SplineStages, function_network, measure, train
+from tactus.train.objective import Rows
+from tactus.train.splines import search as spline_search
 from tactus.train.splines import training as splines
-from tactus.train.splines.descent import descend, stopped_early
-from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges
-from tactus.train.splines.network import SplineNetwork, starting
-from tactus.train.splines.objective import CrossEntropy, Penalty, SplineObjective, Squares
+from tactus.train.splines.network import CURVED, FLAT, STRAIGHT, Edges, SplineNetwork, starting
+from tactus.train.splines.objective import (
+    CrossEntropy,
+    Penalty,
+    SplineObjective,
+    Squares,
+    descend,
+    stopped_early,
+)
+from tactus.train.splines.search import Stages, function_network, measure, train
 from tactus.train.splines.training import Learned, SplineSettings, pruned, refitted, trained
+from tactus.train.task import bit_true_error
 
 BASIS = Basis(-0.5, 1.5, 4)
 
@@ -231,9 +236,9 @@ def test_it_trains_and_writes_what_an_engine_adds_up(scene: Scene, tmp_path: Pat
         assert story["functions"] == "spline"
         assert story["candidates"] == 3
         assert story["every_rms_percent"] < 1
-        stages = SplineStages(scene)
+        stages = Stages(scene)
         for one in stories[: number + 1]:
-            stages.add(2, one["best_restart"])
+            stages.add((2,), one["best_restart"])
         task = stages.task(stages.written, number)
         error = bit_true_error(task, stages.written[number], task.recorded)
         assert story["every_rms_percent"] == pytest.approx(error, abs=2e-4)
@@ -250,9 +255,9 @@ def test_an_interrupted_search_goes_on(
     whole, lines = first.read_text(), second.read_text().splitlines(keepends=True)
     second.write_text(lines[0] + lines[1][:10])
     computed = []
-    original = spline_training.measure
+    original = spline_search.measure
     monkeypatch.setattr(
-        spline_training, "measure", lambda *a: computed.append(a[0].number) or original(*a)
+        spline_search, "measure", lambda *a: computed.append(a[0].number) or original(*a)
     )
     command.train_scene(scene, tmp_path / "build", 1)
     assert computed == [1] * (len(lines) - 1)
@@ -262,9 +267,9 @@ def test_an_interrupted_search_goes_on(
 
 @pytest.mark.parametrize(("key", "value"), [("weight_decay", 1.0), ("steps", 2)])
 def test_a_descent_is_that_of_the_scene(scene: Scene, key: str, value: float) -> None:
-    task = SplineStages(scene).task([], 0)
+    task = Stages(scene).task([], 0)
     other = replace(scene, training=replace(scene.training, **{key: value}))
-    found = [train(one, 2, 0).network.packed() for one in (task, replace(task, scene=other))]
+    found = [train(one, (2,), 0).network.packed() for one in (task, replace(task, scene=other))]
     assert not np.array_equal(*found)
 
 
@@ -374,6 +379,6 @@ def test_it_learns_classes(tmp_path: Path, hardware: str) -> None:
 def test_what_hardware_cannot_compute_is_a_refused_candidate(tmp_path: Path) -> None:
     scene = rings(tmp_path, TABLES)
     options = {**scene.design_options, "hidden_bits": 99}
-    found = measure(SplineStages(replace(scene, design_options=options)).task([], 0), 1, 0)
+    found = measure(Stages(replace(scene, design_options=options)).task([], 0), (1,), 0)
     assert found.validation == float("inf")
     assert "hidden_bits: got 99" in found.refused

@@ -14,7 +14,7 @@ from tactus.report.draw.outcome import along_plot
 from tactus.report.measure.outcome import along, outcome, worst_rows
 from tactus.scene import Scene, load_scene
 from tactus.scene.vectors import place_names
-from tactus.train.descent.split import Split, split_blocks, split_groups, split_of, split_rows
+from tactus.train.split import Split, split_blocks, split_groups, split_of, split_rows
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 

@@ -28,7 +28,7 @@ from tactus.physics.swing import Swing, swing_motion
 from tactus.recalibration import fit
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import load_scene
-from tactus.train.descent import levenberg_marquardt
+from tactus.train import descents
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
@@ -232,7 +232,7 @@ def _root_of_product(slopes):
 @pytest.mark.parametrize(
     ("module", "name", "fault", "cases", "model"),
     [
-        (levenberg_marquardt, "descend", _normal_equations, "networks", "Levenberg-Marquardt"),
+        (descents, "levenberg_marquardt", _normal_equations, "networks", "Levenberg-Marquardt"),
         (fit, "root_of_inverse", _root_of_product, "recalibration", "recalibration"),
     ],
 )

@@ -16,12 +16,21 @@ from golden.numbers.fixed import Fix
 from tactus.core.store import VARIABLE
 from tactus.report.page.datasheets import COMPARED
 from tactus.scene import class_names, load_scene, scene_names
-from tactus.synth import recorded, timing
-from tactus.synth.absorb import absorb
+from tactus.synth import budget, timing
 from tactus.synth.budget import COLUMNS, differences, read_budget, write_budget
-from tactus.synth.cells import FAMILIES, FLAT, FLAT_FAMILY, synthesise, synthesise_flat
+from tactus.synth.cells import (
+    FAMILIES,
+    FLAT,
+    FLAT_FAMILY,
+    KINDS,
+    count,
+    depth,
+    synthesise,
+    synthesise_flat,
+    total,
+)
+from tactus.synth.ecp5 import absorb
 from tactus.synth.lean import cells
-from tactus.synth.netlist import KINDS, count, depth, total
 from tactus.synth.timing import OPERANDS, read_timing
 from tactus.synth.tools import digest, run_tool
 from tactus.verify.benches.runner import Job, run_job
@@ -308,13 +317,13 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
 
 
 def test_shipped_scenes_share_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recorded, "FOLDER", tmp_path)
+    monkeypatch.setattr(budget, "FOLDER", tmp_path)
     monkeypatch.chdir(tmp_path)
     paths = [Path(f"{n}.toml") for n in ("wine/wine", "classes/wine/wine", "wine/me")]
     cells = {"xc7": {n: dict.fromkeys(COLUMNS[2:], 3) for n in ("one", "two")}}
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
-        assert not recorded.is_recorded(path)
+        assert not budget.is_recorded(path)
         write_budget(path, cells)
     fewer = {"xc7": {"two": cells["xc7"]["one"]}}
     write_budget(paths[0].resolve(), fewer)

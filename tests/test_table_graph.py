@@ -16,8 +16,7 @@ from golden.networks.small_tables import FINE, MOST_ADDRESS, tables_of
 from golden.networks.table_graph import GUARD, TableGraph
 from golden.numbers.precision import EXACT, SIGNAL
 from golden.trained.function_network import FunctionNetwork
-from tactus.errors.decisions import decisions_of, held_out_or_all
-from tactus.errors.scene_errors import provenances
+from tactus.errors import decisions_of, held_out_or_all, provenances
 from tactus.scene import load_scene
 from tb.common.cases import random_learned
 

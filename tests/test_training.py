@@ -18,29 +18,26 @@ from golden.activation.segments import gradient_real
 from golden.input_error import InputError
 from golden.networks.cascade import Cascade
 from golden.numbers.precision import SIGNAL
+from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import tanh
 from tactus.cli import train as command
 from tactus.network_files.network_file import provenance_path, save_network
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.scene.disturbance import Disturbance
-from tactus.scene.metrics import percent_errors
-from tactus.train.candidate_runs import continued
-from tactus.train.descent.cluster import computed_on
-from tactus.train.descent.objective import Objective, Rows, pack, unpack
-from tactus.train.descent.scg import minimise
-from tactus.train.descent.search import (
-    OPTIMISERS,
-    Result,
+from tactus.train.candidate_runs import computed_on, continued
+from tactus.train.descents import OPTIMISERS, minimise
+from tactus.train.objective import Objective, Rows
+from tactus.train.search import Result, Stages, candidates, measure, train
+from tactus.train.split import split_of, split_rows
+from tactus.train.task import (
+    LEAST_ROWS,
+    PARTS,
+    REFITTED_ROWS,
+    Task,
     bit_true_error,
-    bit_true_errors,
-    candidates,
-    measure,
     signed_errors,
-    train,
+    task_for,
 )
-from tactus.train.descent.split import split_of, split_rows
-from tactus.train.descent.stages import Stages
-from tactus.train.descent.task import LEAST_ROWS, PARTS, REFITTED_ROWS, Task, task_for
 from tb.common.cases import random_mlp
 
 SHAPE = (3, 4, 2)
@@ -53,12 +50,12 @@ def rows(count: int, seed: int = 2) -> Rows:
 
 
 def objective(activation=tanh, decay: float = 1e-3, patience: int = 10_000) -> Objective:
-    return Objective(SHAPE, activation, rows(9), rows(5, 3), decay, patience)
+    return Objective(random_mlp(SHAPE, 1.0, 1), activation, rows(9), rows(5, 3), decay, patience)
 
 
 @pytest.mark.parametrize("activation", [tanh, gradient_real])
 def test_jacobian_and_gradient_are_the_derivatives(activation) -> None:
-    check_derivatives(objective(activation), pack(random_mlp(SHAPE, 1.0, 1)))
+    check_derivatives(objective(activation), packed(random_mlp(SHAPE, 1.0, 1)))
 
 
 @pytest.mark.parametrize("optimiser", OPTIMISERS)
@@ -71,10 +68,11 @@ def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
     def error(start: int) -> float:
         # There are more nodes than in the network that made the data, so no local minimum is in the
         # way.
-        goal = Objective((3, 6, 1), tanh, data, data, 0.0, 10_000)
-        OPTIMISERS[optimiser](goal, pack(random_mlp((3, 6, 1), 1.0, start)), 5000)
+        mlp = random_mlp((3, 6, 1), 1.0, start)
+        goal = Objective(mlp, tanh, data, data, 0.0, 10_000)
+        OPTIMISERS[optimiser](goal, packed(mlp), 5000)
         assert goal.best is not None
-        return float(np.abs(unpack(goal.best, (3, 6, 1)).process(inputs) - targets).max())
+        return float(np.abs(unpacked(goal.best, mlp).process(inputs) - targets).max())
 
     # A start may stay in a flat valley for long. Which start does depends on the version of SciPy
     # and on last bits of sums.
@@ -99,7 +97,7 @@ def test_scg_on_the_rosenbrock_valley_and_beyond_a_pole() -> None:
 
 def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
     goal = objective(decay=0.0)
-    start = pack(random_mlp(SHAPE, 1.0, 1))
+    start = packed(random_mlp(SHAPE, 1.0, 1))
     seen = []
     original = goal.residuals
 
@@ -112,7 +110,7 @@ def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
     OPTIMISERS["levenberg-marquardt"](goal, start, 300)
     lowest, errors = np.inf, []
     for vector in seen:
-        mlp = unpack(vector, SHAPE)
+        mlp = unpacked(vector, goal.like)
         value = float((goal.training.residuals(mlp, tanh) ** 2).sum())
         if value < lowest:
             lowest = value
@@ -133,7 +131,7 @@ def test_the_split_is_50_25_25_and_covers_every_row() -> None:
 
 def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> None:
     def weights(scene: Scene, hidden: int, restart: int):
-        return pack(train(task_for(scene, scene.vectors(), []), hidden, restart))
+        return packed(train(task_for(scene, scene.vectors(), []), (hidden,), restart))
 
     first = weights(small_scene, 5, 1)
     assert np.array_equal(first, weights(small_scene, 5, 1))
@@ -148,7 +146,7 @@ def test_every_activation_can_be_trained(small_scene: Scene, activation: str) ->
     design = "adder_graph" if SCHEMES[activation].half_codes else small_scene.design
     scene = replace(small_scene, activation=activation, design=design)
     vectors = scene.vectors()
-    mlp = train(task_for(scene, vectors, []), 5, 1)
+    mlp = train(task_for(scene, vectors, []), (5,), 1)
     results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
     exact = np.clip(mlp.process(vectors.inputs, scene.scheme.real), -1, SIGNAL.high / 8192)
     # A q on the other side of a border adds the step of the scheme there, which is at most 0.03.
@@ -185,7 +183,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     cascade = scene.arrangement == "cascade"
     network = Cascade(tuple(map(scene.build, scene.mlps()))) if cascade else scene.twin().core
     results = SIGNAL.to_real(network.process(vectors.codes))
-    errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
+    errors = vectors.percent_errors(results)
     split = split_of(scene)
     for member in scene.members:
         provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
@@ -293,7 +291,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
     """If their targets are replaced, only the written network may change."""
     scene = noisy_digit(refit=True)
     stages = Stages(scene)
-    stages.add(5, 0)
+    stages.add((5,), 0)
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
     split = stages.task([], 0).split
     for row in split.test:
@@ -302,10 +300,10 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
     moved.write_text("\n".join(",".join(line) for line in lines))
     again = Stages(replace(scene, data_paths=(moved,)))
     # Blocks end where the load changes, which would now be elsewhere.
-    monkeypatch.setattr("tactus.train.descent.task.split_of", lambda _: split)
-    again.add(5, 0)
+    monkeypatch.setattr("tactus.train.task.split_of", lambda _: split)
+    again.add((5,), 0)
     same = {
-        name: np.array_equal(pack(getattr(stages, name)[0]), pack(getattr(again, name)[0]))
+        name: np.array_equal(packed(getattr(stages, name)[0]), packed(getattr(again, name)[0]))
         for name in ("chosen", "tested", "written")
     }
     assert same == {"chosen": True, "tested": True, "written": False}
@@ -325,8 +323,8 @@ def test_provenance_states_split_disturbance_and_both_errors(
     assert [story[key] for key in ("noise", "drift_gain", "drift_offset")] == [0.02, 0.01, 0]
     assert story["refit"] is refit
     stages = Stages(scene)
-    stages.add(scene.members[0].hidden, story["best_restart"])
-    assert np.array_equal(pack(stages.written[0]), pack(member.load()))
+    stages.add((scene.members[0].hidden,), story["best_restart"])
+    assert np.array_equal(packed(stages.written[0]), packed(member.load()))
     task = stages.task([], 0)
     for part, mlp in (("validation", stages.chosen[0]), ("test", stages.tested[0])):
         recorded = task.recorded.take(getattr(task.split, part))
@@ -362,12 +360,13 @@ def test_what_is_stated_is_what_the_written_network_does(
     small_scene: Scene, tmp_path: Path, monkeypatch
 ) -> None:
     """A candidate that another processor has measured has other errors here."""
-    monkeypatch.setattr(command, "choose", lambda *_: (Result(5, 1, 0.5, 0.5), 0))
+    monkeypatch.setattr(command, "choose", lambda *_: (Result((5,), 1, 0.5, 0.5), 0))
     command.train_scene(small_scene, tmp_path, 1)
     (member,) = small_scene.members
     task = task_for(small_scene, small_scene.vectors(), [])
     provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
-    errors = [round(error, 4) for error in bit_true_errors(task, member.load())]
+    parts = (task.validation, task.test)
+    errors = [round(bit_true_error(task, member.load(), part), 4) for part in parts]
     assert 0.5 not in errors
     assert [provenance[f"{part}_rms_percent"] for part in ("validation", "test")] == errors
 
@@ -377,7 +376,7 @@ def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
     members = (replace(scene.members[0], hidden=0),)
     scene = replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
     task = task_for(scene, scene.vectors(), [])
-    return list(continued(measure, Result, task, candidates(task), record, workers))
+    return list(continued(measure, task, candidates(task), record, workers))
 
 
 def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from golden.input_error import InputError
 from tactus.core.files import replace_file
-from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.errors import decisions_of, held_out_or_all
 from tactus.scene import load_scene
 
 FOLDER = Path(__file__).parent

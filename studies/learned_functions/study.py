@@ -13,15 +13,16 @@ import numpy as np
 
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
+from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import Mlp, tanh
 from tactus.report.measure.table import Cell
 from tactus.scene import load_scene
-from tactus.train.descent import levenberg_marquardt
-from tactus.train.descent.objective import Objective, Rows, pack, unpack
-from tactus.train.descent.search import starting_weights
-from tactus.train.descent.task import task_for
+from tactus.train.descents import levenberg_marquardt
+from tactus.train.objective import Objective, Rows
+from tactus.train.search import starting_weights
 from tactus.train.splines import training as splines
 from tactus.train.splines.training import Learned, SplineSettings
+from tactus.train.task import task_for
 
 SCENE = load_scene("digit")
 # The networks of each arrangement, by the outputs that each of them has.
@@ -62,8 +63,8 @@ def train_mlp(hidden: int, rng: np.random.Generator, training: Rows, validation:
 
 
 def descended(mlp: Mlp, training: Rows, validation: Rows) -> Mlp:
-    aim = Objective(mlp.shape, tanh, training, validation, DECAY, PATIENCE)
-    return unpack(aim.search(levenberg_marquardt.descend, pack(mlp), STEPS_MLP), mlp.shape)
+    aim = Objective(mlp, tanh, training, validation, DECAY, PATIENCE)
+    return unpacked(aim.search(levenberg_marquardt, packed(mlp), STEPS_MLP), mlp)
 
 
 def pruned(model: Learned, training: Rows, validation: Rows) -> Learned:

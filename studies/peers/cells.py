@@ -6,13 +6,12 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
-from tactus.synth.cells import SYNTHESISE, script_of
-from tactus.synth.netlist import count
+from tactus.synth.cells import SYNTHESISE, count, script_of
 from tactus.synth.tools import run_tool
 
 # The parameters of a module are known only where it is used, so reading it is deferred until then.
 SCRIPT = "read_verilog -defer *.v; {}; tee -q -o stat.json stat -json"
-# The counts of each kind of ``tactus.synth.netlist.KINDS``, by Yosys' names of families.
+# The counts of each kind of ``tactus.synth.cells.KINDS``, by Yosys' names of families.
 Cells = dict[str, dict[str, int]]
 
 

@@ -90,7 +90,7 @@ class Row:
     """One design.
 
     network: The network that it computes.
-    cells: The count of each kind of ``tactus.synth.netlist.KINDS``, in each family; None for a
+    cells: The count of each kind of ``tactus.synth.cells.KINDS``, in each family; None for a
     design
         that is not in an FPGA.
     clocks: The clocks from the last sample of a frame to its last output.

@@ -12,7 +12,7 @@ from golden.networks.settings import Settings
 from golden.networks.table_graph import TableGraph
 from studies.peers.cells import in_one_piece
 from studies.peers.comparison import BEANS, FEW, WINE, Row, Task
-from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.errors import decisions_of, held_out_or_all
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene
 

@@ -16,7 +16,8 @@ from golden.learning.unit import Unit
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.mlp import tanh
+from golden.trained.dense import packed
+from golden.trained.mlp import Mlp, tanh
 from studies.stability import digits
 from studies.stability.case import Row, largest
 from studies.stability.digits import DIGITS
@@ -32,8 +33,8 @@ from tactus.recalibration.sensitivity import Placements, Sensitivity, outputs_an
 from tactus.rig.smooth_map import RIDGES, SAME, SmoothMap, spread
 from tactus.scene import Scene, load_scene
 from tactus.scene.disturbance import Disturbance
-from tactus.train.descent import levenberg_marquardt
-from tactus.train.descent.objective import Objective, Rows, pack
+from tactus.train import descents
+from tactus.train.objective import Objective, Rows
 
 FITS = "Levenberg-Marquardt"
 AGREE = f"agree with {DIGITS} digits"
@@ -74,8 +75,8 @@ def _linearised(scene: Scene) -> Iterator[tuple[Real, Real]]:
     for number, mlp in enumerate(scene.mlps()):
         inputs = np.hstack([vectors.inputs, *outputs])
         rows = Rows(inputs, vectors.targets[:, [number]], vectors.scale[:, [number]])
-        aim = Objective(mlp.shape, tanh, rows, rows, 0.0, len(inputs))
-        point, count = pack(mlp), len(inputs)
+        aim = Objective(mlp, tanh, rows, rows, 0.0, len(inputs))
+        point, count = packed(mlp), len(inputs)
         yield aim.jacobian(point)[:count], aim.residuals(point)[:count]
         outputs.append(mlp.process(inputs))
 
@@ -95,7 +96,7 @@ class _Linear:
 
 def _descended(slopes: Real, errors: Real) -> Real:
     aim: Any = _Linear(slopes, errors)
-    return levenberg_marquardt.descend(aim, np.zeros(slopes.shape[1]), 400)
+    return descents.levenberg_marquardt(aim, np.zeros(slopes.shape[1]), 400)
 
 
 def sensors() -> Iterator[Row]:
@@ -233,8 +234,9 @@ def slopes() -> Iterator[Row]:
 def _slope_at(scheme: Scheme, q: float, steep: float) -> float:
     """The derivative of the output by the bias of a node, as training computes it."""
     rows = Rows(np.array([[q / steep]]), np.zeros((1, 1)), np.ones((1, 1)))
-    aim = Objective((1, 1, 1), scheme.real, rows, rows, 0.0, 1)
-    return float(aim.jacobian(np.array([steep, 0.0, 1.0, 0.0]))[0, 1])
+    mlp = Mlp(np.array([[steep]]), np.zeros(1), np.ones((1, 1)), np.zeros(1))
+    aim = Objective(mlp, scheme.real, rows, rows, 0.0, 1)
+    return float(aim.jacobian(packed(mlp))[0, 1])
 
 
 def learning() -> Iterator[Row]:

@@ -22,12 +22,12 @@ from golden.networks.exact import exact_sum
 from golden.networks.settings import Settings
 from golden.numbers.fixed import Codes, Fix, signed_width
 from golden.numbers.precision import EXACT, SIGNAL, THESIS, Precision, normalisation
+from golden.trained.dense import packed, unpacked
 from golden.trained.mlp import Mlp
 from studies.stability.case import Row, accepted, largest, worst
 from studies.stability.exact import exact_network
 from studies.stability.real import real_error
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.train.descent.objective import unpack
 
 LOW, HIGH = SIGNAL.low, SIGNAL.high
 FACTOR = 512  # a Y_i larger than any shipped network has
@@ -196,11 +196,13 @@ def _at_limits() -> Iterator[Row]:
         off = 0.0
         for shape in SHAPES:
             inputs, hidden, outputs = shape
-            length = hidden * inputs + hidden + outputs * hidden + outputs
+            first, second = np.zeros((hidden, inputs)), np.zeros((outputs, hidden))
+            like = Mlp(first, np.zeros(hidden), second, np.zeros(outputs))
+            length = len(packed(like))
             frames = _combinations((LOW, 0, HIGH), inputs)
             size = MOST_Q / (inputs + 1) - 0.5 if precision.normalise else MOST_WORD
             for signs in (np.ones(length), np.resize([1, -1], length), rng.choice([-1, 1], length)):
-                network = build(unpack(size * signs, shape))
+                network = build(unpacked(size * signs, like))
                 found = network.process(frames)
                 off = max(off, largest(found - exact_network(network, "single", frames)))
         case = f"weights and biases all at their limits, 1:1:1 and 4:3:2, {precision.name}"

@@ -10,7 +10,7 @@ from golden.networks.network import Network
 from tactus.boards import Board
 from tactus.boards.board import LAMPS, WIRES
 from tactus.core.cli import BETWEEN
-from tactus.export.handover.texts import plain_name
+from tactus.export.handover import plain_name
 from tactus.scene import Scene
 
 TOP, OSCILLATOR = "board", "oscillator"

@@ -14,8 +14,7 @@ from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.trained.dense import layers_of
-from tactus.errors.decisions import decisions_of
-from tactus.errors.scene_errors import scene_errors
+from tactus.errors import decisions_of, scene_errors
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
 from tactus.scene.codes import hidden_saturations, saturating

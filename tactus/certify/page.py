@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from tactus.certify.benches import STEP as BENCHES
 from tactus.certify.benches import bench_table
 from tactus.certify.delivered import CELLS, EVERY_FRAME, STEPS, Certificate
 from tactus.certify.nearness import nearness
 from tactus.certify.results import StepResult
 from tactus.core.machine import facts, versions
+from tactus.core.templates import environment
 from tactus.report.measure.table import Table
-from tactus.report.page.page import environment
 from tactus.verify.benches.tools import simulator_versions
 
 SHOWS = {
@@ -74,15 +72,8 @@ def write_page(
 ) -> None:
     """Write ``certificate.md`` and ``certificate.html``."""
     page = content(made, results, digests)
-    plain = Environment(
-        loader=PackageLoader("tactus.certify", "."),
-        undefined=StrictUndefined,
-        autoescape=False,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    styled = environment("tactus.certify")
+    plain = environment("tactus.certify")
+    styled = environment("tactus.certify", "tactus.report.page", escapes=True)
     for name, found in (("certificate.md", plain), ("certificate.html", styled)):
         text = found.get_template(f"{name}.jinja").render(page=page)
         (folder / name).write_text(text, encoding="utf-8")

@@ -11,8 +11,7 @@ from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.export.exporter import compile_order
-from tactus.export.handover.ports import read_ports
-from tactus.export.handover.texts import (
+from tactus.export.handover import (
     CLOCKS,
     FRAMES,
     hex_files,
@@ -21,6 +20,7 @@ from tactus.export.handover.texts import (
     verilog_bench,
     winners_of,
 )
+from tactus.export.ports import read_ports
 from tactus.rig.smooth_map import thinned
 from tactus.scene import Scene
 
@@ -88,7 +88,7 @@ def write_recordings(scene: Scene, design: Network, frames: PlayedFrames, folder
         vhdl = folder / "bench" / "vhdl" / str(number)
         vhdl.mkdir(parents=True)
         (vhdl / f"{top}_vectors.vhd").write_text(
-            vectors(name, top, samples, results, design.past, design.image, winners),
+            vectors(name, design, samples, results, winners),
             encoding="utf-8",
         )
     exported = folder / "design" / "verilog"
@@ -104,7 +104,7 @@ def _write_verilog(design: Network, samples: Codes, place: Path) -> tuple[Codes,
     results = design.process(samples)
     winners = winners_of(design, results)
     place.mkdir(parents=True)
-    for file, text in hex_files(samples, results, design.image, winners).items():
+    for file, text in hex_files(design, samples, results, winners).items():
         (place / file).write_text(text, encoding="ascii")
     (place / "due.txt").write_text(f"{len(results)}\n", encoding="ascii")
     return results, winners

@@ -24,11 +24,11 @@ from tactus.core.folders import BUILD
 from tactus.core.hold import held
 from tactus.core.machine import closing
 from tactus.core.progress import stage
-from tactus.errors.decisions import lines_of
-from tactus.errors.scene_errors import (
+from tactus.errors import (
     disturbed_errors,
     held_out_means,
     held_out_text,
+    lines_of,
     noises_of,
     scene_errors,
     unit_errors,
@@ -40,7 +40,7 @@ from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines,
 from tactus.scene.disturbance import Disturbance
 from tactus.scene.metrics import millimetres
 from tactus.scene.vectors import warn_outside
-from tactus.train.descent.split import unused_text
+from tactus.train.split import unused_text
 from tactus.verify.benches.results import left_texts, simulate
 from tactus.verify.benches.runner import ready_scene
 from tactus.verify.benches.tools import SIMULATORS, language, simulator_versions

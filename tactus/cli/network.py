@@ -7,7 +7,7 @@ from golden.input_error import InputError, suggest
 from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.commands import arguments_of
 from tactus.core.files import check_output
-from tactus.network_files.network_file import check_target, write_network
+from tactus.network_files.network_file import form_of, write_network
 from tactus.scene import Scene, SceneNetwork, load_scene
 
 
@@ -28,7 +28,7 @@ def main() -> None:
     arguments = arguments_of("network", __doc__)
     scene, file = load_scene(arguments.scene), Path(arguments.to)
     network = member_of(scene, arguments.output).load()
-    check_target(file)
+    form_of(file)
     check_output(file, scene.own_files, force=arguments.force)
     stop_if_dry_run(f"write {file}")
     write_network(file, network)

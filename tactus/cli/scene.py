@@ -10,12 +10,11 @@ from tactus.core.commands import arguments_of
 from tactus.core.files import check_file, check_folder, check_writable
 from tactus.core.finding import refuse
 from tactus.core.table import read_csv_file
-from tactus.rig import class_counts, sensors_tell
-from tactus.rig.draft import check_sensors, names_of, write_scene
-from tactus.rig.network_of_others import brought
+from tactus.rig import check, sensors_tell
+from tactus.rig.draft import brought, check_sensors, names_of, write_scene
 from tactus.rig.survey import survey
 from tactus.scene import load_scene
-from tactus.train.descent.split import scaled
+from tactus.train.split import scaled
 
 
 def main() -> None:
@@ -55,7 +54,7 @@ def main() -> None:
     network = brought(arguments.network, found) if arguments.network else None
     stop_if_dry_run(f"write {path}")
     scene = write_scene(found, path, hardware, network)
-    for finding in class_counts.findings(scene):
+    for finding in check.classes(scene):
         print(finding)
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"

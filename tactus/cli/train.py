@@ -24,24 +24,18 @@ from tactus.core.finding import refuse
 from tactus.core.hold import held
 from tactus.core.progress import Progress
 from tactus.network_files.network_file import check_targets, provenance_path, save_networks
-from tactus.rig import class_counts
-from tactus.rig.check import before_training
+from tactus.rig.check import before_training, classes
 from tactus.scene import Scene, load_scene
 from tactus.scene.known_scales import story
 from tactus.scene.training import FEWEST
 from tactus.scene.vectors import warn_outside
-from tactus.train import layer_training, spline_training
-from tactus.train.candidate_runs import continued, parts_of
-from tactus.train.descent import search
-from tactus.train.descent.cluster import computed_on
-from tactus.train.descent.few_digits import count_digits
-from tactus.train.descent.search import Result
-from tactus.train.descent.split import scaled, split_story, unused_text
-from tactus.train.descent.stages import Stages
-from tactus.train.descent.task import Task
-from tactus.train.layer_training import LayersResult, LayerStages, has_many_rows, layers_searched
-from tactus.train.spline_training import SplineStages
-from tactus.train.task_errors import bit_true_error, percent_errors
+from tactus.train import search
+from tactus.train.candidate_runs import computed_on, continued, parts_of
+from tactus.train.few_digits import count_digits
+from tactus.train.search import Result, Stages, has_layers, has_many_rows, layers_searched
+from tactus.train.splines import search as spline_search
+from tactus.train.split import scaled, split_story, unused_text
+from tactus.train.task import Task, bit_true_error, percent_errors
 
 TOOLS = ("numpy", "scipy", "python")
 
@@ -77,9 +71,8 @@ def compared(
         name += f", {len(task.training.inputs)} rows"
     own, seen = costs(task, chosen), list[Result]()
     known = record.read_bytes().count(b"\n") if record.is_file() else 0
-    module, kind, _ = training_of(task.scene)
     with Progress(name, len(own), "candidates", costs=own, behind=behind, known=known) as progress:
-        for result in continued(module.measure, kind, task, chosen, record, workers):
+        for result in continued(training_of(task.scene).measure, task, chosen, record, workers):
             seen.append(result)
             best = min(seen, key=lambda one: one.rank)
             found = "none" if best.refused else f"{best.validation:.2f} % with {nodes_of(best)}"
@@ -125,24 +118,19 @@ def main() -> None:
 
 def nodes_of(result: Result) -> str:
     """The hidden nodes of a candidate, such as "hidden layers of 9, 9 nodes"."""
-    if isinstance(result, LayersResult) and len(result.layers) > 1:
+    if len(result.layers) > 1:
         return f"hidden layers of {', '.join(map(str, result.layers))} nodes"
-    return f"{result.hidden} hidden nodes"
+    return f"{sum(result.layers)} hidden nodes"
 
 
-def training_of(scene: Scene) -> tuple[Any, type[Result], type[Stages]]:
-    """The module that trains the networks of a scene, its results and its stages."""
-    if scene.training.functions:
-        return spline_training, Result, SplineStages
-    layers = scene.labels or scene.members[0].layers or scene.training.layers
-    if layers or has_many_rows(scene):
-        return layer_training, LayersResult, LayerStages
-    return search, Result, Stages
+def training_of(scene: Scene) -> Any:
+    """The module that trains the networks of a scene."""
+    return spline_search if scene.training.functions else search
 
 
 def tried(task: Task) -> Sequence[tuple[Any, ...]]:
-    """The hidden nodes, or those of each layer, and the number of the start of every candidate."""
-    return list(training_of(task.scene)[0].candidates(task))
+    """The hidden nodes of each layer and the number of the start of every candidate."""
+    return list(training_of(task.scene).candidates(task))
 
 
 def costs(task: Task, chosen: Sequence[tuple[Any, ...]] = ()) -> list[float]:
@@ -153,8 +141,7 @@ def costs(task: Task, chosen: Sequence[tuple[Any, ...]] = ()) -> list[float]:
     """
     member = task.scene.members[task.number]
     found = []
-    for hidden, *_ in chosen or tried(task):
-        layers = hidden if isinstance(hidden, tuple) else (hidden,)
+    for layers, *_ in chosen or tried(task):
         widths = (member.inputs, *layers, len(member.outputs))
         found.append(sum((a + 1) * b for a, b in pairwise(widths)) ** 1.5)
     return found
@@ -177,22 +164,22 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
-    for finding in class_counts.findings(scene):
+    for finding in classes(scene):
         print(finding)
     unused = unused_text(scene)
     if unused:
         print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
-    made = training_of(scene)[2]
+    trains = training_of(scene)
     versions = (np.__version__, scipy.__version__, platform.python_version())
     asked = store.key(
         "training",
-        code=code([made.__module__, search.__name__]),
+        code=code([trains.__name__]),
         scene=[scene.path, *scene.data_paths],
         tools=[f"{name} {version}" for name, version in zip(TOOLS, versions, strict=True)],
     )
     records = store.place(asked, build, suffix="")
-    stages: Any = made(scene)
+    stages: Any = trains.Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = stages.task(stages.chosen, number)
@@ -258,9 +245,9 @@ def searched_text(task: Task) -> str:
         low, high = scene.training.layers
         nodes = sorted({layers[0] for layers in layers_searched(scene) if layers})
         return f"{low} to {high} layers of {', '.join(map(str, nodes))} {scene.training.activation}"
-    if scene.labels or scene.members[0].layers:
+    if has_layers(scene):
         return scene.members[task.number].text
-    nodes = [hidden for hidden, _ in search.candidates(task)]
+    nodes = [sum(layers) for layers in layers_searched(scene, task.number)]
     return f"{nodes[0]} to {nodes[-1]}"
 
 

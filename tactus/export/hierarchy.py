@@ -27,8 +27,8 @@ from golden.common.port import RESET, Port
 from hdl.common.lookup import hardware
 from hdl.common.rom import Constants
 from hdl.common.signals import Group, Stream, Words, flag, reset, signed, unsigned
-from tactus.export.handover.ports import SUFFIX, check_ports, comment_ports
 from tactus.export.myhdl_changes import install, members
+from tactus.export.ports import SUFFIX, check_ports, comment_ports
 from tactus.export.tidy import tidy
 
 install()

@@ -42,5 +42,5 @@ def _asked(scene: Scene, folder: Path) -> tuple[store.Key, Path]:
 
 @cache
 def _sources() -> str:
-    templates = sorted(Path(__file__).parent.glob("handover/*.jinja"))
+    templates = sorted(Path(__file__).parent.glob("*.jinja"))
     return fingerprint([*closure(["tactus.export.__main__"]).values(), *templates])

@@ -11,7 +11,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.report.page.page import environment
+from tactus.core.templates import environment
 
 HOST = "127.0.0.1"
 NAMES = (HOST, "localhost")
@@ -23,6 +23,12 @@ POLICY = (
 )
 # A request has a few numbers; what is longer is none.
 MOST_BYTES = 10_000
+
+
+def page_of(title: str) -> str:
+    """The page that asks for the state and draws it."""
+    templates = environment("tactus.monitor", "tactus.report.page", escapes=True)
+    return templates.get_template("page.html.jinja").render(title=title)
 
 
 class Server:
@@ -46,7 +52,7 @@ class Server:
         state: Callable[[], dict[str, Any]],
         actions: Mapping[str, Callable[[Any], object]] | None = None,
     ) -> None:
-        page = environment("tactus.monitor").get_template("page.html.jinja").render(title=title)
+        page = page_of(title)
         known = actions or {}
 
         class Handler(BaseHTTPRequestHandler):

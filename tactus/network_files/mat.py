@@ -10,7 +10,7 @@ from golden.input_error import InputError
 from golden.trained.dense import Trained
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.parsed import ParsedNetwork, real_numbers
+from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
 
 # Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
 TRANSPOSED = True
@@ -34,15 +34,8 @@ def read(path: Path) -> ParsedNetwork:
             f"{path}: got {len(found)} networks among the variables {', '.join(names)}, expected "
             f"one with the fields {', '.join(FIELDS)}"
         )
-    arrays = {name: real_numbers(path, name, found[0][name]) for name in FIELDS}
-    return ParsedNetwork(
-        {
-            "w1": arrays["w1"].T,
-            "b1": arrays["b1"].ravel(),
-            "w2": arrays["w2"].T,
-            "b2": arrays["b2"].ravel(),
-        }
-    )
+    w1, b1, w2, b2 = (real_numbers(path, name, found[0][name]) for name in FIELDS)
+    return ParsedNetwork((ParsedLayer(w1.T, b1.ravel(), "tanh"), ParsedLayer(w2.T, b2.ravel())))
 
 
 def _fields(value: Any) -> dict[str, Any] | None:

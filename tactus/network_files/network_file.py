@@ -27,8 +27,7 @@ from tactus.core.files import (
     replace_files,
     same_file,
 )
-from tactus.network_files.classes import for_labels
-from tactus.network_files.parsed import ParsedNetwork
+from tactus.network_files.parsed import ParsedNetwork, for_labels
 
 # The module of a format is imported only when a file needs it. Those for .mat and .onnx take half a
 # second to import, and every bench reads a scene when it starts.
@@ -64,23 +63,14 @@ def load_network(
     functions: The functions that an activation of the file may name, besides those that it defines.
     labels: The labels that the outputs stand for, in their order; see ``for_labels``.
     """
-    form = _form(path)
+    form = form_of(path)
     check_file(path, "no such network; make train SCENE=... writes it")
     held = form.read(path)
-    for name in held.names:
-        if name not in held.arrays:
-            raise InputError(f"{path}: no array {name!r}, got {', '.join(held.arrays)}")
-    beyond = f"w{len(held.activations) + 2}"
-    if beyond in held.arrays:
-        raise InputError(
-            f"{path}: got an array {beyond!r} and {len(held.activations)} activations, expected an "
-            "activation for each layer but the last"
-        )
     if labels:
         held = for_labels(path, held, labels)
     inputs, *hidden, outputs = shape
     if hidden == [0]:
-        hidden = [np.size(held.arrays[name]) for name in held.names[1:-1:2]]
+        hidden = [np.size(layer.biases) for layer in held.layers[:-1]]
     for n, nodes in enumerate(hidden, start=1):
         if not nodes:
             raise InputError(f"{path}: b{n}: got 0 hidden nodes, expected 1 or more")
@@ -93,21 +83,22 @@ def load_network(
         )
     known = {**(functions or {}), **by_name(held.functions)}
     layers = []
-    for n, activation in enumerate((*held.activations, "linear"), start=1):
-        shapes = {f"w{n}": (widths[n], widths[n - 1]), f"b{n}": (widths[n],)}
-        for name, expected in shapes.items():
-            _check_array(path, name, held.arrays[name], expected, text, form.TRANSPOSED)
-        leak = held.leak(n - 1) if activation == "leaky_relu" else LEAK
+    for n, one in enumerate(held.layers, start=1):
+        shape = widths[n], widths[n - 1]
+        _check_array(path, f"w{n}", one.weights, shape, text, form.TRANSPOSED)
+        _check_array(path, f"b{n}", one.biases, shape[:1], text, form.TRANSPOSED)
+        leak = one.leak if one.activation == "leaky_relu" else LEAK
         with naming(f"{path}: layer {n}"):
-            arrays = held.arrays[f"w{n}"], held.arrays[f"b{n}"]
-            tables = functions_of(activation, widths[n], known)
-            layers.append(Dense(*arrays, activation, leak, held.quantiser(n - 1), tables))
+            tables = functions_of(one.activation, widths[n], known)
+            layers.append(
+                Dense(one.weights, one.biases, one.activation, leak, one.quantiser, tables)
+            )
     return network_of(layers)
 
 
 def held_in(path: Path) -> ParsedNetwork:
     """The content of the network file at ``path``."""
-    form = _form(path)
+    form = form_of(path)
     check_file(path)
     return form.read(path)
 
@@ -131,7 +122,7 @@ def _check_array(
         raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
 
 
-def _form(path: Path) -> ModuleType:
+def form_of(path: Path) -> ModuleType:
     """The module that reads and writes files with this ending."""
     if path.suffix not in FORMS:
         known = list(FORMS)
@@ -144,20 +135,15 @@ def _form(path: Path) -> ModuleType:
 
 def write_network(path: Path, network: Trained) -> None:
     """Write the network in the format of the file's ending, completely or not at all."""
-    form = _form(path)
+    form = form_of(path)
     with replace_file(path) as temporary, naming(path):
         form.write(temporary, network)
-
-
-def check_target(path: Path) -> None:
-    """Refuse an ending that ``write_network`` does not know."""
-    _form(path)
 
 
 def check_targets(paths: Sequence[Path]) -> None:
     """Refuse paths where networks and their provenance cannot be written."""
     for path in paths:
-        _form(path)
+        form_of(path)
     files = [file for path in paths for file in _files(path)]
     for i, file in enumerate(files):
         if any(same_file(file, other) for other in files[:i]):
@@ -179,7 +165,7 @@ def save_networks(networks: Sequence[tuple[Path, Trained, Provenance]]) -> None:
         for number, (path, held, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
             with naming(path):
-                _form(path).write(network, held)
+                form_of(path).write(network, held)
             lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -1,17 +1,19 @@
 """Networks as NPZ files without pickle, which is the project's own format."""
 
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from golden.input_error import InputError, naming
-from golden.trained.dense import Quantiser, Trained, layers_of
+from golden.numbers.real import Real
+from golden.trained.dense import LEAK, Quantiser, Trained, layers_of
 from golden.trained.function import Function
 from golden.trained.mlp import Mlp
 from tactus.core.files import reading
-from tactus.network_files.parsed import ParsedNetwork, real_numbers
+from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
 
 # In this format, the rows of a weight matrix are nodes.
 TRANSPOSED = False
@@ -35,7 +37,7 @@ def read(path: Path) -> ParsedNetwork:
     named = arrays.pop(ACTIVATIONS, None)
     numbers = {name: real_numbers(path, name, array) for name, array in arrays.items()}
     if named is None:
-        return ParsedNetwork(numbers)
+        return _parsed(path, numbers, ["tanh"], [LEAK], [None])
     splines = {name: numbers.pop(name) for name in list(numbers) if name.startswith(SPLINE)}
     with naming(f"{path}"):
         functions = tuple(
@@ -60,8 +62,32 @@ def read(path: Path) -> ParsedNetwork:
         )
     with naming(f"{path}: {QUANTISERS}"):
         found = tuple(map(_quantiser, rows.tolist()))
-    texts, slopes = tuple(named.tolist()), tuple(leaks.tolist())
-    return ParsedNetwork(numbers, texts, slopes, found, functions=functions)
+    slopes = leaks.tolist() or [LEAK] * named.size
+    return _parsed(path, numbers, named.tolist(), slopes, found or [None] * named.size, functions)
+
+
+def _parsed(
+    path: Path,
+    arrays: dict[str, Real],
+    activations: list[str],
+    leaks: list[float],
+    quantisers: Sequence[Quantiser | None],
+    functions: tuple[Function, ...] = (),
+) -> ParsedNetwork:
+    """The network of these arrays, with the activation, leak and quantiser of each hidden layer."""
+    count = len(activations) + 1
+    for name in [f"{kind}{n}" for n in range(1, count + 1) for kind in "wb"]:
+        if name not in arrays:
+            raise InputError(f"{path}: no array {name!r}, got {', '.join(arrays)}")
+    beyond = f"w{count + 1}"
+    if beyond in arrays:
+        raise InputError(
+            f"{path}: got an array {beyond!r} and {count - 1} activations, expected an activation "
+            "for each layer but the last"
+        )
+    hidden = zip([*activations, "linear"], [*leaks, LEAK], [*quantisers, None], strict=True)
+    layers = (ParsedLayer(arrays[f"w{n}"], arrays[f"b{n}"], *h) for n, h in enumerate(hidden, 1))
+    return ParsedNetwork(tuple(layers), functions)
 
 
 def _quantiser(row: list[float]) -> Quantiser | None:

@@ -6,13 +6,13 @@ of a classifier may stand.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import onnx
-from onnx import AttributeProto, TensorProto, helper, numpy_helper
+from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 
 from golden.input_error import InputError, naming
@@ -22,7 +22,7 @@ from golden.trained.function import TABLE, Function
 from golden.trained.mlp import shifted
 from tactus.core.files import reading
 from tactus.network_files import classifier, quantisers
-from tactus.network_files.parsed import ParsedNetwork, real_numbers
+from tactus.network_files.parsed import ParsedLayer, ParsedNetwork, real_numbers
 
 # For each operator its expression, with its attributes in brackets.
 EXPRESSIONS = {
@@ -53,7 +53,7 @@ GELU_OF_TANH = "0.5 * x * (1 + tanh(sqrt(2 / pi) * (x + 0.044715 * x ** 3)))"
 def function_of(operator: str, attributes: Mapping[str, Any]) -> Function:
     """The function of an operator with these attributes, under the operator's name."""
     expression = EXPRESSIONS[operator]
-    if operator == "Gelu" and attributes.get("approximate") == b"tanh":
+    if operator == "Gelu" and attributes.get("approximate") == "tanh":
         expression = GELU_OF_TANH
     values = DEFAULTS.get(operator, {})
     values = {name: attributes.get(name, value) for name, value in values.items()}
@@ -74,26 +74,14 @@ ACTIVATIONS = {
     "Clip": "hard_tanh",
 }
 # For each operator, the numbers of inputs that it may have.
-OPERATORS = {
+OPERATORS: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys((*LINEAR, *ELEMENTWISE, "Reshape"), (2,)),
+    **dict.fromkeys((*ACTIVATIONS, *EXPRESSIONS, "Cast", "Identity", "Flatten"), (1,)),
     "Gemm": (2, 3),
-    "MatMul": (2,),
-    "Add": (2,),
-    "Sub": (2,),
-    "Mul": (2,),
-    "Div": (2,),
     "Scaler": (1,),
     "BatchNormalization": (5,),
-    "Tanh": (1,),
-    "Sigmoid": (1,),
-    "Relu": (1,),
-    "LeakyRelu": (1,),
     "PRelu": (2,),
     "Clip": (1, 2, 3),
-    **dict.fromkeys(EXPRESSIONS, (1,)),
-    "Cast": (1,),
-    "Identity": (1,),
-    "Flatten": (1,),
-    "Reshape": (2,),
 }
 # Operators that are applied to constants when a file is read.
 FOLDED = ("Transpose", "Identity", "Pow", "Sqrt", "Mul", "Div", "Unsqueeze", "Squeeze", "Reshape")
@@ -104,38 +92,17 @@ REASONS = {
     **dict.fromkeys(("Conv", "ConvTranspose", "MaxPool", "AveragePool"), CONVOLUTION),
     **dict.fromkeys(("LSTM", "GRU", "RNN", "Loop", "Scan"), RECURRENT),
 }
-# For each attribute, the field that holds its value, and the type that it must have.
-ATTRIBUTES = {
-    "alpha": ("f", AttributeProto.FLOAT),
-    "beta": ("f", AttributeProto.FLOAT),
-    "gamma": ("f", AttributeProto.FLOAT),
-    "approximate": ("s", AttributeProto.STRING),
-    "transA": ("i", AttributeProto.INT),
-    "transB": ("i", AttributeProto.INT),
-    "epsilon": ("f", AttributeProto.FLOAT),
-    "training_mode": ("i", AttributeProto.INT),
-    "axis": ("i", AttributeProto.INT),
-    "to": ("i", AttributeProto.INT),
-    "min": ("f", AttributeProto.FLOAT),
-    "max": ("f", AttributeProto.FLOAT),
-    "offset": ("floats", AttributeProto.FLOATS),
-    "scale": ("floats", AttributeProto.FLOATS),
+# For each attribute the type that it must have.
+ATTRIBUTES: dict[str, type] = {
+    **dict.fromkeys(("alpha", "beta", "gamma", "epsilon", "min", "max"), float),
+    **dict.fromkeys(("transA", "transB", "training_mode", "axis", "to"), int),
+    **dict.fromkeys(("offset", "scale"), list),
+    "approximate": str,
 }
 # What a Cast may make of numbers.
 FLOATS = ("FLOAT", "DOUBLE", "FLOAT16", "BFLOAT16")
 # These are old enough for every runtime in use, and new enough for every operator used here.
 OPSET, IR_VERSION = 13, 7
-
-
-@dataclass
-class _Layer:
-    """A layer that what follows may still change."""
-
-    weights: Real
-    biases: Real
-    activation: str = "linear"
-    leak: float = LEAK
-    quantiser: Quantiser | None = None
 
 
 class _Chain:
@@ -144,8 +111,9 @@ class _Chain:
     def __init__(self, path: Path, output: str):
         self.path = path
         self.output = output
-        self.layers: list[_Layer] = []
-        # Whether the last of them has its activation.
+        # What follows may still change the last of them.
+        self.layers: list[ParsedLayer] = []
+        # Whether the last one has its activation.
         self.activated = False
         # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
@@ -184,7 +152,7 @@ class _Chain:
             self.factor, self.shift = behind
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
-        self.layers.append(_Layer(weights * factor, shifted(bias, weights, shift)))
+        self.layers.append(ParsedLayer(weights * factor, shifted(bias, weights, shift)))
         self.activated = False
 
     def activate(self, node: Any, activation: str, leak: float) -> None:
@@ -299,22 +267,11 @@ def read(path: Path) -> ParsedNetwork:
     if ending is None and current != chain.output:
         raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
     chain.finish(node)
-    layers = chain.layers
-    if not layers:
+    if not chain.layers:
         raise InputError(
             f"{path}: got no linear layer, expected one or more, {' or '.join(LINEAR)}"
         )
-    arrays: dict[str, Real] = {}
-    for n, layer in enumerate(layers, start=1):
-        arrays |= {f"w{n}": layer.weights, f"b{n}": layer.biases}
-    return ParsedNetwork(
-        arrays,
-        tuple(layer.activation for layer in layers[:-1]),
-        tuple(layer.leak for layer in layers[:-1]),
-        tuple(layer.quantiser for layer in layers[:-1]),
-        ending,
-        tuple(chain.functions.values()),
-    )
+    return ParsedNetwork(tuple(chain.layers), tuple(chain.functions.values()), ending)
 
 
 def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[str, int]) -> Any:
@@ -368,13 +325,10 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
     values = [real_numbers(chain.path, name, constants[name]) for name in others]
-    attributes = {}
-    for attribute in node.attribute:
-        if attribute.name in ATTRIBUTES:
-            field, kind = ATTRIBUTES[attribute.name]
-            if attribute.type != kind:
-                raise chain.refuse(node, f"got {attribute.name} of another type, expected numbers")
-            attributes[attribute.name] = getattr(attribute, field)
+    attributes = quantisers.attributes_of(node)
+    for name, value in attributes.items():
+        if name in ATTRIBUTES and not isinstance(value, ATTRIBUTES[name]):
+            raise chain.refuse(node, f"got {name} of another type, expected numbers")
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")

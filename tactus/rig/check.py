@@ -20,17 +20,31 @@ from golden.trained.function import by_name, functions_of
 from golden.trained.function_network import of_parabolas
 from tactus.core import store
 from tactus.core.files import check_writable
-from tactus.core.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
+from tactus.core.finding import (
+    FAULT,
+    NOTE,
+    OK,
+    WARNING,
+    Finding,
+    collect_faults,
+    fault,
+    faults,
+    several,
+)
 from tactus.core.folders import is_installed
 from tactus.core.table import read_csv_file
-from tactus.network_files.classes import file_labels, stand_for_order
 from tactus.network_files.network_file import check_targets, held_in, write_network
-from tactus.rig import class_counts, readings, sensors_tell
+from tactus.network_files.parsed import stand_for_order
+from tactus.rig import readings, sensors_tell
 from tactus.scene import Scene, scene_names
 from tactus.scene.codes import hidden_saturations, quantised_lines, range_lines, saturating
 from tactus.scene.scale import on_readings, signals
 from tactus.scene.vectors import Recorded, read_recorded
-from tactus.train.descent.split import scaled, split_of
+from tactus.train.split import scaled, split_of
+
+# With more rows in the largest class than so many times those in the smallest, a network may name
+# the largest too often.
+UNEQUAL = 3
 
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:
@@ -93,7 +107,7 @@ def data(scene: Scene) -> list[Finding]:
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
             scene = scaled(scene)
-            findings += class_counts.findings(scene)
+            findings += classes(scene)
             findings += _converter(scene)
             border = len(rows.inputs) - split_of(scene).count
             if border:
@@ -101,6 +115,40 @@ def data(scene: Scene) -> list[Finding]:
                 findings.append(Finding(OK, "training.split", text))
             findings += _columns(scene, rows)
     return findings
+
+
+def classes(scene: Scene) -> list[Finding]:
+    """What the numbers of rows of each class spoil; nothing if outputs are numbers."""
+    if not scene.labels:
+        return []
+    wanted, split = read_recorded(scene).targets, split_of(scene)
+    parts = (wanted, *(wanted[rows] for rows in (split.training, split.test)))
+    rows, trains, held = (part.sum(axis=0).astype(int) for part in parts)
+    counts = ", ".join(f"{n} of {label!r}" for n, label in zip(rows, scene.labels, strict=True))
+    subject = f"data.classes {scene.classes}"
+    found = [Finding(OK, subject, f"rows: {counts}")]
+    none_trains = [label for label, n in zip(scene.labels, trains, strict=True) if not n]
+    if none_trains:
+        text = (
+            f"no row of {several(none_trains)} trains, expected one or more of each class; record "
+            "more rows, or change training.split or training.seed"
+        )
+        found.append(Finding(FAULT, subject, text))
+    once = [label for label, n in zip(scene.labels, rows, strict=True) if n == 1]
+    if once:
+        text = f"{several(once)} stands in a single row, which cannot both train and test"
+        found.append(Finding(WARNING, subject, text))
+    unseen = [label for label, n in zip(scene.labels, held, strict=True) if not n]
+    if unseen:
+        text = f"no row of {several(unseen)} is held out: the errors say nothing about it"
+        found.append(Finding(WARNING, subject, text))
+    if rows.max() > UNEQUAL * rows.min():
+        text = (
+            f"classes are unequal: who always said {scene.labels[int(rows.argmax())]!r} would be "
+            f"right in {100 * rows.max() / rows.sum():.0f} % of the rows"
+        )
+        found.append(Finding(WARNING, subject, text))
+    return found
 
 
 def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
@@ -191,7 +239,7 @@ def _ending(path: Path, labels: Sequence[str]) -> str:
     held = held_in(path)
     if held.ending is None:
         return ""
-    text, found = f" that ends in front of {held.ending.operator}", file_labels(held)
+    text, found = f" that ends in front of {held.ending.operator}", held.labels
     if not found:
         return text
     text += f"; its classes are {', '.join(found)}"

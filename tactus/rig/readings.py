@@ -23,6 +23,9 @@ ALIKE = 1e-3
 # If a larger part of a recording lies on straight lines, it was interpolated, or read far too
 # densely.
 LINES = 0.05
+# A column with at most so many whole numbers, each in this many rows or more on average, may hold
+# labels.
+MOST_NUMBERS, ROWS_EACH = 12, 5
 
 
 def few_rows(subject: str, rows: int) -> list[Finding]:
@@ -146,6 +149,19 @@ def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
                 found.append(Finding(WARNING, subject, text))
                 break
     return found
+
+
+def perhaps_labels(name: str, values: Real) -> list[Finding]:
+    """Find a column of numbers that may hold labels."""
+    numbers = np.unique(values)
+    few = 2 < len(numbers) <= MOST_NUMBERS and ROWS_EACH * len(numbers) <= len(values)
+    if not few or not np.array_equal(numbers, numbers.round()):
+        return []
+    text = (
+        f"holds only the whole numbers {numbers[0]:g} to {numbers[-1]:g}; if they are names of "
+        f"classes and no quantity, CLASSES={name} writes a scene that tells these apart"
+    )
+    return [Finding(NOTE, name, text)]
 
 
 def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:

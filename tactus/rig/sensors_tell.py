@@ -21,7 +21,7 @@ from tactus.core.finding import OK, WARNING, Finding, several
 from tactus.rig.smooth_map import SmoothMap, spread, thinned
 from tactus.scene import Scene
 from tactus.scene.scale import readings
-from tactus.train.descent.split import Split, split_of
+from tactus.train.split import Split, split_of
 
 Rows = NDArray[np.int64]
 

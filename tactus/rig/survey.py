@@ -10,7 +10,7 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.core.finding import FAULT, NOTE, Finding, fault, faults
 from tactus.core.table import Column, CsvFile
-from tactus.rig import class_counts, readings
+from tactus.rig import readings
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _take_output(found: Survey, column: Column) -> None:
         found.findings.append(fault(wrong))
     else:
         found.outputs[column.name] = column.values
-        found.findings.extend(class_counts.perhaps_labels(column.name, column.values))
+        found.findings.extend(readings.perhaps_labels(column.name, column.values))
 
 
 def _take_other(found: Survey, column: Column) -> None:

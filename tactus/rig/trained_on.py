@@ -14,12 +14,12 @@ import numpy as np
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from tactus.errors.scene_errors import held_out_rows, provenances
+from tactus.errors import held_out_rows, provenances
 from tactus.rig.smooth_map import SmoothMap, fitted, thinned
 from tactus.scene import Scene
 from tactus.scene.labels import decided
 from tactus.scene.vectors import read_recorded
-from tactus.train.descent.split import split_of
+from tactus.train.split import split_of
 
 # The part of rows like the held-out ones that may be called outside.
 FALSE_ALARMS = 0.01

@@ -25,8 +25,7 @@ from tactus.core.schema import (
     written,
 )
 from tactus.scene.data import read_window
-from tactus.sizing.choice import UNDECIDED, Demand
-from tactus.sizing.price import DEFAULT, DEVICES, Price, shares_of
+from tactus.sizing.choice import DEFAULT, DEVICES, UNDECIDED, Demand, Price, shares_of
 
 _PRICE = Number(Span(0.0, 1e9))
 HARDWARE = KeyTable(

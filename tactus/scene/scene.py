@@ -38,8 +38,7 @@ from tactus.scene.scale import AUTO, Scale, on_signals, readings, signals
 from tactus.scene.training import Training
 from tactus.scene.vectors import Vectors, read_recorded, read_vectors
 from tactus.scene.visualisation import Visualisation
-from tactus.sizing.choice import NO_DEMAND, UNDECIDED, Choice, Demand
-from tactus.sizing.price import DEFAULT_PRICE, Price
+from tactus.sizing.choice import DEFAULT_PRICE, NO_DEMAND, UNDECIDED, Choice, Demand, Price
 
 # While a network is trained whose design is still to be chosen, it is computed by these.
 STAND_INS: dict[str, type[Design]] = {EXACT.name: Engine, THESIS.name: Hybrid}

@@ -21,13 +21,17 @@ from tactus.core.table import write_csv_file
 from tactus.export.exporter import export
 from tactus.scene import Scene, load_scene
 from tactus.synth.budget import (
+    CELLS,
     COLUMNS,
+    TIMING,
     Cells,
     by_block,
     differences,
+    is_recorded,
     read_budget,
     rows,
     shares,
+    table_of,
     write_budget,
 )
 from tactus.synth.cells import (
@@ -35,12 +39,11 @@ from tactus.synth.cells import (
     FAMILIES,
     FLAT,
     FLAT_FAMILY,
+    KINDS,
     flat_name,
     synthesise,
     synthesise_flat,
 )
-from tactus.synth.netlist import KINDS
-from tactus.synth.recorded import CELLS, TIMING, is_recorded, table_of
 from tactus.synth.timing import DEVICE_NAME, PINS, TOOLS, Timing, route, write_timing
 from tactus.synth.tools import digest
 

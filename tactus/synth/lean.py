@@ -17,10 +17,16 @@ from tactus.core.commands import arguments_of
 from tactus.core.progress import Progress
 from tactus.export.hierarchy import convert_hierarchy, elaborate
 from tactus.scene import Scene, load_scene
-from tactus.synth.budget import read_budget
-from tactus.synth.cells import FAMILIES, synthesise
-from tactus.synth.netlist import KINDS
-from tactus.synth.recorded import LEAN, TIMING, is_recorded, read_rows, table_of, write_rows
+from tactus.synth.budget import (
+    LEAN,
+    TIMING,
+    is_recorded,
+    read_budget,
+    read_rows,
+    table_of,
+    write_rows,
+)
+from tactus.synth.cells import FAMILIES, KINDS, synthesise
 from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"

@@ -34,9 +34,8 @@ from tactus.sizing.candidates import (
 )
 from tactus.sizing.features import IN_ONE_PIECE, features_of
 from tactus.sizing.model import CELLS, COLUMNS, Recorded, Routed, Size, held_out, path_of, recorded
-from tactus.synth.budget import Cells, read_budget
+from tactus.synth.budget import Cells, is_recorded, read_budget
 from tactus.synth.cells import flat_name, synthesise, synthesise_flat
-from tactus.synth.recorded import is_recorded
 from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.synth.absorb import absorb
-from tactus.synth.recorded import TIMING, read_rows, write_rows
-from tactus.synth.routed import simulated
+from tactus.synth.budget import TIMING, read_rows, write_rows
+from tactus.synth.ecp5 import absorb, simulated
 from tactus.synth.tools import run_tool, stored
 
 # An answer depends on the versions of these packages.

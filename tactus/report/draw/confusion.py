@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactus.errors.decisions import Decisions, held_out_or_all, percent
+from tactus.errors import Decisions, held_out_or_all, percent
 from tactus.report.draw.svg import Picture, plain, style, svg
 from tactus.scene import Scene
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from golden.numbers.real import Real
-from tactus.errors.scene_errors import UNKNOWN, trained_means
+from tactus.errors import UNKNOWN, trained_means
 from tactus.report.draw.svg import PLOT_INCHES, Look, nth, plain, style, svg
 from tactus.report.measure.disturbance import BOUND, KINDS, NONE
 from tactus.report.measure.outcome import Outcome

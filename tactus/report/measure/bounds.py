@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from golden.numbers.real import Real
 from golden.numbers.units import FULL_SCALE, POSITION_MM
 from tactus.core.table import read_table
-from tactus.errors.scene_errors import disturbed_rows
+from tactus.errors import disturbed_rows
 from tactus.physics.beam import Beam
 from tactus.physics.bound import UNKNOWN, least_errors, least_mean_errors
 from tactus.physics.digit_data import RECORDED, SENSORS

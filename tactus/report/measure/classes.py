@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactus.errors.decisions import held_out_or_all
+from tactus.errors import held_out_or_all
 from tactus.report.measure.outcome import Outcome
 from tactus.report.measure.table import Cell, Table
 

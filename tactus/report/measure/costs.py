@@ -7,10 +7,8 @@ from golden.networks.network import Network
 from tactus.core.folders import BUILD
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene
-from tactus.synth.budget import Cells, by_block, read_budget, shares
-from tactus.synth.cells import DEPTH, FAMILIES
-from tactus.synth.netlist import KINDS
-from tactus.synth.recorded import TIMING, is_recorded
+from tactus.synth.budget import TIMING, Cells, by_block, is_recorded, read_budget, shares
+from tactus.synth.cells import DEPTH, FAMILIES, KINDS
 from tactus.synth.timing import Timing, read_timing
 from tactus.synth.tools import digest
 from tactus.verify.benches.runner import export

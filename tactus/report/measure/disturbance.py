@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from tactus.errors.scene_errors import FRAMES, disturbed_errors, full_scale_of
+from tactus.errors import FRAMES, disturbed_errors, full_scale_of
 from tactus.report.measure.bounds import bounds_of
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, scene_names

@@ -1,12 +1,11 @@
 """The errors of the shipped networks and of those for comparison; their clocks."""
 
 from golden.networks.network import Network
-from tactus.errors.scene_errors import HELD_OUT, held_out_means, scene_errors
+from tactus.errors import HELD_OUT, held_out_means, scene_errors
 from tactus.report.measure.table import Row, Table
 from tactus.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tactus.scene.metrics import millimetres
-from tactus.synth.budget import read_budget
-from tactus.synth.recorded import is_recorded
+from tactus.synth.budget import is_recorded, read_budget
 
 FAMILY = "xc2v"
 COST = ("LUT", "multiplier", "block RAM")

@@ -11,8 +11,7 @@ from golden.numbers.real import Real
 from tactus.report.measure.networks import COST, FAMILY, scenes
 from tactus.report.measure.table import Row, Table
 from tactus.scene import Scene, load_scene
-from tactus.synth.budget import read_budget
-from tactus.synth.recorded import is_recorded
+from tactus.synth.budget import is_recorded, read_budget
 
 # The scene whose weights are used.
 OF = "digit-single"

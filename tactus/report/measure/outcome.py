@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from tactus.core.table import read_groups
-from tactus.errors.decisions import Decisions, decisions_of
-from tactus.errors.scene_errors import disturbed_rows, held_out_rows, noises_of
+from tactus.errors import Decisions, decisions_of, disturbed_rows, held_out_rows, noises_of
 from tactus.report.measure.table import Cell, Row, Table
 from tactus.rig.sensors_tell import telling_of
 from tactus.scene import Scene

@@ -6,8 +6,7 @@ from golden.common.block import walk
 from tactus.report.measure.table import markdown
 from tactus.scene import Scene, load_scene, scene_names
 from tactus.synth.budget import Cells, read_budget, shares
-from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
-from tactus.synth.netlist import KINDS
+from tactus.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, KINDS, flat_name
 from tactus.synth.timing import read_timing
 
 # These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.

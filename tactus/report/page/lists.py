@@ -21,7 +21,7 @@ from tactus.core.cli import run, stop_if_dry_run
 from tactus.core.files import replace_file
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import json_schema
-from tactus.errors.scene_errors import held_out_means, scene_errors
+from tactus.errors import held_out_means, scene_errors
 from tactus.report.draw.overview import overview
 from tactus.report.draw.overview import wishes as draw_wishes
 from tactus.report.draw.run_time import (

@@ -14,7 +14,7 @@ from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.engine.pipeline import LanePipeline, Pipeline
 from tactus.core.fingerprint import ROOT
 from tactus.core.schema import KeyTable, key_rows
-from tactus.errors.decisions import decisions_of, held_out_or_all
+from tactus.errors import decisions_of, held_out_or_all
 from tactus.report.activations import plot, plot_file
 from tactus.report.draw.network import network
 from tactus.report.measure.activation_errors import activation_table

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
-
+from tactus.core.templates import environment
 from tactus.report.draw.svg import Picture
 from tactus.report.measure.table import Table
 
@@ -46,17 +45,5 @@ class Page:
 
     def render(self) -> str:
         """The page as HTML."""
-        return environment("tactus.report.page").get_template("page.html.jinja").render(page=self)
-
-
-def environment(package: str) -> Environment:
-    """An environment for the templates of a package, which may include those of this package."""
-    found = Environment(
-        loader=ChoiceLoader([PackageLoader(name, ".") for name in (package, "tactus.report.page")]),
-        autoescape=select_autoescape(["jinja"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return found
+        templates = environment("tactus.report.page", escapes=True)
+        return templates.get_template("page.html.jinja").render(page=self)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.input_error import InputError
-from tactus.errors.scene_errors import held_out_means, scene_errors
+from tactus.errors import held_out_means, scene_errors
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.scene import Scene, load_scene, thesis_figures, thesis_table
 from tactus.synth.budget import read_budget

@@ -5,7 +5,7 @@ from typing import Any
 from golden.common.block import walk
 from golden.networks.left_out import left_out as of_network
 from golden.networks.network import Network
-from tactus.errors.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
+from tactus.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from tactus.report.measure.costs import Costs
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.outcome import Outcome
@@ -13,7 +13,7 @@ from tactus.report.measure.table import Cell, Table, number, rows_of
 from tactus.scene import Scene, thesis_figures
 from tactus.scene.codes import hidden_saturations, range_lines
 from tactus.synth.timing import DEVICE_NAME
-from tactus.train.descent.split import unused_text
+from tactus.train.split import unused_text
 from tactus.verify.benches.places import block_names
 from tactus.verify.benches.runner import scene_variable
 

@@ -9,11 +9,24 @@ import numpy as np
 
 from golden.numbers.real import Real
 from golden.trained.spline_basis import Basis
-from tactus.train.descent.objective import Rows
-from tactus.train.splines.descent import descend, stopped_early
-from tactus.train.splines.edges import CURVED, FLAT, STRAIGHT, Edges, bends
-from tactus.train.splines.network import SplineNetwork, starting
-from tactus.train.splines.objective import SQUARES, Loss, Penalty, SplineObjective
+from tactus.train.objective import Rows
+from tactus.train.splines.network import (
+    CURVED,
+    FLAT,
+    STRAIGHT,
+    Edges,
+    SplineNetwork,
+    bends,
+    starting,
+)
+from tactus.train.splines.objective import (
+    SQUARES,
+    Loss,
+    Penalty,
+    SplineObjective,
+    descend,
+    stopped_early,
+)
 
 STEPS, PATIENCE, SIZE = 300, 40, 1e-6
 # The splines of an input reach beyond its range by this part of it, and by the second number where

@@ -10,10 +10,11 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from jinja2 import Template
 
 from golden.common.port import Port
 from golden.instruments.converter_instrument import ConverterInstrument
@@ -23,7 +24,9 @@ from golden.networks.axis_network import TUSER_HALF
 from golden.networks.network import Network
 from golden.numbers.fixed import Codes
 from golden.sensing.converter_parts import TWOS
-from tactus.export.handover.ports import SUFFIX, verilog_type, vhdl_type
+from tactus.core.templates import environment
+from tactus.export.ports import SUFFIX, read_ports, verilog_type, vhdl_type
+from tactus.scene import Scene
 
 # Longer recordings are cut to these lengths: any simulator elaborates so many constants in a
 # second, and plays scans of so many clocks in a minute.
@@ -48,17 +51,10 @@ def plain_name(scene: str) -> str:
 
 @cache
 def _template(name: str) -> Template:
-    environment = Environment(
-        loader=PackageLoader("tactus.export.handover", "."),
-        undefined=StrictUndefined,
-        autoescape=False,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"vhdl_type": vhdl_type, "verilog_type": verilog_type}
-    environment.globals |= {"zero": _zero, "table": _table}
-    return environment.get_template(f"{name}.jinja")
+    found = environment("tactus.export")
+    found.filters |= {"vhdl_type": vhdl_type, "verilog_type": verilog_type}
+    found.globals |= {"zero": _zero, "table": _table}
+    return found.get_template(f"{name}.jinja")
 
 
 def _zero(port: Port) -> str:
@@ -75,43 +71,43 @@ def _table(codes: Iterable[int], width: int) -> str:
     return ",\n".join(f"        {line}" for line in lines)
 
 
-def core(
-    scene: str, description: str, order: str, files: list[str], benches: list[str], language: str
-) -> str:
-    """The text of the ``.core`` file.
+def write_handover(
+    scene: Scene, design: Network, folder: Path, order: str, files: list[str], language: str
+) -> None:
+    """Write core file, example, constraints and, for VHDL, the test bench into the export's folder.
 
-    scene: A ``plain_name``.
-    order: The name of the file with the compile order.
-    files: The design in compile order; the last one is named after the top.
-    benches: The test bench in compile order; empty where there is none.
+    folder: The folder that holds ``files``, which stand in compile order; the last one is the top.
+    order: The name of the file with that order.
     """
-    sets = {"rtl": files} | ({"tb": benches} if benches else {})
-    return _template("core").render(
-        scene=scene,
+    name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]
+    ports = read_ports(design, (folder / files[-1]).read_text(encoding="utf-8"), language)
+    named = {"scene": name, "top": top}
+    clock = {"mhz": f"{scene.clock_mhz:g}", "period": f"{1000 / scene.clock_mhz:.3f}"}
+    texts = {f: _template(f).render(named, **clock) for f in ("arty_a7_35.xdc", "ise.ucf")}
+    # An entity or module that only holds the network.
+    texts[f"{top}_example{suffix}"] = _template(f"example{suffix}").render(named, ports=ports)
+    sets = {"rtl": files}
+    if language == "vhdl":
+        most = max(design.past + 1, min(FRAMES, CLOCKS // design.interval))
+        samples = np.concatenate(scene.vectors().recordings)[:most]
+        sets["tb"] = benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
+        results = design.process(samples)
+        winners = winners_of(design, results)
+        texts[benches[0]] = vectors(name, design, samples, results, winners)
+        texts[benches[1]] = _template("test_bench.vhd").render(_facts(name, design, ports))
+    description = (
+        f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "
+        f"{', '.join(scene.outputs)}"
+    )
+    texts[f"{name}.core"] = _template("core").render(
+        scene=name,
         description=json.dumps(description),
         order=order,
         sets=sets,
         kind=KIND[language],
     )
-
-
-def constraints(scene: str, top: str, clock_mhz: float) -> dict[str, str]:
-    """The texts of the constraint files, by file name."""
-    facts = {"mhz": f"{clock_mhz:g}", "period": f"{1000 / clock_mhz:.3f}"}
-    return {
-        name: _template(name).render(scene=scene, top=top, **facts)
-        for name in ("arty_a7_35.xdc", "ise.ucf")
-    }
-
-
-def example(scene: str, top: str, ports: list[Port], language: str) -> str:
-    """An entity or module that only holds the network."""
-    return _template(f"example{SUFFIX[language]}").render(scene=scene, top=top, ports=ports)
-
-
-def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
-    """The text of the entity ``<top>_tb`` in VHDL-93."""
-    return _template("test_bench.vhd").render(_facts(scene, design, ports))
+    for file, text in texts.items():
+        (folder / file).write_text(text, encoding="utf-8")
 
 
 def verilog_bench(scene: str, design: Network, ports: list[Port], most: int) -> str:
@@ -183,33 +179,26 @@ def winners_of(design: Network, results: Codes) -> Codes | None:
 
 
 def vectors(
-    scene: str,
-    top: str,
-    samples: Codes,
-    results: Codes,
-    past: int = 0,
-    image: bytes = b"",
-    winners: Codes | None = None,
+    scene: str, design: Network, samples: Codes, results: Codes, winners: Codes | None
 ) -> str:
     """The text of the package ``<top>_vectors``: recorded frames and what the hardware gives.
 
     samples, results: shape (frames, inputs), (frames - past, outputs).
-    image: The image that is loaded before the first frame; empty where none is.
     winners, shape (frames - past, 2): See ``winners_of``.
     """
     return _template("vectors.vhd").render(
         scene=scene,
-        top=top,
+        top=design.entity,
         samples=samples,
         results=results,
-        past=past,
-        image=image,
+        past=design.past,
+        image=design.image,
         winners=winners,
     )
 
 
 def hex_files(
-    samples: Codes, results: Codes, image: bytes = b"", winners: Codes | None = None
+    design: Network, samples: Codes, results: Codes, winners: Codes | None
 ) -> dict[str, str]:
     """The files that the Verilog test bench reads; codes in 32 bits, one line a frame.
 
@@ -220,8 +209,8 @@ def hex_files(
         "samples.hex": _words(samples),
         "results.hex": _words(results),
     }
-    if image:
-        files["image.hex"] = "".join(f"{byte:02x}\n" for byte in image)
+    if design.image:
+        files["image.hex"] = "".join(f"{byte:02x}\n" for byte in design.image)
     if winners is not None:
         files["winners.hex"] = _words(winners)
     return files

@@ -26,14 +26,13 @@ from golden.trained.function_network import Edge, FunctionNetwork
 from golden.trained.spline_basis import Basis
 from tactus.scene import Scene
 from tactus.scene.scale import Scale, on_readings
-from tactus.train.descent.search import Result, shift_biases
-from tactus.train.descent.stages import Stages
-from tactus.train.descent.task import Frames, Task
+from tactus.train import search
+from tactus.train.search import Result
 from tactus.train.splines import training as splines
-from tactus.train.splines.edges import CURVED, STRAIGHT
+from tactus.train.splines.network import CURVED, STRAIGHT
 from tactus.train.splines.objective import SQUARES, CrossEntropy, Loss
 from tactus.train.splines.training import Learned, SplineSettings
-from tactus.train.task_errors import as_read, bit_true_error
+from tactus.train.task import Frames, Task, as_read, bit_true_error, shift_biases
 
 # Intervals of the splines of a hidden sum.
 HIDDEN_INTERVALS = 4
@@ -43,12 +42,11 @@ BENDS = (0.01, 0.03, 0.1)
 CLASS_BENDS = (0.1, 0.3, 1.0)
 
 
-def candidates(task: Task) -> list[tuple[int, int]]:
+def candidates(task: Task) -> list[tuple[tuple[int], int]]:
     """The hidden sums and the number of every candidate, the smallest networks first."""
-    settings = task.scene.training
     hidden = task.scene.members[task.number].hidden
-    low, high = (hidden, hidden) if hidden else settings.hidden
-    return [(h, n) for h in range(low, high + 1) for n in range(len(choices(task.scene)))]
+    low, high = (hidden, hidden) if hidden else task.scene.training.hidden
+    return [((h,), n) for h in range(low, high + 1) for n in range(len(choices(task.scene)))]
 
 
 def choices(scene: Scene) -> list[tuple[int, float, int]]:
@@ -58,8 +56,9 @@ def choices(scene: Scene) -> list[tuple[int, float, int]]:
     return list(product(settings.intervals, bends, range(settings.restarts)))
 
 
-def train(task: Task, hidden: int, number: int) -> Learned:
+def train(task: Task, layers: tuple[int], number: int) -> Learned:
     """The network of one candidate."""
+    (hidden,) = layers
     intervals, bend, start = choices(task.scene)[number]
     own = task.scene.training
     rng = np.random.default_rng([own.seed, task.number, hidden, start])
@@ -103,20 +102,20 @@ def class_scale(task: Task, network: DenseNetwork) -> Scale:
     return task.scene.scales_as_read(file, task.number)[1][0]
 
 
-def measure(task: Task, hidden: int, number: int) -> Result:
+def measure(task: Task, layers: tuple[int], number: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
-        _, network = as_read(task, as_layers(task, train(task, hidden, number), task.training))
+        _, network = as_read(task, as_layers(task, train(task, layers, number), task.training))
         validation, test = (
             bit_true_error(task, network, part) for part in (task.validation, task.test)
         )
     except InputError as error:
-        return Result(hidden, number, float("inf"), float("inf"), str(error))
-    return Result(hidden, number, validation, test)
+        return Result(layers, number, refused=str(error))
+    return Result(layers, number, validation, test)
 
 
 @dataclass
-class SplineStages(Stages):
+class Stages(search.Stages):
     """The stages in which training makes a scene's networks of learned functions."""
 
     edges: list[dict[str, int]] = field(default_factory=list)

@@ -17,11 +17,19 @@ constant is.
 The error is that of the rows that train and of further frames between and just beyond these rows,
 for which the trained network is the teacher. Without these frames the refit would leave the network
 undetermined where there is no row. Each output is weighted by the inverse of the trained network's
-error on validation rows. Networks for classes have an error of their own
-(``tactus.train.layer_digits``).
+error on validation rows.
 
-Several weights can be rounded at once, for which all others compensate together. So the inverse is
-updated less often, which is most of the work.
+The outputs of a network for classes are logits, for which the data has no targets. There the error
+is the squared difference from the logits of the trained network. The cross-entropy would not do: at
+a network that is sure of its classes it is so flat that large changes of weights seem to cost
+nothing.
+
+A node of ReLU computes the same with weights twice as large in front of it and half as large behind
+it. So the Hessian says that one layer can make up for any change of the other, which is true only
+near the trained weights. For networks of named layers it is damped, so that large compensations
+cost something too. Such networks may be large, and the time grows with the cube of their size. Then
+fewer orders of the weights are tried, and several weights are rounded at once, for which all others
+compensate together. So the inverse is updated less often, which is most of the work.
 """
 
 import sys
@@ -39,11 +47,10 @@ from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
 from golden.numbers.signed_digits import digit_counts, nearest_with
 from golden.trained.dense import Trained, layers_of, packed, unpacked
-from golden.trained.mlp import Activation
+from golden.trained.mlp import tanh
 from tactus.scene.training import FEWEST
-from tactus.train.descent.objective import Objective, Rows
-from tactus.train.descent.search import shift_biases, signed_errors
-from tactus.train.descent.task import Frames, Task
+from tactus.train.objective import LabelledRows, Objective, Rows
+from tactus.train.task import Frames, Task, shift_biases, signed_errors
 
 # Number of different orders in which the weights are rounded; random factors on their costs make
 # the orders differ.
@@ -69,6 +76,11 @@ PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
 NEAR = 1.5  # later starts search prices within this factor of the first start's price
 RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
 SLACK = 0.02  # so much fewer digits than asked for will do
+
+# For networks of named layers: how much the Hessian is damped, as a part of its diagonal.
+HOLD = 0.01
+# the weights and biases up to which each weight is rounded by itself, and all orders are tried.
+ONE_BY_ONE = 512
 
 
 @dataclass(frozen=True)
@@ -126,14 +138,22 @@ def grid_of(network: Trained, width: int) -> Grid:
 class RoundingObjective:
     """The error that is minimised on a grid: that of the objective's training rows.
 
-    hold: How much the Hessian is damped from which compensations come, as a part of its diagonal.
-    together: How many weights are rounded at once.
+    layered: Whether the network has layers that the scene names, or many rows.
     """
 
     objective: Objective
     grid: Grid
-    hold: float = DAMPING[0]
-    together: int = 1
+    layered: bool
+
+    @property
+    def hold(self) -> float:
+        """How much the Hessian is damped from which compensations come."""
+        return HOLD if self.layered else DAMPING[0]
+
+    @property
+    def together(self) -> int:
+        """How many weights are rounded at once."""
+        return max(1, len(self.grid.lsb) // ONE_BY_ONE) if self.layered else 1
 
     def value(self, vector: Real) -> float:
         """The error at a point."""
@@ -142,6 +162,8 @@ class RoundingObjective:
 
     def value_gradient_hessian(self, vector: Real) -> tuple[float, Real, Real]:
         """The error at a point, half its gradient, and half its Hessian by Gauss and Newton."""
+        if self.layered:
+            return self.value(vector), *self.objective.value_gradient_hessian(vector)
         residuals = self._residuals(vector)
         jacobian = self.objective.jacobian(vector)[: len(residuals)]
         return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
@@ -149,24 +171,6 @@ class RoundingObjective:
     def _residuals(self, vector: Real) -> Real:
         network = self.grid.network(vector)
         return self.objective.training.residuals(network, self.objective.activation)
-
-
-def rows_of(task: Task, network: Trained, frames: Frames, recorded: Frames, misses: Real) -> Rows:
-    """The rows whose error is minimised when ``network`` gets fewer digits.
-
-    frames: The rows that train, with disturbance.
-    recorded: The same rows as recorded, each of them once.
-    misses, shape (outputs,): The error of each output against which its deviation is weighted, in
-        any unit.
-    """
-    activation = task.scene.scheme.real
-    taught = teacher_frames(recorded, task)
-    count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
-    return Rows(
-        np.concatenate([frames.inputs, taught.inputs]),
-        np.concatenate([frames.targets, network.process(taught.inputs, activation)]),
-        np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * misses,
-    )
 
 
 def teacher_frames(recorded: Frames, task: Task) -> Rows:
@@ -324,10 +328,12 @@ class FewDigits:
 
     task: Task of the chosen network, whose validation rows decide.
     chosen: The network as it was trained.
+    layered: See ``RoundingObjective``.
     """
 
     task: Task
     chosen: Trained
+    layered: bool
 
     @property
     def asked(self) -> int | str:
@@ -335,8 +341,15 @@ class FewDigits:
         return self.task.scene.training.digits
 
     def errors(self, network: Trained) -> Real:
-        """Mean bit-true error of each output on the validation rows."""
-        errors = signed_errors(self.task, network, self.task.validation)
+        """Mean bit-true error of each output on the validation rows.
+
+        If the scene has classes, it is the mean cross-entropy with the labels, which is one number.
+        """
+        frames = self.task.validation
+        if self.task.scene.labels:
+            rows = LabelledRows(frames.inputs, frames.targets, frames.scale)
+            return np.array([(rows.residuals(network, self.task.scene.scheme.real) ** 2).mean()])
+        errors = signed_errors(self.task, network, frames)
         return np.abs(errors).mean(axis=0)
 
     def misses(self) -> Real:
@@ -381,32 +394,34 @@ class FewDigits:
         self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]
     ) -> RoundingObjective:
         """The aim when ``network`` gets fewer digits, on some frames of recorded rows."""
-        aimed = self.rows(task, network, frames, rows)
+        aimed = self.rows(task, network, frames, task.recorded.take(rows))
+        activation = tanh if self.layered else task.scene.scheme.real
         grid = grid_of(network, task.scene.precision.coeff_width)
-        return self.aim_on(network, aimed, task.scene.scheme.real, grid)
+        # Nothing ends this objective early.
+        objective = Objective(network, activation, aimed, aimed, 0.0, sys.maxsize)
+        return RoundingObjective(objective, grid, self.layered)
 
-    def rows(
-        self, task: Task, network: Trained, frames: Frames, recorded: NDArray[np.int64]
-    ) -> Rows:
-        """The rows whose error is minimised; see ``rows_of``."""
-        return rows_of(task, network, frames, task.recorded.take(recorded), self.misses())
+    def rows(self, task: Task, network: Trained, frames: Frames, recorded: Frames) -> Rows:
+        """The rows whose error is minimised when ``network`` gets fewer digits.
 
-    def aim_on(
-        self, network: Trained, rows: Rows, activation: Activation, grid: Grid
-    ) -> RoundingObjective:
-        """The aim of some rows for networks like this one; nothing ends its objective early."""
-        inputs, hidden, outputs = network.shape
-        shape = inputs, hidden, outputs
-        return RoundingObjective(Objective(shape, activation, rows, rows, 0.0, sys.maxsize), grid)
+        They are ``frames``, and those between and just beyond recorded rows. If the scene has
+        classes, the targets of all are the logits of ``network``, and errors are parts of these.
 
-    @property
-    def starts(self) -> int:
-        """How many orders of the weights are tried."""
-        return STARTS
-
-    def shifted(self, task: Task, network: Trained, frames: Frames) -> Trained:
-        """The network with output biases shifted by the mean bit-true error."""
-        return shift_biases(task, network, frames)
+        frames: The rows that train, with disturbance.
+        recorded: The same rows as recorded, each of them once.
+        """
+        activation, taught = task.scene.scheme.real, teacher_frames(recorded, task)
+        inputs = np.concatenate([frames.inputs, taught.inputs])
+        if task.scene.labels:
+            logits = network.process(inputs, activation)
+            spread = max(float(logits.std()), sys.float_info.min)
+            return Rows(inputs, logits, np.full(logits.shape, spread * np.sqrt(logits.size)))
+        count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
+        return Rows(
+            inputs,
+            np.concatenate([frames.targets, network.process(taught.inputs, activation)]),
+            np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * self.misses(),
+        )
 
     def _starts(
         self,
@@ -446,11 +461,14 @@ class FewDigits:
 
     def _generators(self) -> Iterator[np.random.Generator]:
         seed = self.task.scene.training.seed
-        return (np.random.default_rng([seed, self.task.number, n]) for n in range(self.starts))
+        starts = 1 if self.layered and len(packed(self.chosen)) > ONE_BY_ONE else STARTS
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(starts))
 
     def _whole(self, aim: RoundingObjective, point: Real, task: Task, frames: Frames) -> Trained:
-        """The network of a point, whose biases are shifted and rounded."""
-        network = self.shifted(task, aim.grid.network(point), frames)
+        """The network of a point, whose biases are shifted and rounded; nothing shifts logits."""
+        network = aim.grid.network(point)
+        if not task.scene.labels:
+            network = shift_biases(task, network, frames)
         return aim.grid.network(aim.grid.rounded(packed(network)))
 
 

@@ -1,38 +1,111 @@
-"""The functions that training minimises for networks of any depth, and for classes."""
+"""The functions that training minimises, and early stopping."""
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from golden.numbers.real import Real
 from golden.trained.dense import Trained, layers_of, unpacked
-from golden.trained.mlp import Activation, tanh
-from tactus.train.descent.objective import (
-    Objective,
-    Rows,
-    curvature_roots,
-    entropies,
-    probabilities,
-)
+from golden.trained.mlp import Activation
 
 
-class LayeredObjective(Objective):
-    """The function that a descent minimises; see ``Objective``.
+@dataclass(frozen=True)
+class Rows:
+    """Some rows of the recorded vectors.
 
-    like: A network with the layers that are trained.
-    **settings: The parameters of ``Objective``, except the shape and the activation.
+    inputs: shape (rows, inputs).
+    targets, scale, shape (rows, outputs): ``scale`` is the divisor of an error: the target or a
+        full scale.
     """
 
-    def __init__(self, like: Trained, **settings: Any):
-        inputs, *hidden, outputs = like.shape
-        super().__init__(shape=(inputs, sum(hidden), outputs), activation=tanh, **settings)
-        self.like = like
+    inputs: Real
+    targets: Real
+    scale: Real
+
+    def residuals(self, network: Trained, activation: Activation) -> Real:
+        """The scaled errors of a network as a vector."""
+        return ((network.process(self.inputs, activation) - self.targets) / self.scale).ravel()
+
+
+@dataclass(frozen=True)
+class LabelledRows(Rows):
+    """Rows with one-hot targets.
+
+    The outputs are logits, and the residual of a row is the root of its cross-entropy. So the sum
+    of squares is the cross-entropy.
+    """
+
+    def residuals(self, network: Trained, activation: Activation) -> Real:
+        """The residual of each row."""
+        logits = network.process(self.inputs, activation)
+        return np.sqrt(entropies(logits, self.targets))
+
+
+class EarlyStop(Exception):  # noqa: N818, a signal, not an error
+    """Ends a descent whose last points have not lowered the validation error."""
+
+
+Descend = Callable[["Objective", Real, int], Real]
+
+
+@dataclass
+class Objective:
+    """sum((y - t) / scale)**2 + weight_decay * sum(w**2) over the training rows.
+
+    Each point with a lower value than all before is also measured on the validation rows; ``best``
+    is the point with the least error there. After ``patience`` such points without a new best one,
+    ``EarlyStop`` ends the descent.
+
+    like: A network with the layers that are trained.
+    activation: What the hardware computes in the place of tanh: value and slope.
+    weight_decay: Factor that keeps weights small, and with them Q_j and Y_i.
+    """
+
+    like: Trained
+    activation: Activation
+    training: Rows
+    validation: Rows
+    weight_decay: float
+    patience: int
+    best: Real | None = None
+    _lowest: float = field(default=np.inf, init=False)
+    _least_validation: float = field(default=np.inf, init=False)
+    _in_vain: int = field(default=0, init=False)
+
+    def search(self, descend: Descend, start: Real, steps: int) -> Real:
+        """The best point of a descent from ``start`` with at most ``steps`` evaluations."""
+        with suppress(EarlyStop):
+            descend(self, start, steps)
+        return start if self.best is None else self.best
 
     def network(self, vector: Real) -> Trained:
+        """The network whose weights and biases are ``vector``."""
         return unpacked(vector, self.like)
 
+    def residuals(self, vector: Real) -> Real:
+        """Scaled errors, then the weights times the root of the decay."""
+        network = self.network(vector)
+        errors = self.training.residuals(network, self.activation)
+        result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
+        value = float(result @ result)
+        if value < self._lowest:
+            self._lowest = value
+            held_back = self.validation.residuals(network, self.activation)
+            validation = float(held_back @ held_back)
+            if validation < self._least_validation:
+                self._least_validation = validation
+                self._in_vain = 0
+                self.best = vector.copy()
+            else:
+                self._in_vain += 1
+                if self._in_vain == self.patience:
+                    raise EarlyStop
+        return result
+
     def jacobian(self, vector: Real) -> Real:
+        """Derivatives of the residuals, shape (residuals, weights)."""
         scale = self.training.scale
         rows, outputs = scale.shape
         back = np.broadcast_to(np.eye(outputs), (rows, outputs, outputs))
@@ -41,6 +114,7 @@ class LayeredObjective(Objective):
         return np.concatenate([result.reshape(-1, len(vector)), decay])
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
+        """Value and gradient; the gradient comes from propagating the errors back."""
         residuals = self.residuals(vector)
         scale = self.training.scale
         back = residuals[: scale.size].reshape(scale.shape) / scale
@@ -142,24 +216,10 @@ class LayeredObjective(Objective):
         return found
 
 
-@dataclass(frozen=True)
-class LabelledRows(Rows):
-    """Rows with one-hot targets.
-
-    The outputs are logits, and the residual of a row is the root of its cross-entropy. So the sum
-    of squares is the cross-entropy.
-    """
-
-    def residuals(self, network: Trained, activation: Activation) -> Real:
-        """The residual of each row."""
-        logits = network.process(self.inputs, activation)
-        return np.sqrt(entropies(logits, self.targets))
-
-
-class ClassObjective(LayeredObjective):
+class ClassObjective(Objective):
     """The cross-entropy of labelled rows, plus ``weight_decay`` times the sum of squared weights.
 
-    See ``LayeredObjective``; ``training`` and ``validation`` are ``LabelledRows``.
+    ``training`` and ``validation`` are ``LabelledRows``.
     """
 
     def curvature(self, vector: Real) -> Real:
@@ -175,59 +235,33 @@ class ClassObjective(LayeredObjective):
     def evaluate(self, vector: Real) -> tuple[float, Real]:
         residuals = self.residuals(vector)
         network = self.network(vector)
-        gradient = self._gradient(network, self._too_probable(network))
+        # The derivative of the cross-entropy by the logits is probability minus target.
+        gradient = self._gradient(network, self._probabilities(network) - self.training.targets)
         return float(residuals @ residuals), gradient + 2 * self.weight_decay * vector
-
-    def _too_probable(self, network: Trained) -> Real:
-        """The derivative of the cross-entropy by the logits: probability minus target."""
-        return self._probabilities(network) - self.training.targets
 
     def _probabilities(self, network: Trained) -> Real:
         """The probability of each class for each training row, shape (rows, classes)."""
         return probabilities(network.process(self.training.inputs, self.activation))
 
 
-# The first damping and the least one, as a part of the largest curvature along a weight.
-FIRST_DAMPING = 1e-2
-LEAST_DAMPING = 1e-12
-# A descent ends when a step would lower the value by less than this part of it.
-TOLERANCE = 1e-12
+def probabilities(logits: Real) -> Real:
+    """The probability of each class for each row (softmax of the logits), shape (rows, classes)."""
+    parts = np.exp(logits - logits.max(axis=1, keepdims=True))
+    return parts / parts.sum(axis=1, keepdims=True)
 
 
-def descend(objective: LayeredObjective, start: Real, steps: int) -> Real:
-    """Levenberg-Marquardt by normal equations, for classes and for many rows.
+def entropies(logits: Real, targets: Real) -> Real:
+    """The cross-entropy of each row with one-hot targets, shape (rows,)."""
+    own = (logits * targets).sum(axis=1, keepdims=True)
+    # One term of the sum is exp(0), so that no result is below 0.
+    return np.logaddexp.reduce(logits - own, axis=1)
 
-    MINPACK's, which trains networks for numbers on fewer rows, minimises a sum of squares, and
-    takes the curvature of a square from the slope of its residual alone. The cross-entropy of a row
-    is no such square: taken as one, each step overshoots, and weights grow large before the
-    validation error falls. So the curvature here is that of the cross-entropy by the logits,
-    carried to the weights by the derivatives of the logits (the generalised Gauss-Newton matrix: N.
-    N. Schraudolph, "Fast curvature matrix-vector products for second-order gradient descent",
-    Neural Computation 14 (2002), 1723-1738).
 
-    The damping follows K. Madsen, H. B. Nielsen and O. Tingleff, "Methods for non-linear least
-    squares problems", Technical University of Denmark, second edition, 2004, algorithm 3.16.
+def curvature_roots(parts: Real) -> Real:
+    """Roots of the second derivatives by the logits, shape (rows, classes, classes).
 
-    steps: The most evaluations.
+    With the probabilities p of a row, these are diag(p) - p p' = S S', with
+    S = diag(sqrt p) - p sqrt(p)'. The result is S' of each row.
     """
-    point = start
-    value, gradient = objective.evaluate(point)
-    curvature = objective.curvature(point)
-    damping, growth = FIRST_DAMPING * float(curvature.diagonal().max()), 2.0
-    for _ in range(steps - 1):
-        damping = max(damping, LEAST_DAMPING * float(curvature.diagonal().max()))
-        step = -np.linalg.solve(curvature + damping * np.eye(len(point)), gradient)
-        expected = -float(step @ (gradient + curvature @ step / 2))
-        if expected <= TOLERANCE * value:
-            break
-        found, slope = objective.evaluate(point + step)
-        gain = (value - found) / expected
-        if gain > 0:
-            point, value, gradient = point + step, found, slope
-            curvature = objective.curvature(point)
-            damping *= max(1 / 3, 1 - (2 * gain - 1) ** 3)
-            growth = 2.0
-        else:
-            damping *= growth
-            growth *= 2
-    return point
+    roots = np.sqrt(parts)[:, np.newaxis, :]
+    return np.eye(parts.shape[1]) * roots - np.swapaxes(roots, 1, 2) * parts[:, np.newaxis, :]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,13 @@ from golden.networks.arrangement import seen
 from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.numbers.real import Real
-from golden.trained.dense import Trained
+from golden.trained.dense import Some, Trained, layers_of, rebuilt
 from golden.trained.mlp import Mlp
 from tactus.scene import Scene, Vectors
-from tactus.scene.scale import Scale, range_scale, readings
-from tactus.train.descent.objective import Rows
-from tactus.train.descent.split import Split, split_of
+from tactus.scene.labels import wrong_percent
+from tactus.scene.scale import Scale, on_readings, on_signals, range_scale, readings
+from tactus.train.objective import Rows
+from tactus.train.split import Split, split_of
 
 # The parts of the rows, each of which is disturbed with its own random numbers. The first three are
 # the split.
@@ -147,3 +148,48 @@ def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
         "inputs": seen(scene.arrangement, samples, given),
         "codes": seen(scene.arrangement, codes, bit_true),
     }
+
+
+def shift_biases(task: Task, network: Some, frames: Frames) -> Some:
+    """Shift the output biases by the weighted mean bit-true error on ``frames``, twice."""
+    weight = 1 / frames.scale**2
+    for _ in range(2):
+        results = task.bit_true(network, frames)
+        miss = (weight * (frames.targets - results)).sum(axis=0) / weight.sum(axis=0)
+        *before, last = layers_of(network)
+        network = rebuilt(network, [*before, replace(last, biases=last.biases + miss)])
+    return network
+
+
+def as_read(task: Task, network: Trained) -> tuple[Trained, Trained]:
+    """A trained network as a file holds it, and as it is read from there."""
+    scene = task.scene
+    inputs, outputs = scene.scales_of(task.number)
+    file = on_readings(network, inputs, outputs)
+    return file, on_signals(file, *scene.scales_as_read(file, task.number))
+
+
+def signed_errors(task: Task, network: Trained, frames: Frames) -> Real:
+    """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
+    return 100 * (task.bit_true(network, frames) - frames.targets) / frames.scale
+
+
+def percent_errors(task: Task, network: Trained, frames: Frames) -> Real:
+    """Bit-true errors in percent, shape (rows, outputs).
+
+    They have their signs or, of a class, are those of ``wrong_percent``.
+    """
+    if task.scene.labels:
+        return wrong_percent(task.bit_true(network, frames), frames.targets)
+    return signed_errors(task, network, frames)
+
+
+def bit_true_error(task: Task, network: Trained, frames: Frames) -> float:
+    """The figure that chooses among candidates: the root mean square of the bit-true errors.
+
+    If the scene has classes, it is the part of the frames with a wrong decision, in percent.
+    """
+    errors = percent_errors(task, network, frames)
+    if task.scene.labels:
+        return float(errors.max(axis=1).mean())
+    return float(np.sqrt((errors**2).mean()))

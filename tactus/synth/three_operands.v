@@ -1,21 +1,15 @@
-"""A map of Yosys by which a sum of three operands costs a LUT for each bit, as in vendors' tools.
+// By this map of Yosys a sum of three operands costs a LUT for each bit, as in vendors' tools.
+//
+// Yosys makes carry-save adders of such a sum, which cost about two LUTs for each bit. Vendors'
+// tools make one adder of it where LUTs have six inputs. The map does the same with the cells of
+// Series 7.
+//
+// $macc_v2 is Yosys' sum of any number of products and operands. The LUT adds three bits, and its
+// second output is what they carry, which the LUT and the chain of the next bit take. The bits of an
+// operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain begins.
+// Yosys reads the map for other sums too, before it leaves them as they are, and refuses a width
+// that is not defined.
 
-Yosys makes carry-save adders of such a sum, which cost about two LUTs for each bit. Vendors' tools
-make one adder of it where LUTs have six inputs. The map does the same with the cells of Series 7.
-"""
-
-import re
-from pathlib import Path
-
-_FILE = "three_operands.map"
-# The names of the processes in which ``constant_matrix`` adds three operands.
-_SUM = re.compile(r"begin: (add_three|add_two_and_constant)\d")
-# ``$macc_v2`` is Yosys' sum of any number of products and operands. The LUT adds three bits, and
-# its second output is what they carry, which the LUT and the chain of the next bit take. The bits
-# of an operand that is subtracted are inverted in the LUTs, and 1 is added for it where the chain
-# begins. Yosys reads the map for other sums too, before it leaves them as they are, and refuses a
-# width that is not defined.
-_MAP = r"""
 (* techmap_celltype = "$macc_v2" *)
 module three_operands (A, B, C, Y);
   parameter NPRODUCTS = 0;
@@ -89,16 +83,3 @@ module three_operands (A, B, C, Y);
   endgenerate
   assign Y = total[Y_WIDTH-1:0];
 endmodule
-"""
-
-
-def write_map(folder: Path) -> str:
-    """Write the map into a folder of Verilog; returns the command of Yosys that applies it there.
-
-    Without a sum of three operands there is no command. Any command more changes the names that
-    Yosys makes up, and with them by some LUTs what it makes of the rest.
-    """
-    if not any(_SUM.search(file.read_text(encoding="utf-8")) for file in folder.glob("*.v")):
-        return ""
-    (folder / _FILE).write_text(_MAP, encoding="utf-8")
-    return f"techmap -map {_FILE}; "

@@ -1,1 +1,0 @@
-"""Trains multi-layer perceptrons by descent, from many starts, and chooses among them."""
