@@ -90,7 +90,6 @@ def trained_means(scene: Scene, key: str) -> list[float] | None:
 
 
 def held_out_text(scene: Scene) -> str:
-    """A text that says which rows are held out."""
     means = held_out_means(scene)
     if means is None:
         return UNKNOWN
@@ -209,13 +208,11 @@ class Decisions:
     margins: Codes
 
     def take(self, rows: Numbers) -> Decisions:
-        """The decisions for some of the rows."""
         parts = (self.actual, self.real, self.bit_true, self.margins)
         return Decisions(self.labels, *(part[rows] for part in parts))
 
     @property
     def right(self) -> int:
-        """The number of rows that the hardware decides rightly."""
         return int((self.bit_true == self.actual).sum())
 
     @property
@@ -237,7 +234,6 @@ class Decisions:
 
     @property
     def text(self) -> str:
-        """How many rows are decided rightly, as text."""
         rows = len(self.actual)
         return (
             f"{self.right} of {rows} right, {percent(self.right, rows)}; in floating point "
@@ -247,7 +243,6 @@ class Decisions:
 
 
 def percent(part: int, of: int) -> str:
-    """A part of rows in percent, as text."""
     return f"{100 * part / of:.1f} %" if of else "no rows"
 
 
@@ -305,7 +300,6 @@ def table_lines(found: Decisions) -> list[str]:
 
 
 def lines_of(scene: Scene) -> list[str]:
-    """The lines that describe the decisions of a scene."""
     every = decisions_of(scene)
     found, rows = held_out_or_all(scene, every)
     return [

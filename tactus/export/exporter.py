@@ -20,7 +20,6 @@ MANIFEST = "manifest.json"
 
 
 def compile_order(folder: Path) -> list[str]:
-    """The names of the files of an export, in compile order."""
     return (folder / ORDER).read_text(encoding="utf-8").split()
 
 

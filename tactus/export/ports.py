@@ -40,7 +40,6 @@ def read_ports(spec: Block, text: str, language: str) -> list[Port]:
 
 
 def vhdl_type(port: Port) -> str:
-    """The port's type in VHDL."""
     if not port.width:
         return "std_logic"
     return f"{'signed' if port.signed else 'unsigned'}({port.width - 1} downto 0)"

@@ -38,7 +38,6 @@ def tidy(
 
 
 def name_architecture(text: str) -> str:
-    """Every architecture is called rtl."""
     return re.sub(r"\barchitecture MyHDL\b", "architecture rtl", text)
 
 
@@ -90,7 +89,6 @@ def _bare(found: re.Match[str]) -> str:
 
 
 def drop_empty_loops(text: str) -> str:
-    """Remove loops from 1 to 0."""
     return re.sub(r"^ *for \w+ in 1 to 0 loop\n.*\n *end loop;\n", "", text, flags=re.M)
 
 
@@ -211,7 +209,6 @@ def _noted(lines: Sequence[str], language: str, words: Sequence[str]) -> Iterato
 
 
 def indent_architecture(text: str) -> str:
-    """Indent declarations and statements by four blanks."""
     begin = re.search(r"^architecture .*\n", text, re.M)
     end = re.search(r"^end architecture ", text, re.M)
     if not begin or not end:

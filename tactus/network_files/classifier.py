@@ -77,7 +77,6 @@ class _End:
     labels: tuple[Label, ...] = ()
 
     def step(self, node: Any) -> None:
-        """Follow one operator."""
         if node.op_type not in STEPS or node.domain not in DOMAINS:
             raise self.refuse(
                 node,

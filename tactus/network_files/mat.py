@@ -49,7 +49,6 @@ def _fields(value: Any) -> dict[str, Any] | None:
 
 
 def write(path: Path, network: Trained) -> None:
-    """Write the network as a structure named ``network``."""
     if not isinstance(network, Mlp):
         layers = ", ".join(network.activations) or "none"
         raise InputError(

@@ -35,7 +35,6 @@ FORMS = {f".{form}": f"tactus.network_files.{form}" for form in ("npz", "mat", "
 
 
 def provenance_path(path: Path) -> Path:
-    """The path of the provenance of the network at ``path``."""
     return path.with_suffix(".provenance.toml")
 
 
@@ -97,7 +96,6 @@ def load_network(
 
 
 def held_in(path: Path) -> ParsedNetwork:
-    """The content of the network file at ``path``."""
     form = form_of(path)
     check_file(path)
     return form.read(path)

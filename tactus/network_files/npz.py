@@ -105,7 +105,6 @@ def _quantiser(row: list[float]) -> Quantiser | None:
 
 
 def _row(quantiser: Quantiser | None) -> list[float]:
-    """The inverse of ``_quantiser``."""
     if quantiser is None:
         return [0.0] * 6
     q = quantiser

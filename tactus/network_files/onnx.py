@@ -129,7 +129,6 @@ class _Chain:
         return InputError(f"{self.path}: {place}operator {node.op_type} ({node.name!r}): {reason}")
 
     def width(self, node: Any) -> int:
-        """How many values the last layer gives."""
         if not self.layers:
             raise self.refuse(node, "stands in front of every layer, expected it behind the last")
         return len(self.layers[-1].biases)
@@ -156,7 +155,6 @@ class _Chain:
         self.activated = False
 
     def activate(self, node: Any, activation: str, leak: float) -> None:
-        """The activation of the last layer."""
         if not self.layers or self.activated:
             where = "behind another activation" if self.layers else "in front of every layer"
             raise self.refuse(node, f"stands {where}, expected it behind a Gemm or MatMul")
@@ -166,7 +164,6 @@ class _Chain:
         self.activated = True
 
     def look_up(self, node: Any, function: Function) -> None:
-        """A function of a table as the activation of the last layer."""
         if self.functions.get(function.name, function) != function:
             # The same operator with other attributes.
             function = replace(function, name=f"{function.name}_{len(self.layers)}")
@@ -285,7 +282,6 @@ def _folded(chain: _Chain, node: Any, constants: dict[str, Any], versions: dict[
 
 
 def _array(path: Path, tensor: Any) -> Any:
-    """The value of a constant in the graph."""
     _check_sizes(path, f"tensor {tensor.name!r}", tensor.dims, tensor.dims)
     with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
         array = numpy_helper.to_array(tensor)
@@ -300,7 +296,6 @@ def _check_sizes(path: Path, what: str, shape: Sequence[int], sizes: Sequence[in
 
 
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
-    """Add one operator to the chain."""
     if node.op_type in quantisers.OPERATORS and node.domain in quantisers.DOMAINS:
         _quantise(chain, node, current, constants)
         return

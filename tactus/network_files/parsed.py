@@ -57,7 +57,6 @@ class ParsedNetwork:
 
     @property
     def activations(self) -> tuple[str, ...]:
-        """The activations of the hidden layers."""
         return tuple(layer.activation for layer in self.layers[:-1])
 
     @property
@@ -67,7 +66,6 @@ class ParsedNetwork:
 
 
 def real_numbers(path: Path, name: str, value: Any) -> Real:
-    """Turn an array into float64."""
     array = np.asarray(value)
     if array.dtype.kind not in "biuf":
         raise InputError(f"{path}: {name}: got {array.dtype}, expected real numbers")

@@ -78,7 +78,6 @@ def bipolar(node: Any, constants: dict[str, Any], refuse: Refuse) -> tuple[Quant
 
 
 def _ends(node: Any, zero: Any, more: list[Any], refuse: Refuse) -> tuple[int, int]:
-    """The lowest and the highest code."""
     if node.op_type == QUANTIZE:
         # Without a zero point the codes are unsigned bytes.
         kind = np.uint8 if zero is None else zero.dtype

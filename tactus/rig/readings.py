@@ -42,7 +42,6 @@ def few_rows(subject: str, rows: int) -> list[Finding]:
 
 
 def constant(values: Real) -> bool:
-    """Whether a column has the same value in every row."""
     return bool((values == values[0]).all())
 
 
@@ -101,7 +100,6 @@ def beyond(name: str, values: Real) -> int:
 
 
 def few_codes(name: str, values: Real) -> list[Finding]:
-    """Find a sensor that uses only few of the hardware's codes."""
     codes = np.ptp(values) * 2**SIGNAL.frac
     if codes >= FEW_CODES:
         return []
@@ -140,7 +138,6 @@ def interpolated(subject: str, readings: Real) -> list[Finding]:
 
 
 def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
-    """Find pairs of columns that carry the same information."""
     found = []
     for c, name in enumerate(names):
         for other in range(c):
@@ -152,7 +149,6 @@ def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
 
 
 def perhaps_labels(name: str, values: Real) -> list[Finding]:
-    """Find a column of numbers that may hold labels."""
     numbers = np.unique(values)
     few = 2 < len(numbers) <= MOST_NUMBERS and ROWS_EACH * len(numbers) <= len(values)
     if not few or not np.array_equal(numbers, numbers.round()):

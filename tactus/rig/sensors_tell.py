@@ -103,7 +103,6 @@ class Telling:
 
     @property
     def explained(self) -> NDArray[np.bool_]:
-        """The outputs that the sensors explain; see TOLD."""
         return self.whole < TOLD * self.constant
 
     def harmless(self, errors: Real) -> bool:

@@ -60,7 +60,6 @@ class SmoothMap:
         )
 
     def __call__(self, inputs: Real) -> Real:
-        """Values of the function for inputs, shape (rows, values)."""
         rest: Real = spread(self.values) * self._rest(self._standardised(inputs))
         return self._with_one(inputs) @ self._plane + rest
 

@@ -60,7 +60,6 @@ class Survey:
 
 
 def labels_in(recording: CsvFile, name: str) -> list[str]:
-    """The labels in a column of a recording."""
     at = recording.names.index(name)
     return [row[at].strip() for row in recording.rows]
 

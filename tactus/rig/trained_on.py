@@ -188,5 +188,4 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
 
 
 def stretches_of(rows: Codes) -> int:
-    """The number of stretches of rows that follow each other."""
     return 1 + int((np.diff(np.sort(rows)) > 1).sum())

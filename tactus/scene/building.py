@@ -111,7 +111,6 @@ def _sections(scene: Scene) -> list[str]:
 
 
 def task_of(scene: Scene) -> SizingTask:
-    """The networks of a scene, its settings and its recorded frames."""
     around = _sections(scene)
     around += ["hardware.interface 'axi_stream'"] * (scene.interface == "axi_stream")
     around += ["data.window with past samples"] * (not scene.window.plain)
@@ -149,7 +148,6 @@ def choice_of(scene: Scene) -> Choice:
 
 
 def chosen(scene: Scene, choice: Choice) -> Scene:
-    """The scene as it would be if it named the design that is chosen."""
     settings = settings_for(task_of(scene), choice.row.candidate)
     return replace(
         scene,

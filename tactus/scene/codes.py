@@ -137,7 +137,6 @@ def _counted(layer: str, counts: Codes, rows: str) -> str:
 
 
 def warn_saturating(scene: Scene) -> None:
-    """Warn of outputs that saturate, with one line for each."""
     for sentence in saturating(scene):
         warnings.warn(f"{scene.path}: {sentence}", stacklevel=2)
 

@@ -173,7 +173,6 @@ def read_window(data: dict[str, Any], path: Path) -> Window:
 
 
 def _delays(written: list[int], place: str) -> tuple[int, ...]:
-    """Check the delays of one sensor."""
     if any(a >= b for a, b in pairwise(written)):
         raise InputError(f"{place}: got {written!r}, expected ascending delays, each once")
     return tuple(written)
@@ -229,7 +228,6 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
 
 
 def data_paths(data: dict[str, Any], path: Path) -> tuple[Path, ...]:
-    """The files of the recordings."""
     several = data["recordings"]
     key, names = ("recordings", several) if several else ("file", [data["file"]])
     found = tuple(beside(path, f"data.{key}", name) for name in names)

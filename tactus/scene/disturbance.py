@@ -41,7 +41,6 @@ class Disturbance:
 
     @property
     def none(self) -> bool:
-        """Whether readings stay unchanged."""
         return not (self.noise or self.gain or self.offset)
 
     def of(

@@ -147,7 +147,6 @@ class FrontEnd:
 
 
 def front_end(scene: dict[str, Any], path: Path) -> FrontEnd | None:
-    """The front end, if the scene has that section."""
     if "front_end" not in scene:
         return None
     values, clock_mhz = scene["front_end"], scene["hardware"]["clock_mhz"]
@@ -216,7 +215,6 @@ class Uart:
 
 
 def uart(values: dict[str, Any], path: Path) -> Uart | None:
-    """The serial line, if the scene has that section."""
     if "uart" not in values:
         return None
     baud, clock_mhz = values["uart"]["baud"], values["hardware"]["clock_mhz"]

@@ -370,7 +370,6 @@ def _given(hardware: dict[str, Any], name: str) -> bool:
 
 
 def refuse_choices(hardware: dict[str, Any], names: Sequence[str], path: Path) -> None:
-    """Refuse options of a design where the design is to be chosen."""
     # In thesis precision the activation is part of what is asked for.
     own = ["activation", "activation_options"] if hardware["precision"] == EXACT.name else []
     for name in (*names, *own):
@@ -423,7 +422,6 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 
 
 def demand(hardware: dict[str, Any], path: Path) -> Demand:
-    """The limits of a section ``[hardware]``."""
     rate, interval = hardware["frames_a_second"], hardware["interval"]
     if rate:
         if interval:
@@ -441,7 +439,6 @@ def demand(hardware: dict[str, Any], path: Path) -> Demand:
 
 
 def price(hardware: dict[str, Any], path: Path) -> Price:
-    """The prices of a section ``[hardware]``."""
     for key in ("device", "prices"):
         if hardware.get(key) and hardware["design"] != UNDECIDED:
             raise InputError(
@@ -469,7 +466,6 @@ ONLY: dict[str, tuple[object, ...]] = {
 
 
 def check_learning(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse what an engine that learns does not have."""
     hardware, network, data = (values[name] for name in ("hardware", "network", "data"))
     if not hardware["learning"]:
         return

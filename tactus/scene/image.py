@@ -65,7 +65,6 @@ def write_image(image: Image, name: str, folder: Path) -> None:
 
 
 def hardware_of(scene: Scene) -> Engine:
-    """The reloadable engine of a scene."""
     if scene.design_options.get("reload"):
         core = scene.twin().core
         assert isinstance(core, Engine), "only an engine has the option reload"

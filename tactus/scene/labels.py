@@ -119,7 +119,6 @@ def _is_number(text: str) -> bool:
 
 
 def output_names(column: str, labels: Sequence[str]) -> list[str]:
-    """A name for the output of each class."""
     return [f"{column} {label}" for label in labels]
 
 

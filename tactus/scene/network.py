@@ -137,7 +137,6 @@ class SceneNetwork:
         )
 
     def load(self) -> Trained:
-        """The trained network."""
         hidden = self.layers or (self.hidden,)
         shape = (self.inputs, *hidden, len(self.outputs))
         network = load_network(self.weights_path, shape, by_name(self.functions), self.labels)
@@ -249,7 +248,6 @@ def _functions(
 
 
 def _points(file: Path) -> dict[str, list[float]]:
-    """The points in a CSV file."""
     x, y = read_table(file, ["x", "y"]).T.tolist()
     return {"x": x, "y": y}
 

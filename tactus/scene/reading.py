@@ -55,7 +55,6 @@ def scene_path(name: str) -> Path:
 
 
 def scene_names() -> list[str]:
-    """The scenes that tactus ships."""
     return sorted(folder.name for folder in FOLDER.iterdir() if scene_path(folder.name).is_file())
 
 
@@ -111,7 +110,6 @@ def in_todays_words(raw: dict[str, Any], path: Path) -> dict[str, Any]:
 
 @cache
 def _note(text: str) -> None:
-    """Say it once."""
     print(f"note: {text}", file=sys.stderr)
 
 

@@ -45,7 +45,6 @@ class Scale:
 
 
 def signals(readings: Real, scales: Sequence[Scale]) -> Real:
-    """The signals for readings, shape (..., columns)."""
     offsets, factors = _arrays(scales)
     # A signal that overflows is outside every range, and is refused where ranges are checked.
     with np.errstate(over="ignore"):
@@ -54,7 +53,6 @@ def signals(readings: Real, scales: Sequence[Scale]) -> Real:
 
 
 def readings(signals: Real, scales: Sequence[Scale]) -> Real:
-    """The readings for signals, shape (..., columns)."""
     offsets, factors = _arrays(scales)
     return offsets + factors * signals
 

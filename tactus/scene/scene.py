@@ -95,7 +95,6 @@ class Scene:
 
     @property
     def weights_paths(self) -> list[Path]:
-        """The network files."""
         return [member.weights_path for member in self.members]
 
     @property
@@ -210,7 +209,6 @@ class Scene:
         return {name: self.sensors[tap.sensor] for name, tap in taps}
 
     def scales_of(self, number: int) -> tuple[list[Scale], list[Scale]]:
-        """The scales of a network's inputs, and those of its outputs."""
         scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
         return scales[:inputs], scales[inputs:]
 

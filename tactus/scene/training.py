@@ -209,7 +209,6 @@ class Training:
 
 
 def training(scene: dict[str, dict[str, Any]], path: Path) -> Training:
-    """The section ``[training]``, which fits the rest of the scene."""
     check_digits(scene, path)
     check_search(scene, path)
     check_functions(scene, path)
@@ -226,7 +225,6 @@ def training(scene: dict[str, dict[str, Any]], path: Path) -> Training:
 
 
 def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
-    """The columns of ``training.split_by``."""
     names, split = values["split_by"], values["split"]
     if names and split == "random":
         raise InputError(

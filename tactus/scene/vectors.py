@@ -84,7 +84,6 @@ class Recorded:
 
     @cached_property
     def groups(self) -> Real:
-        """The positions, shape (rows,)."""
         return self._whole([one.groups for one in self.recordings])
 
     @cached_property
@@ -108,7 +107,6 @@ class Recorded:
 
 
 def read_recorded(scene: Scene) -> Recorded:
-    """Read the rows that a scene uses."""
     past = scene.window.past
     recordings = tuple(_recording(scene, path) for path in scene.data_paths)
     for one in recordings:
@@ -170,7 +168,6 @@ class Vectors:
 
     @property
     def samples(self) -> int:
-        """The number of samples in all recordings."""
         return sum(codes.size for codes in self.recordings)
 
     def percent_errors(self, results: Real) -> Real:

@@ -37,7 +37,6 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """The design and its options, as text."""
         return ", ".join([self.design, *(f"{key} {self.options[key]}" for key in self.options)])
 
 
@@ -50,7 +49,6 @@ LEFT_OUT = (
 
 
 def adders(count: int) -> Candidate:
-    """A graph with at most so many adders between two registers."""
     # One run of the search takes a moment; more of them save some per cent of the adders.
     return Candidate("adder_graph", {"adders_per_clock": count, "search_runs": 1})
 
@@ -64,7 +62,6 @@ def tables(count: int, **bits: int) -> Candidate:
 
 
 def lanes(count: int) -> Candidate:
-    """An engine with so many multipliers side by side."""
     return Candidate("engine", {"lanes": count})
 
 
@@ -141,7 +138,6 @@ class Sized:
 
     @property
     def coarse(self) -> bool:
-        """See ``Design``."""
         return DESIGNS[self.candidate.design].coarse
 
     @property
@@ -190,7 +186,6 @@ def kind_of(design: str, options: Mapping[str, object]) -> str:
 
 
 def build(task: SizingTask, candidate: Candidate) -> Network:
-    """The networks of a task in a design."""
     design = DESIGNS[candidate.design]
     if task.arrangement not in design.arrangements:
         raise InputError(

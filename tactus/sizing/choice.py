@@ -48,7 +48,6 @@ class Demand:
         return max([got / most for got, most in pairs if most], default=0.0)
 
     def refuse(self, network: Network, design: str, more: str = "") -> None:
-        """Refuse a network that is too slow."""
         clocks, interval = network.output_clocks[-1], network.interval
         if self.clocks and clocks > self.clocks:
             raise InputError(
@@ -117,7 +116,6 @@ class Price:
     shares: bool = True
 
     def of(self, cells: Cells) -> float:
-        """The price of what a design takes."""
         parts = (
             self.lut * cells.size.luts,
             self.multiplier * cells.multipliers,
@@ -126,7 +124,6 @@ class Price:
         return sum(parts)
 
     def text(self, cells: Cells) -> str:
-        """A price for a reader."""
         found = self.of(cells)
         text = f"{found:.3g} % of {self.device.name}" if self.shares else f"a price of {found:.4g}"
         return text if self.fits(cells) else f"{text}, in which it does not fit"

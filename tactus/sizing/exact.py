@@ -21,13 +21,11 @@ WORDS = {"xc2v": (512, 1, 4), "ecp5": (1024, 2, 6)}
 
 
 def multipliers(top: Block) -> int:
-    """Multipliers of 18 x 18 bits in a block and its parts."""
     own = _MULTIPLIERS[top.block](top) if top.block in _MULTIPLIERS else 0
     return own + sum(map(multipliers, top.parts()))
 
 
 def block_rams(top: Block, family: str) -> int:
-    """Block RAMs in a block and its parts."""
     own = _MEMORIES[top.block](top, *WORDS[family]) if top.block in _MEMORIES else 0
     return own + sum(block_rams(part, family) for part in top.parts())
 

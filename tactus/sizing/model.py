@@ -82,7 +82,6 @@ Model = tuple[Real, Real]
 
 @cache
 def recorded() -> tuple[Recorded, ...]:
-    """The rows of ``cells.csv``."""
     read = read_csv_file(CELLS)
     if tuple(read.names) != COLUMNS:
         raise InputError(f"{CELLS}: got columns {read.names}, expected {COLUMNS}")
@@ -139,7 +138,6 @@ class Held:
 
     @property
     def percent(self) -> float:
-        """By how much the estimate of LUTs is too large."""
         return 100 * (self.estimated.luts / self.recorded.luts - 1)
 
 
@@ -170,7 +168,6 @@ def spread(design: str) -> float | None:
 
 
 def placed(design: str) -> list[Recorded]:
-    """The networks of a design that were placed and routed."""
     return [row for row in recorded() if row.design == design and row.routed]
 
 

@@ -59,7 +59,6 @@ def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
 
 
 def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> None:
-    """Print the cells of each block."""
     columns = [*KINDS, DEPTH]
     for family, meaning in FAMILIES.items():
         print(f"\n{meaning} (synth_xilinx -family {family}); of each block the largest entity")

@@ -31,7 +31,6 @@ def table_of(scene: Path, kind: str) -> tuple[Path, str]:
 
 
 def is_recorded(scene: Path, kind: str = CELLS) -> bool:
-    """Whether a table has rows of a scene."""
     path, name = table_of(scene, kind)
     return path.is_file() and name in read_texts(path, "scene")
 
@@ -81,7 +80,6 @@ def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int,
 
 
 def rows(found: Cells) -> list[list[Any]]:
-    """A row for each entity of each family."""
     return [
         [family, entity, *(entities[entity][name] for name in COLUMNS[2:])]
         for family, entities in found.items()
@@ -90,12 +88,10 @@ def rows(found: Cells) -> list[list[Any]]:
 
 
 def write_budget(scene: Path, found: Cells) -> None:
-    """Record the cells that were found for a scene."""
     write_rows(scene, CELLS, COLUMNS, rows(found))
 
 
 def read_budget(scene: Path) -> Cells:
-    """The recorded cells of a scene."""
     columns = {"family": str, "entity": str} | dict.fromkeys(COLUMNS[2:], int)
     found: Cells = {}
     for family, entity, *cells in read_rows(scene, CELLS, columns):

@@ -200,7 +200,6 @@ def _final(bit: Any, renamed: dict[Any, Any]) -> Any:
 
 
 def _pin(cell: Cell, port: str) -> Any:
-    """The bit at a port, if there is one."""
     return next(iter(cell["connections"].get(port, [])), None)
 
 

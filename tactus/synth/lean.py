@@ -51,7 +51,6 @@ class Lean:
 
 
 def read_lean(scene: Path) -> Lean:
-    """The recorded cells of a scene."""
     ((*cells, verilog),) = read_rows(scene, LEAN, COLUMNS)
     whole, lean = cells[: len(KINDS)], cells[len(KINDS) :]
     return Lean(verilog, *(dict(zip(KINDS, c, strict=True)) for c in (whole, lean)))

@@ -52,11 +52,9 @@ class Extra:
 
     @property
     def name(self) -> str:
-        """The scene and the design, as text."""
         return f"{self.scene}, {self.candidate.name}"
 
     def built(self) -> tuple[Scene, Network]:
-        """The scene, and its networks in the design."""
         scene = load_scene(self.scene)
         return scene, build(task_of(scene), self.candidate)
 
@@ -159,7 +157,6 @@ def record() -> list[Recorded]:
 
 
 def written(row: Recorded) -> list[object]:
-    """A row of the CSV."""
     routed = row.routed
     placed = (*vars(routed.size).values(), routed.clock_mhz) if routed else ("", "", "")
     features = " ".join(f"{name}={number}" for name, number in sorted(row.features.items()))

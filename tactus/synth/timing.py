@@ -139,7 +139,6 @@ def _route(folder: Path, top: str, aim: int) -> Timing:
 
 
 def pins(netlist: dict[str, Any], top: str) -> int:
-    """How many bits the ports of a netlist have."""
     return sum(len(port["bits"]) for port in netlist["modules"][top]["ports"].values())
 
 
@@ -176,7 +175,6 @@ def place(
 
 
 def _placed(folder: Path, top: str, aim: int, placer: str, device: Sequence[str]) -> Timing:
-    """The timing that one placer reaches."""
     report = place(folder, aim, placer, device=device)
     if len(report["fmax"]) != 1:
         raise InputError(f"{top}: got {len(report['fmax'])} clocks, expected one")

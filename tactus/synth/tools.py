@@ -55,7 +55,6 @@ def run_tool(
 
 
 def version_of(package: str) -> str:
-    """The version of a package from PyPI."""
     try:
         return version(package)
     except PackageNotFoundError:

@@ -99,7 +99,6 @@ class Grid:
     weights: NDArray[np.bool_]
 
     def network(self, vector: Real) -> Trained:
-        """The network with these weights and biases."""
         return unpacked(vector, self.like)
 
     def rounded(self, vector: Real) -> Real:
@@ -107,7 +106,6 @@ class Grid:
         return np.asarray(self._codes(vector) * self.lsb)
 
     def digits(self, vector: Real) -> int:
-        """The number of signed digits of all weights together."""
         codes = self._codes(vector)[self.weights].astype(np.int64)
         return int(digit_counts(codes).sum())
 
@@ -120,7 +118,6 @@ class Grid:
 
 
 def grid_of(network: Trained, width: int) -> Grid:
-    """The grid of a network whose weights have ``width`` bits."""
     layers = layers_of(network)
     formats = [
         Fix.largest_frac(
@@ -156,7 +153,6 @@ class RoundingObjective:
         return max(1, len(self.grid.lsb) // ONE_BY_ONE) if self.layered else 1
 
     def value(self, vector: Real) -> float:
-        """The error at a point."""
         residuals = self._residuals(vector)
         return float(residuals @ residuals)
 
@@ -337,7 +333,6 @@ class FewDigits:
 
     @property
     def asked(self) -> int | str:
-        """The value of ``training.digits``."""
         return self.task.scene.training.digits
 
     def errors(self, network: Trained) -> Real:

@@ -81,7 +81,6 @@ class Objective:
         return start if self.best is None else self.best
 
     def network(self, vector: Real) -> Trained:
-        """The network whose weights and biases are ``vector``."""
         return unpacked(vector, self.like)
 
     def residuals(self, vector: Real) -> Real:

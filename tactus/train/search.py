@@ -191,7 +191,6 @@ def train(task: Task, *candidate: Any) -> Any:
 
 
 def measure(task: Task, layers: tuple[int, ...], restart: int, *point: Any) -> Result:
-    """Train one candidate and measure its bit-true errors."""
     try:
         found = train(task, layers, restart, *point)
         network = as_read(task, found)[1]
@@ -229,7 +228,6 @@ class Stages:
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, *candidate: Any) -> None:
-        """Add the next network, from the candidate that was chosen."""
         number = len(self.chosen)
         task, seen_more, seen_all = (
             self.task(networks, number) for networks in (self.chosen, self.tested, self.written)

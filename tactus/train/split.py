@@ -35,7 +35,6 @@ class Split:
 
     @property
     def count(self) -> int:
-        """The number of rows in all parts."""
         return sum(map(len, (self.training, self.validation, self.test)))
 
 
@@ -120,7 +119,6 @@ def _columns(scene: Scene) -> tuple[Numbers, Real]:
 
 
 def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
-    """Split rows at random."""
     if rows < 8:
         raise InputError(f"{place}: got {rows} rows, expected at least 8 to split in 50, 25, 25 %")
     return _halves(rows, seed)

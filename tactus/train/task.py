@@ -48,7 +48,6 @@ class Frames(Rows):
     codes: Codes
 
     def take(self, rows: NDArray[np.int64]) -> Frames:
-        """Select some of the rows."""
         return Frames(self.inputs[rows], self.targets[rows], self.scale[rows], self.codes[rows])
 
 

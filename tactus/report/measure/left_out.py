@@ -12,8 +12,7 @@ from golden.networks.engine import Engine
 from tactus.report.measure.networks import clocks_per_frame
 from tactus.report.measure.table import Cell, Table
 from tactus.scene import Scene, load_scene, scene_names
-from tactus.synth.budget import LEAN as KIND
-from tactus.synth.budget import is_recorded
+from tactus.synth import budget
 from tactus.synth.cells import KINDS
 from tactus.synth.lean import FAMILY, Lean, read_lean
 
@@ -43,7 +42,7 @@ def _words(part: Block) -> int:
 
 def recorded_cells(scene: Scene) -> Lean | None:
     """The record that ``make lean RECORD=1`` made for a scene, or None if there is none."""
-    return read_lean(scene.path) if is_recorded(scene.path, KIND) else None
+    return read_lean(scene.path) if budget.is_recorded(scene.path, budget.LEAN) else None
 
 
 def left_out(_: int) -> Table:

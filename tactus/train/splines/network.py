@@ -41,7 +41,6 @@ class SplineNetwork:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """The numbers of inputs, hidden sums and outputs."""
         return self.first.shape[1], self.first.shape[0], self.second.shape[0]
 
     def spread(self, frames: ArrayLike) -> Real:
@@ -59,7 +58,6 @@ class SplineNetwork:
         return np.asarray(np.einsum("rhk,ohk->ro", values, self.second) + self.biases)
 
     def packed(self) -> Real:
-        """All coefficients and biases in one vector."""
         return np.concatenate([self.first.ravel(), self.second.ravel(), self.biases])
 
     def unpacked(self, vector: Real) -> SplineNetwork:

@@ -31,7 +31,6 @@ class WordErrors:
     scale: Real
 
     def value(self, network: SplineNetwork) -> float:
-        """The sum over all rows, outputs and hidden sums."""
         sums = network.sums(self.spread)
         steep = self._weighted(network, network.hidden.at(sums)[1])
         return float(((steep * np.ptp(sums, axis=0)) ** 2).sum())
@@ -174,7 +173,6 @@ class SplineObjective:
         return np.asarray(self.freedom.T @ whole @ self.freedom)
 
     def network(self, parameters: Real) -> SplineNetwork:
-        """The network with these parameters."""
         return self.like.unpacked(self.freedom @ parameters)
 
     def errors(self, parameters: Real) -> Real:
@@ -184,7 +182,6 @@ class SplineObjective:
         return self.loss.errors(_outputs(network, values), self.rows)
 
     def value(self, parameters: Real) -> float:
-        """The function at a point."""
         found = float(
             (self.errors(parameters) ** 2).sum() + parameters @ self.stiffness @ parameters
         )

@@ -57,7 +57,6 @@ def choices(scene: Scene) -> list[tuple[int, float, int]]:
 
 
 def train(task: Task, layers: tuple[int], number: int) -> Learned:
-    """The network of one candidate."""
     (hidden,) = layers
     intervals, bend, start = choices(task.scene)[number]
     own = task.scene.training
@@ -103,7 +102,6 @@ def class_scale(task: Task, network: DenseNetwork) -> Scale:
 
 
 def measure(task: Task, layers: tuple[int], number: int) -> Result:
-    """Train one candidate and measure its bit-true errors."""
     try:
         _, network = as_read(task, as_layers(task, train(task, layers, number), task.training))
         validation, test = (
@@ -121,7 +119,6 @@ class Stages(search.Stages):
     edges: list[dict[str, int]] = field(default_factory=list)
 
     def add(self, *candidate: Any) -> None:
-        """Add the next network, from the candidate that was chosen."""
         task = self.task(self.chosen, len(self.chosen))
         found = train(task, *candidate)
         found = splines.pruned(found, task.training, task.validation, Learned.error)

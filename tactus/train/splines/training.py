@@ -77,7 +77,6 @@ class Learned:
     rows: int
 
     def process(self, frames: Real) -> Real:
-        """Outputs, shape (frames, outputs)."""
         return self.network.process(frames)
 
     def divided(self, factor: float) -> Learned:
@@ -93,12 +92,10 @@ class Learned:
 
     @property
     def steps(self) -> int:
-        """The steps on an engine."""
         return self.edges.steps
 
     @property
     def parameters(self) -> int:
-        """The numbers that define it."""
         return self.edges.parameters(self.network)
 
     def descended(self, edges: Edges, rows: Rows, validation: Rows | None = None) -> Learned:
@@ -123,7 +120,6 @@ class Learned:
 def trained(
     settings: SplineSettings, rng: np.random.Generator, training: Rows, validation: Rows
 ) -> Learned:
-    """The network of one candidate."""
     low, high = training.inputs.min(axis=0), training.inputs.max(axis=0)
     margin = np.where(high > low, MARGIN * (high - low), ALONE)
     # A straight function has splines too; one interval is enough.
