@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from derivatives import check_derivatives
 
+from golden.activation.segments import gradient_real
 from golden.input_error import InputError
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Trained, layers_of, network_of, packed
 from golden.trained.function import Function
-from golden.trained.mlp import tanh
+from golden.trained.mlp import Activation, tanh
 from tactus.cli.train import main
 from tactus.errors import held_out_rows
 from tactus.network_files.network_file import read_provenance
@@ -26,7 +27,7 @@ from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_network
 
 
-def objective(network: Trained, decay: float = 1e-3) -> Objective:
+def objective(network: Trained, of_tanh: Activation) -> Objective:
     rng = np.random.default_rng(3)
     inputs, outputs = network.shape[0], network.shape[-1]
     parts = [
@@ -35,7 +36,7 @@ def objective(network: Trained, decay: float = 1e-3) -> Objective:
         )
         for n in (7, 5)
     ]
-    return Objective(network, tanh, *parts, decay, 9)
+    return Objective(network, of_tanh, *parts, 1e-3, 9)
 
 
 def leaky(network: Trained) -> Trained:
@@ -52,9 +53,10 @@ NETWORKS = [
 ]
 
 
+@pytest.mark.parametrize("of_tanh", [tanh, gradient_real])
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda n: "-".join(map(str, n.shape)))
-def test_gradient_and_jacobian_are_the_differences(network: Trained) -> None:
-    aim, point = objective(network), packed(network)
+def test_gradient_and_jacobian_are_the_differences(network: Trained, of_tanh: Activation) -> None:
+    aim, point = objective(network, of_tanh), packed(network)
     check_derivatives(aim, point)
     slopes = aim.jacobian(point)
     assert np.allclose(aim.curvature(point), 2 * slopes.T @ slopes)

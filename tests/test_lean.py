@@ -103,10 +103,16 @@ def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> N
     assert (found["bare"][1] == found["full"][1]).all()
 
 
+def is_stale(scene: Scene) -> bool:
+    """Whether the record of a scene is of other hardware than ``make synth`` has recorded last."""
+    found = lean.read_lean(scene.path)
+    return (found.verilog, found.lean) != lean.synthesised(scene)
+
+
 @pytest.mark.parametrize("name", scene_names())
 def test_what_a_scene_saves_is_recorded_of_its_hardware(name: str) -> None:
     scene = load_scene(name)
-    assert not lean.is_stale(scene), f"run: make lean SCENE={name} RECORD=1"
+    assert not is_stale(scene), f"run: make lean SCENE={name} RECORD=1"
     found = lean.read_lean(scene.path)
     assert found.lean["LUT"] <= found.whole["LUT"]
 
@@ -119,9 +125,9 @@ def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
     write_timing(path, timing, verilog)
     scene = replace(shipped, path=path)
     lean.record(scene)
-    assert not lean.is_stale(scene)
+    assert not is_stale(scene)
     write_timing(path, timing, "another")
-    assert lean.is_stale(scene)
+    assert is_stale(scene)
 
 
 def test_a_leaner_program_takes_fewer_words_and_clocks() -> None:

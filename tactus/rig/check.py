@@ -62,11 +62,16 @@ def everything(scene: Scene, build: Path) -> list[Finding]:
     networks = networks_there(scene)
     missing = any(finding.verdict != OK for finding in networks)
     shown = data(scene)
+    installed = "belongs to the installed package, so train cannot write its networks"
     return _once(
         Finding(OK, str(scene.path), _summary(scene, trained=not missing)),
         *shown,
         *([] if faults(shown) else sensors_tell.findings(scaled(scene))),
-        *(networks_installed(scene) if is_installed(scene.path) else networks_writable(scene)),
+        *(
+            [Finding(NOTE, str(scene.path), installed)]
+            if is_installed(scene.path)
+            else networks_writable(scene)
+        ),
         *networks,
         *build_writable(scene, build),
         *design(scene, trained=not missing),
@@ -211,12 +216,6 @@ def networks_writable(scene: Scene) -> list[Finding]:
         folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
         findings.append(Finding(OK, folders, "networks can be written"))
     return findings
-
-
-def networks_installed(scene: Scene) -> list[Finding]:
-    """A note about a scene that pip has installed: it works, but cannot be trained in place."""
-    text = "belongs to the installed package, so train cannot write its networks"
-    return [Finding(NOTE, str(scene.path), text)]
 
 
 def networks_there(scene: Scene) -> list[Finding]:

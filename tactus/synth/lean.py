@@ -31,8 +31,6 @@ from tactus.synth.timing import read_timing
 
 FAMILY = "xc2v"
 COLUMNS: dict[str, type] = {f"{kind}, {how}": int for how in ("whole", "lean") for kind in KINDS}
-
-
 COLUMNS |= {"verilog": str}
 
 
@@ -56,19 +54,13 @@ def read_lean(scene: Path) -> Lean:
     return Lean(verilog, *(dict(zip(KINDS, c, strict=True)) for c in (whole, lean)))
 
 
-def is_stale(scene: Scene) -> bool:
-    """Whether the record of a scene is of other hardware than ``make synth`` has recorded last."""
-    found = read_lean(scene.path)
-    return (found.verilog, found.lean) != _synthesised(scene)
-
-
 def record(scene: Scene) -> Path:
     """Record the cells of a scene: whole, and as ``make synth`` recorded them."""
     if not is_recorded(scene.path, TIMING) or not is_recorded(scene.path):
         raise InputError(
             f"{scene.path}: no recorded budget; make synth RECORD=1 SCENE={scene.path} records it"
         )
-    verilog, lean = _synthesised(scene)
+    verilog, lean = synthesised(scene)
     design = scene.twin(lean=False)
     whole = lean if design == scene.twin() else cells(design, FAMILY)
     row = [*(build[kind] for build in (whole, lean) for kind in KINDS), verilog]
@@ -76,7 +68,7 @@ def record(scene: Scene) -> Path:
     return table_of(scene.path, LEAN)[0]
 
 
-def _synthesised(scene: Scene) -> tuple[str, dict[str, int]]:
+def synthesised(scene: Scene) -> tuple[str, dict[str, int]]:
     """The digest and the cells that ``make synth`` recorded."""
     top = read_budget(scene.path)[FAMILY][scene.twin().entity]
     return read_timing(scene.path)[1], {kind: top[kind] for kind in KINDS}

@@ -34,7 +34,6 @@ compensate together. So the inverse is updated less often, which is most of the 
 
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -285,32 +284,33 @@ def at_most(
     start: Real,
     count: int,
     rng: np.random.Generator,
-    prices: tuple[float, float] | None = None,
+    near: float | None = None,
 ) -> tuple[Real, float]:
     """Round a trained network to ``count`` digits, or slightly fewer.
 
     Returns the point, and the price that led to it, as a part of ``_unit``.
 
-    prices: The range in which the price is searched; ``PRICES`` by default.
+    near: A price near which the search begins.
     """
-    low, high = np.log(prices or PRICES)
-    best: tuple[Real, float] | None = None
-    while high - low > PRICE_STEP:
-        middle = (low + high) / 2
-        price = float(np.exp(middle))
-        point = priced(aim, start, price * _unit(aim, start), rng)
-        digits = aim.grid.digits(point)
-        if digits > count:
-            low = middle
-            continue
-        high = middle
-        if best is None or aim.value(point) < aim.value(best[0]):
-            best = point, price
-        if digits >= count * (1 - SLACK):
-            break
-    if best is None:
-        raise InputError(f"got {count}, expected at least {digits}: no weights with fewer digits")
-    return best
+    for ends in [*([(near / NEAR, near * NEAR)] if near else []), PRICES]:
+        low, high = np.log(ends)
+        best: tuple[Real, float] | None = None
+        while high - low > PRICE_STEP:
+            middle = (low + high) / 2
+            price = float(np.exp(middle))
+            point = priced(aim, start, price * _unit(aim, start), rng)
+            digits = aim.grid.digits(point)
+            if digits > count:
+                low = middle
+                continue
+            high = middle
+            if best is None or aim.value(point) < aim.value(best[0]):
+                best = point, price
+            if digits >= count * (1 - SLACK):
+                break
+        if best:
+            return best
+    raise InputError(f"got {count}, expected at least {digits}: no weights with fewer digits")
 
 
 def _unit(aim: RoundingObjective, start: Real) -> float:
@@ -376,14 +376,14 @@ class FewDigits:
 
     def on_more_rows(
         self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64], count: int
-    ) -> list[Trained]:
-        """Networks trained further on more rows, rounded to ``count`` digits from each start.
+    ) -> Trained:
+        """The network trained further on more rows, rounded to ``count`` digits.
 
-        No rows are left to rank them by, so they are sorted by how well they fit these rows.
+        No rows are left to choose among the starts, so the one is taken that fits these rows best.
         """
         aim = self.aim(task, network, frames, rows)
         found = self._starts(aim, network, task, frames, count)
-        return sorted(found, key=lambda one: aim.value(packed(one)))
+        return min(found, key=lambda one: aim.value(packed(one)))
 
     def aim(
         self, task: Task, network: Trained, frames: Frames, rows: NDArray[np.int64]
@@ -433,26 +433,11 @@ class FewDigits:
         if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
             yield aim.grid.network(aim.grid.rounded(start))
             return
-        prices = None
+        price = None
         for rng in self._generators():
             with naming(f"{task.scene.path}: training.digits"):
-                point, price = self._near(aim, start, wanted, rng, prices)
-            prices = price / NEAR, price * NEAR
+                point, price = at_most(aim, start, wanted, rng, price)
             yield self._whole(aim, point, task, frames)
-
-    @staticmethod
-    def _near(
-        aim: RoundingObjective,
-        start: Real,
-        count: int,
-        rng: np.random.Generator,
-        prices: tuple[float, float] | None,
-    ) -> tuple[Real, float]:
-        """See ``at_most``. If no price in the given range gives so few digits, try them all."""
-        if prices:
-            with suppress(InputError):
-                return at_most(aim, start, count, rng, prices)
-        return at_most(aim, start, count, rng)
 
     def _generators(self) -> Iterator[np.random.Generator]:
         seed = self.task.scene.training.seed
@@ -492,8 +477,7 @@ def with_few_digits(
         count = count_digits(found[0], few.task.scene.precision.coeff_width)
     task, network = tested
     rows = np.concatenate([task.split.training, task.split.validation])
-    found.append(few.on_more_rows(task, network, task.known, rows, count)[0])
+    found.append(few.on_more_rows(task, network, task.known, rows, count))
     task, network = written
     rows = np.arange(len(task.recorded.codes))
-    found.append(few.on_more_rows(task, network, task.every, rows, count)[0])
-    return found
+    return [*found, few.on_more_rows(task, network, task.every, rows, count)]

@@ -1,19 +1,9 @@
-"""The search over hidden layers and restarts, and the choice of the network.
+"""The search over hidden layers and restarts, and the choice of the network: docs/networks.md.
 
 Each candidate goes through three steps: the optimiser on tanh; the optimiser on the hardware's
 activation, where that is not tanh, so that the weights compensate for its error; and a shift of the
-output biases by the mean bit-true error, which removes what truncation adds. The candidate with the
-least bit-true error on the validation rows is kept. Where the scene declares noise or drift of its
-sensors, all of this is done on disturbed rows, which are the same for every candidate.
-
-The scene names the nodes of each layer, or a range of nodes of one hidden layer, or it asks for a
-search with ``training.layers``. The search tries every number of layers, with some numbers of nodes
-(``widths``), which all hidden layers of a candidate share. With many rows, Levenberg-Marquardt
-solves its normal equations, which takes a tenth of the time.
-
-The chosen network may be trained further, from its present weights, on more rows:
-``training.refit``. With training and validation rows alone, the test rows tell its error. With all
-rows, it is the network that is written.
+output biases by the mean bit-true error, which removes what truncation adds. With many rows,
+Levenberg-Marquardt solves its normal equations, which takes a tenth of the time.
 
 On one machine a candidate depends only on the task, its hidden nodes and its number, so neither the
 number of workers nor an interruption changes the result. Elsewhere the result may differ: on
