@@ -7,7 +7,6 @@ followed to find the labels.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
 from typing import Any
 
 import numpy as np
@@ -19,26 +18,12 @@ BEGINNINGS = ("Softmax", "LogSoftmax", "ArgMax")
 DOMAINS = ("", "ai.onnx", "ai.onnx.ml")
 
 
-class What(Enum):
-    """What a value behind the network is."""
-
-    # The network's own values.
-    VALUES = auto()
-    # Numbers of which the largest is that of the class.
-    SCORES = auto()
-    # The probability of the second of two classes, and that of the first.
-    SECOND = auto()
-    FIRST = auto()
-    # The number of the class, and its label.
-    INDEX = auto()
-    LABEL = auto()
-    # What repeats scores in another form.
-    TOLD = auto()
-
-
-VALUES, SCORES, SECOND, FIRST, INDEX, LABEL, TOLD = What
+# What a value behind the network is: the network's own values; numbers of which the largest is that
+# of the class; the probability of the second of two classes, and that of the first; the number of
+# the class, and its label; what repeats scores in another form.
+VALUES, SCORES, SECOND, FIRST, INDEX, LABEL, TOLD = range(7)
 # For each operator, what it may take, and what it gives; None for the same as it takes.
-STEPS: dict[str, tuple[tuple[What, ...], What | None]] = {
+STEPS: dict[str, tuple[tuple[int, ...], int | None]] = {
     "Softmax": ((VALUES, SCORES), SCORES),
     "LogSoftmax": ((VALUES, SCORES), SCORES),
     "ArgMax": ((VALUES, SCORES), INDEX),
@@ -70,7 +55,7 @@ def begins(node: Any, later: Sequence[Any]) -> bool:
 class _End:
     """The values found so far, by name, and the labels."""
 
-    kinds: dict[str, What]
+    kinds: dict[str, int]
     constants: dict[str, Any]
     refuse: Refuse
     width: int
@@ -89,7 +74,7 @@ class _End:
         self._check(node, read)
         self.kinds[node.output[0]] = read[0] if gives is None else gives
 
-    def _check(self, node: Any, read: list[What]) -> None:
+    def _check(self, node: Any, read: list[int]) -> None:
         """Refuse what could change which class it is."""
         attributes = attributes_of(node)
         kind = node.op_type

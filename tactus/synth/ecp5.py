@@ -68,9 +68,8 @@ def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:
     moved = 0
     for cell in [c for c in cells.values() if c["type"] == MULTIPLIER]:
         moved += _operands(cell, registers)
-        moved += _behind(
-            cell, [f"P{i}" for i in range(WIDTHS["P"])], cells, outputs, _product_clock
-        )
+        product = [f"P{i}" for i in range(WIDTHS["P"])]
+        moved += _behind(cell, product, cells, outputs, partial(_clock, names=("OUTPUT",)))
     read = _readers(cells)
     for name, cell in list(cells.items()):
         if cell["type"] == REGISTER and cell["connections"]["Q"][0] not in outputs | read.keys():
@@ -101,7 +100,7 @@ def _operands(cell: Cell, registers: dict[Any, Cell]) -> bool:
         return False
     found = {port: registers[wires[port][0]] for port in ports}
     clocks = {register["connections"]["CLK"][0] for register in found.values()}
-    if not all(map(plain, found.values())) or not _clock(cell, clocks, "INPUTA", "INPUTB"):
+    if not all(map(plain, found.values())) or not _clock(cell, clocks, ("INPUTA", "INPUTB")):
         return False
     for port, register in found.items():
         wires[port] = register["connections"]["DI"]
@@ -135,10 +134,6 @@ def _behind(
     return True
 
 
-def _product_clock(cell: Cell, clocks: set[Any]) -> bool:
-    return _clock(cell, clocks, "OUTPUT")
-
-
 def _word_clock(cell: Cell, clocks: set[Any], side: str) -> bool:
     """Use the register behind a port of a memory, if its clock and enables allow it."""
     wires, parameters = cell["connections"], cell["parameters"]
@@ -150,7 +145,7 @@ def _word_clock(cell: Cell, clocks: set[Any], side: str) -> bool:
     return True
 
 
-def _clock(cell: Cell, clocks: set[Any], *names: str) -> bool:
+def _clock(cell: Cell, clocks: set[Any], names: Sequence[str]) -> bool:
     """Give a multiplier's registers the clock, unless they have another one."""
     wires, parameters = cell["connections"], cell["parameters"]
     if len(clocks | set(wires.get("CLK0", clocks))) != 1:

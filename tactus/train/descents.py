@@ -22,7 +22,8 @@ def levenberg_marquardt(objective: Objective, start: Real, steps: int) -> Real:
 # The first damping and the least one, as a part of the largest curvature along a weight.
 FIRST_DAMPING = 1e-2
 LEAST_DAMPING = 1e-12
-# A descent ends when a step would lower the value by less than this part of it.
+# A descent ends when a step would change the value by less than this part of it, and SCG only when
+# no coordinate moves by more either.
 TOLERANCE = 1e-12
 
 
@@ -69,7 +70,7 @@ SIGMA = 1e-4  # length of the difference that measures curvature, for a directio
 SCALE_RANGE = (1e-15, 1e100)
 
 
-def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-12) -> Real:
+def minimise(evaluate: Evaluate, start: Real, steps: int) -> Real:
     """The point that SCG reaches from ``start``.
 
     M. F. Moller, "A scaled conjugate gradient algorithm for fast supervised learning", Neural
@@ -79,7 +80,6 @@ def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-
 
     evaluate: Value and gradient at a point.
     steps: Most steps, each of two evaluations.
-    tolerance: Stop when neither the value, relative to itself, nor any coordinate moves by more.
     """
     point = start
     value, gradient = evaluate(point)
@@ -110,8 +110,8 @@ def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-
         quality = 2 * (new_value - value) / (step * slope)
         fresh = quality >= 0
         if fresh:
-            small = np.abs(step * direction).max() < tolerance
-            settled = small and abs(new_value - value) <= tolerance * abs(value)
+            small = np.abs(step * direction).max() < TOLERANCE
+            settled = small and abs(new_value - value) <= TOLERANCE * abs(value)
             old_gradient, point, value, gradient = gradient, candidate, new_value, new_gradient
             successes += 1
             if settled:
