@@ -46,7 +46,7 @@ class Column:
         line, text = self.odd[0]
         got = repr(text) if text.strip() else "an empty cell"
         expected = "a number"
-        if _number(text) is not None:
+        if as_number(text) is not None:
             expected = "a finite number"
         if DECIMAL_COMMA.fullmatch(text):
             expected = f"{text.strip().replace(',', '.')!r} with a decimal point"
@@ -73,7 +73,7 @@ class CsvFile:
         if name not in self._columns:
             at = self.names.index(name)
             texts = [row[at] for row in self.rows]
-            numbers = map(_number, texts)
+            numbers = map(as_number, texts)
             values = np.array([math.nan if number is None else number for number in numbers])
             bad = ~np.isfinite(values)
             values[bad] = np.nan
@@ -83,7 +83,7 @@ class CsvFile:
 
     def refuse_numbers(self) -> None:
         """Refuse a first line of numbers."""
-        numbers = [_number(name) for name in self.names]
+        numbers = [as_number(name) for name in self.names]
         if all(number is not None and math.isfinite(number) for number in numbers):
             raise InputError(
                 f"{self.path}: the first line holds numbers, expected the names of the columns"
@@ -276,7 +276,7 @@ def _refuse_separator(path: Path, text: str) -> None:
         raise InputError(f"{path}: got blanks between the cells, expected a comma")
 
 
-def _number(text: str) -> float | None:
+def as_number(text: str) -> float | None:
     """The number in a cell, finite or not."""
     try:
         # Python also accepts 1_0 and digits of other scripts, which are more likely mistakes here.

@@ -21,7 +21,7 @@ from golden.input_error import InputError
 from golden.numbers.real import Real
 from golden.trained.dense import Trained
 from tactus.core.schema import written
-from tactus.core.table import read_texts, rows_where
+from tactus.core.table import as_number, read_texts, rows_where
 from tactus.network_files.network_file import provenance_path, read_provenance
 from tactus.scene.scale import Scale
 
@@ -100,7 +100,7 @@ def ordered(rows: Sequence[str], place: str) -> tuple[str, ...]:
                     "number, expected one way to write it"
                 )
         return tuple(numbers[number] for number in sorted(numbers))
-    numeric = [label for label in sorted(labels) if _is_number(label)]
+    numeric = [label for label in sorted(labels) if as_number(label) is not None]
     if len(numeric) == len(labels):
         broken = next(label for label in numeric if not _WHOLE.fullmatch(label))
         raise InputError(
@@ -108,14 +108,6 @@ def ordered(rows: Sequence[str], place: str) -> tuple[str, ...]:
             "quantity is a column of data.outputs"
         )
     return tuple(sorted(labels))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def output_names(column: str, labels: Sequence[str]) -> list[str]:
