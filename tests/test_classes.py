@@ -258,26 +258,17 @@ def test_make_scene_writes_a_scene_of_classes(tmp_path: Path, monkeypatch, capsy
     assert found.members[0].layers == (16,)
 
 
-def rails(**columns) -> list[str]:
-    return [str(one) for one in at_ends({name: np.array(v) for name, v in columns.items()})]
-
-
 def test_sensors_that_end_at_the_same_reading_are_one_warning() -> None:
     within = [1.0, 2.0, 3.0, 4.0]
-    one = [0.0] * 4 + [*within, 9.0]
-    assert rails(a=one) == [
-        "warning  a: 4 readings are exactly 0, its least: does its range end there? data.ends = "
-        "[0] says that such readings are right"
-    ]
-    two = [0.0] * 6 + [*within, 16.0, 16.0, 16.0, 16.0]
-    assert rails(a=one, b=two) == [
-        "warning  'a', 'b': 4 to 6 readings of each are exactly 0, their least: does their range "
-        "end there? data.ends = [0] says that such readings are right",
-        "warning  b: 4 readings are exactly 16, its largest: does its range end there? data.ends "
-        "= [16] says that such readings are right",
-    ]
-    known = at_ends({"a": np.array(one), "b": np.array(two)}, known=(0.0,))
-    assert [one.subject for one in known] == ["b"]
+    columns = {
+        "a": np.array([0.0] * 4 + [*within, 9.0]),
+        "b": np.array([0.0] * 6 + [*within, *[16.0] * 4]),
+    }
+    both, upper = at_ends(columns)
+    assert (both.subject, upper.subject) == ("'a', 'b'", "b")
+    assert "4 to 6 readings of each are exactly 0, their least: " in both.text
+    assert "4 readings are exactly 16, its largest: " in upper.text
+    assert [one.subject for one in at_ends(columns, known=(0.0,))] == ["b"]
 
 
 def objective(network: Trained) -> ClassObjective:

@@ -4,8 +4,8 @@ import csv
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
+from test_classes import write_hand
 
 from golden.input_error import InputError
 from golden.trained.dense import Dense, layers_of, network_of
@@ -23,21 +23,7 @@ from tb.common.cases import FRONT_END, random_network
 
 ROWS = 30
 LABELS = ("fist", "flat", "long wave")
-SCENE = f"""
-[data]
-file = "hand.csv"
-sensors = ["x", "y"]
-classes = "gesture"
-[network]
-arrangement = "single"
-hidden = 5
-activations = ["relu"]
-weights = "hand.npz"
-[hardware]
-design = "engine"
-precision = "exact"
-clock_mhz = 25.0
-argmax = true
+INSTRUMENT = f"""
 {FRONT_END}converter = "mcp3208"
 [uart]
 """
@@ -47,15 +33,13 @@ argmax = true
 def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A scene whose network, which nobody has trained, decides for each label now and then."""
     monkeypatch.chdir(tmp_path)
-    rng = np.random.default_rng(4)
-    readings = rng.uniform(-0.9, 0.9, (ROWS, 2))
-    lines = [f"{x:.4f},{y:.4f},{LABELS[row % 3]}" for row, (x, y) in enumerate(readings)]
-    Path("hand.csv").write_text("\n".join(["x,y,gesture", *lines, ""]))
-    hidden, output = layers_of(random_network((2, 5, 3), ("relu", "linear"), 1.0, 1))
+    path = write_hand(tmp_path, ROWS, LABELS, INSTRUMENT)
+    hidden, output = layers_of(random_network((2, 4, 3), ("relu", "linear"), 1.0, 1))
     found = network_of((hidden, Dense(output.weights, 0 * output.biases, "linear")))
-    write_network(Path("hand.npz"), found)
-    Path("hand.toml").write_text(SCENE)
-    return Path("hand.toml")
+    write_network(path.with_suffix(".npz"), found)
+    hardware = 'precision = "exact"\nclock_mhz = 25.0\nargmax = true'
+    path.write_text(path.read_text().replace('precision = "exact"', hardware))
+    return path
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -71,7 +55,7 @@ def call(monkeypatch: pytest.MonkeyPatch, job, *words: object) -> None:
 @pytest.mark.parametrize("argmax", ["true", "false"])
 def test_a_recording_has_the_words_of_a_prediction(path: Path, monkeypatch, argmax: str) -> None:
     """Hardware that sends no winner sends the outputs from which it follows."""
-    path.write_text(SCENE.replace("argmax = true", f"argmax = {argmax}"))
+    path.write_text(path.read_text().replace("argmax = true", f"argmax = {argmax}"))
     board = board_of(str(path))
     assert board.layout.decides == (argmax == "true")
     with (

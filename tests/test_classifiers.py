@@ -131,13 +131,6 @@ def test_an_output_that_nothing_gives_is_refused(tmp_path: Path) -> None:
         load_network(classifier(tmp_path, [SOFTMAX], "p q"), (3, 0, 2))
 
 
-@pytest.mark.parametrize("form", ["npz", "mat"])
-def test_other_files_have_no_classes(tmp_path: Path, form: str) -> None:
-    path = tmp_path / f"net.{form}"
-    write_network(path, NETWORKS[1])
-    assert held_in(path).ending is None
-
-
 def scene_of_classes(tmp_path: Path, network: Path, labels: tuple[str, ...]) -> Path:
     """A scene of three sensors and five hidden nodes, with a row for each label."""
     rows = [f"{n / 8},{-n / 8},0.25,{label}" for n, label in enumerate(labels)]

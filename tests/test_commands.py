@@ -5,22 +5,14 @@ import re
 import shutil
 import subprocess
 import sys
-from itertools import product
 from pathlib import Path
 
 import pytest
 from shared import run
 
-from tactus.boards import board_names, load_board
-from tactus.boards.bitstream import record_path
 from tactus.cli.commands import WIDTH
 from tactus.core.commands import CLOSING, COMMANDS
-from tactus.core.table import read_texts
-from tactus.network_files.network_file import provenance_path
-from tactus.report.measure.networks import scenes
-from tactus.report.page.datasheets import COMPARED
-from tactus.scene import FOLDER, class_names, load_scene, scene_names
-from tactus.synth.budget import CELLS, LEAN, TIMING
+from tactus.scene import scene_names
 from tactus.verify.benches.written import write_scene
 from tb.common.cases import random_mlp
 
@@ -47,21 +39,6 @@ def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Pa
         assert f"{command.usage} {command.purpose}" in told
     assert told.endswith(f"one of {', '.join(scene_names())}. {CLOSING}")
     assert max(map(len, result.stdout.splitlines())) <= WIDTH
-
-
-def test_every_target_is_in_the_table() -> None:
-    """Targets that only other targets need are left out."""
-    text = (ROOT / "Makefile").read_text(encoding="utf-8").replace("\\\n", " ")
-    phony = set(re.search(r"^\.PHONY: (.*)$", text, re.M)[1].split())
-    assert phony == {command.name for command in COMMANDS} | {
-        "help",
-        "named",
-        "tools",
-        "browser",
-        "ready",
-    }
-    called = re.search(r"^CALLED := (.*)$", text, re.M)[1].split()
-    assert called == [command.name for command in COMMANDS if command.module]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -155,22 +132,3 @@ def test_the_benchmark_reports_a_ratio() -> None:
     result = make("bench", "FRAMES=2000", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
     assert re.search(r"4:16:4 exact: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
-
-
-def test_no_stray_files_beside_the_scenes() -> None:
-    expected = set()
-    for scene in map(load_scene, class_names()):
-        expected |= {*scene.files, *map(provenance_path, scene.weights_paths)}
-    for scene in scenes():
-        expected |= {path for path in scene.files if path.is_relative_to(FOLDER)}
-        expected |= set(map(provenance_path, scene.weights_paths))
-    lean = {*class_names(), *scene_names()}
-    synthesised = {*lean, *(f"comparison/{name}" for name in COMPARED)}
-    for kind, named in ((CELLS, synthesised), (TIMING, synthesised), (LEAN, lean)):
-        expected.add(FOLDER / f"{kind}.csv")
-        assert set(read_texts(FOLDER / f"{kind}.csv", "scene")) == named
-    for scene, name in product(scenes(), board_names()):
-        path = record_path(scene, load_board(name))
-        expected |= {path} if path.exists() else set()
-    expected |= set((FOLDER / "data").iterdir())
-    assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected

@@ -10,13 +10,13 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
+from test_engine import random_codes
 
 from golden.engine.bounds import error_bounds
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.oracle import exact
 from golden.networks.settings import Settings
-from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import ACTIVATIONS, Dense, DenseNetwork, Trained, layers_of, network_of
 from tactus.network_files.network_file import load_network, write_network
@@ -174,13 +174,6 @@ def test_a_graph_computes_what_onnx_says(tmp_path: Path, name: str) -> None:
 
 
 # On the engine.
-
-
-def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
-    """Random frames, the rails among them."""
-    codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
-    codes[0], codes[1] = SIGNAL.low, SIGNAL.high
-    return codes
 
 
 @st.composite

@@ -145,36 +145,30 @@ def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
     assert file.read_text() == text
 
 
+OTHERS = r"got ports .*'out_mag', 'out', 17, False"
+NONE = r"got signals \['out_mag'\], expected \['out_size'\]"
+
+
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 @pytest.mark.parametrize(
-    "change",
-    [{"direction": "in"}, {"kind": Unsigned(16)}, {"kind": Fix(17, 14)}, {"kind": None}],
+    ("change", "message"),
+    [
+        *[({"kind": kind}, OTHERS) for kind in (Unsigned(16), Fix(17, 14), None)],
+        ({"direction": "in"}, OTHERS),
+        ({"name": "out_size"}, NONE),
+    ],
     ids=str,
 )
 def test_ports_that_the_twin_does_not_publish_are_refused(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, language: str, change: dict
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, language: str, change: dict, message: str
 ) -> None:
     spec = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high)
     published = [
         replace(port, **change) if port.name == "out_mag" else port for port in spec.abs_unit.ports
     ]
     monkeypatch.setattr(AbsUnit, "ports", published)
-    with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
+    with pytest.raises(ValueError, match=f"^abs_unit: {message}"):
         convert_hierarchy(elaborate(spec), tmp_path, language)
-
-
-def test_a_port_that_no_signal_is_handed_over_for_is_refused(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    spec = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high)
-    published = [
-        replace(port, name="out_size") if port.name == "out_mag" else port
-        for port in spec.abs_unit.ports
-    ]
-    monkeypatch.setattr(AbsUnit, "ports", published)
-    expected = r"^abs_unit: got signals \['out_mag'\], expected \['out_size'\]"
-    with pytest.raises(ValueError, match=expected):
-        convert_hierarchy(elaborate(spec), tmp_path, "vhdl")
 
 
 @pytest.mark.parametrize(("language", "sign"), [("vhdl", "--"), ("verilog", "//")])

@@ -18,7 +18,6 @@ from test_layer_training import scene_of
 from golden.engine.quantise import integer_networks
 from golden.networks.constants import constants_of
 from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
-from golden.trained.dense import packed
 from golden.trained.mlp import Mlp
 from tactus.cli import train as command
 from tactus.network_files.network_file import provenance_path, read_provenance
@@ -200,16 +199,3 @@ def test_a_network_of_several_layers_is_written_with_few_digits(
     story = provenance_of(path, monkeypatch)
     assert story["digits"] <= 60 < story["digits_before"]
     assert digits_of_layers(path) <= 60
-
-
-def test_the_teacher_of_classes_is_the_trained_network(tmp_path: Path) -> None:
-    scene = load_scene(str(write_hand(tmp_path, more="digits = 24\n")))
-    task = task_for(scene, scene.vectors(), [])
-    few = FewDigits(task, train(task, (4,), 0), layered=True)
-    aim = few.aim(few.task, few.chosen, few.task.training, few.task.split.training)
-    rows = aim.objective.training
-    assert len(rows.inputs) == len(few.task.training.inputs) + few_digits.TEACHER_FRAMES
-    assert np.array_equal(rows.targets, few.chosen.process(rows.inputs))
-    assert aim.value(packed(few.chosen)) == 0
-    # Without any weight a network errs by about the whole spread of the logits.
-    assert 0.5 < aim.value(np.zeros(len(packed(few.chosen)))) < 1.5

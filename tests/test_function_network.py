@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_engine import random_codes
 
 from golden.engine.bounds import error_bounds
 from golden.engine.graph import Kind
@@ -30,13 +31,6 @@ STRAIGHT, NONE = 0.25, None
 WIDE = {"segment_width": 12}
 FORMS = [{}, WIDE | {"pipeline": "deep"}]
 FORMS.append({"reload": True, "segment_width": 11, "program_words": 2048})
-
-
-def codes(inputs: int, seed: int = 1, frames: int = 200) -> np.ndarray:
-    """Frames of random codes, the ends of the range among them."""
-    found = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (frames, inputs))
-    found[0], found[1] = SIGNAL.low, SIGNAL.high
-    return found
 
 
 def three_kinds() -> FunctionNetwork:
@@ -67,7 +61,7 @@ def by_definition(network: FunctionNetwork, x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("network", [three_kinds(), random_learned((2, 2, 1), 0, 1.0, 5)])
 def test_layers_are_what_the_sums_say(network: FunctionNetwork) -> None:
-    x = codes(len(network.first[0])) / 2.0**SIGNAL.frac
+    x = random_codes(len(network.first[0]), 200) / 2.0**SIGNAL.frac
     assert np.allclose(network.layers().process(x), by_definition(network, x), atol=1e-12)
 
 
@@ -76,7 +70,7 @@ def test_every_engine_adds_functions_up(options: dict) -> None:
     """Each has the results of the whole numbers, and these are within the bound of the errors."""
     network = three_kinds().layers()
     engine = Engine.of([network], Settings(options=options))
-    frames = codes(3)
+    frames = random_codes(3, 200)
     found = engine.process(frames)
     assert np.array_equal(found, evaluate(engine.integers, frames))
     assert len(engine.integers[0].layers) == 2
@@ -108,7 +102,7 @@ def test_a_function_that_is_larger_than_a_word(
     terms = [term for neuron in engine.graph.neurons for term in neuron.terms]
     assert sum(term.kind is Kind.INTERCEPT for term in terms) == 2 + 2 * looked_up
     assert sum(term.kind is Kind.WORD for term in terms) == 2 * products
-    frames = codes(1)
+    frames = random_codes(1, 200)
     found = engine.process(frames)
     assert np.array_equal(found, evaluate(engine.integers, frames))
     real = by_definition(network, frames / 2.0**SIGNAL.frac)
@@ -118,7 +112,7 @@ def test_a_function_that_is_larger_than_a_word(
 def test_a_later_network_takes_the_output_of_an_earlier_one() -> None:
     networks = [random_learned((2 + n, 2, 1), n, 1.0, n).layers() for n in range(3)]
     engine = Engine.of(networks, Settings(options={"segment_width": 10}), "cascade")
-    frames = codes(2)
+    frames = random_codes(2, 200)
     found = engine.process(frames)
     assert np.array_equal(found, evaluate(engine.integers, frames))
     assert [len(one.layers) for one in engine.integers] == [2, 2, 2]
@@ -134,7 +128,7 @@ def test_a_file_holds_the_functions(tmp_path: Path) -> None:
     save_network(path, network, {"scene": "none"})
     read = load_network(path, network.shape)
     assert [layer.functions for layer in read.layers] == [one.functions for one in network.layers]
-    x = codes(3) / 2.0**SIGNAL.frac
+    x = random_codes(3, 200) / 2.0**SIGNAL.frac
     assert np.array_equal(read.process(x), network.process(x))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test_engine import random_codes
 
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
@@ -17,7 +18,6 @@ from golden.engine.operand_select import OperandSelect
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.settings import Settings
-from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from golden.trained.dense import Dense, DenseNetwork, Trained, network_of
 from golden.trained.function import Function
@@ -41,11 +41,6 @@ def network(
     shape: tuple[int, ...], kinds: tuple[str, ...], spread: float = 1.5, seed: int = 1
 ) -> Trained:
     return random_network(shape, kinds, spread, seed, functions=EVERY)
-
-
-def samples(inputs: int, frames: int = 50) -> Codes:
-    rng = np.random.default_rng(3)
-    return rng.integers(SIGNAL.low, SIGNAL.high + 1, (frames, inputs))
 
 
 # The fit.
@@ -100,7 +95,7 @@ def test_the_engine_is_as_near_to_real_arithmetic_as_its_table(function: Functio
     dense = network((2, 4, 1), (f"table:{function.name}",))
     assert isinstance(dense, DenseNetwork)
     engine = Engine.of([dense], Settings())
-    codes = samples(2, 200)
+    codes = random_codes(2, 200)
     first, second = dense.layers
     q = SIGNAL.to_real(codes) @ first.weights.T + first.biases
     # The sums saturate where the function does, so q differs by its rounding alone.
@@ -173,7 +168,7 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
         assert found is not None
         before_last, words = found
         running = hardware.running(Image(image.sizes, before_last + 2, tuple(words)))
-        codes = samples(4)
+        codes = random_codes(4, 50)
         assert np.array_equal(running.process(codes), Engine.of([dense]).process(codes))
         assert running.parts() == hardware.parts()
 
@@ -212,7 +207,7 @@ def scene_of(folder: Path, kinds: str = '["table:softsign"]') -> Path:
 
 def test_a_scene_defines_what_its_network_names(tmp_path: Path) -> None:
     scene = load_scene(str(scene_of(tmp_path)))
-    codes = samples(2)
+    codes = random_codes(2, 50)
     engine = Engine.of([network((2, 3, 1), ("table:softsign",))], Settings())
     assert np.array_equal(scene.twin().process(codes), engine.process(codes))
     (read,) = scene.networks()
@@ -221,16 +216,19 @@ def test_a_scene_defines_what_its_network_names(tmp_path: Path) -> None:
     )
 
 
-def test_points_come_from_a_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "points", ["{ x = [-1, 0, 2], y = [0.5, 1.25, 0] }", '{ points = "valve.csv" }']
+)
+def test_points_are_read(tmp_path: Path, points: str) -> None:
     path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
     (tmp_path / "valve.csv").write_text("x,y,why\n-1,0.5,1\n0,1.25,1\n2,0,1\n")
-    text = path.read_text()
-    path.write_text(re.sub(r"gaussian = .*", 'bell = { points = "valve.csv" }', text))
+    path.write_text(re.sub(r"gaussian = .*", f"bell = {points}", path.read_text()))
     scene = load_scene(str(path))
     (member,) = scene.members
     assert [function.name for function in member.functions] == ["softsign", "bell"]
     assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
-    assert tmp_path / "valve.csv" in scene.files
+    assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]
+    assert (tmp_path / "valve.csv" in scene.files) == ("valve" in points)
 
 
 @pytest.mark.parametrize(("function", "reach"), [(GELU, 20.0), (BELL, None), (POINTS, None)])
@@ -259,13 +257,3 @@ def test_sums_beyond_a_table_are_named(tmp_path: Path, function: Function, reach
     path.write_text(text.replace("[network.functions]", f"[network.functions]\n{points}"))
     expected = "own.npz: layer 1: sums reach 20 in 12 of 12 recorded frames; beyond -8 and 8 gelu"
     assert saturating(load_scene(str(path))) == ([f"{expected} keeps its value"] if reach else [])
-
-
-def test_points_are_read(tmp_path: Path) -> None:
-    path = scene_of(tmp_path, '["table:bell,bell,softsign"]')
-    text = path.read_text()
-    given = "bell = { x = [-1, 0, 2], y = [0.5, 1.25, 0] }"
-    path.write_text(re.sub(r"gaussian = .*", given, text))
-    (member,) = load_scene(str(path)).members
-    assert member.functions[1].points == ((-1, 0.5), (0, 1.25), (2, 0))
-    assert member.functions[1].value(np.array([-3.0, 1.0, 5.0])).tolist() == [0.5, 0.625, 0]

@@ -1,7 +1,5 @@
 """Tests the rule by which an engine learns: their arithmetic, and what they never do."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 from pages import cells, section
@@ -10,10 +8,9 @@ from golden.engine.formats import SAMPLE_SHIFT
 from golden.engine.integer_network import evaluate
 from golden.learning import steps
 from golden.learning.corrected import THETA, Corrected
-from golden.learning.gradient import STEP, Gradient
+from golden.learning.gradient import Gradient
 from golden.learning.lesson import ROW, Lesson, bounded, equation, start
 from golden.learning.unit import Unit
-from golden.numbers.fixed import Codes
 from golden.numbers.precision import SIGNAL
 from tactus.recalibration.sensitivity import Sensitivity
 from tactus.scene import load_scene
@@ -33,12 +30,6 @@ def taught() -> Corrected:
 def recording() -> Lesson:
     """Every row of the recording as the one placement of a drift of its own, without any drift."""
     return Lesson(VECTORS.codes[:, np.newaxis], TARGETS[:, np.newaxis])
-
-
-def lms(taught: Corrected) -> Gradient:
-    """The rule with half of the steps that no equation of the recording overshoots with."""
-    steps = STEP.quantise(0.5 / np.array([0.151, 0.091, 0.019, 0.042]))[0]
-    return Gradient(taught, np.stack([steps, np.ones_like(steps)], axis=1))
 
 
 def test_without_a_correction_the_networks_are_those_of_the_scene(taught: Corrected) -> None:
@@ -127,28 +118,3 @@ def test_a_step_that_does_not_fit_is_not_taken_and_flagged() -> None:
     found = bounded(theta, theta + np.array([[3, 1], [3, -1]]), unit)
     np.testing.assert_array_equal(found, [[3, THETA.high], [5, THETA.low]])
     np.testing.assert_array_equal(unit.saturated["step"], [0, 1])
-
-
-def drifted(drifts: int, placements: int) -> tuple[Lesson, Codes]:
-    """Placements of the recording under drifts, and the whole recording."""
-    rng = np.random.default_rng(5)
-    x = VECTORS.inputs * (1 + 0.03 * rng.standard_normal((drifts, 1, 4)))
-    codes = SIGNAL.quantise(x + 0.02 * rng.standard_normal((drifts, 1, 4)))[0]
-    rows = np.array([rng.permutation(len(TARGETS))[:placements] for _ in range(drifts)])
-    return Lesson(np.take_along_axis(codes, rows[..., np.newaxis], 1), TARGETS[rows]), codes
-
-
-def errors(outputs: Sequence[Codes]) -> float:
-    """The mean error of outputs of the whole recording, in percent."""
-    return float(np.mean([VECTORS.percent_errors(SIGNAL.to_real(one)) for one in outputs]))
-
-
-def test_a_rule_takes_most_of_a_drift_away(taught: Corrected) -> None:
-    lesson, codes = drifted(4, 12)
-    before = errors([evaluate(taught.networks, one) for one in codes])
-    theta = lms(taught).learn(lesson, 20, Unit(4))
-    outputs = [
-        taught.process(np.broadcast_to(one, (len(rows), 8)), rows)
-        for one, rows in zip(theta, codes, strict=True)
-    ]
-    assert errors(outputs) < 0.4 * before

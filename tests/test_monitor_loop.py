@@ -17,71 +17,50 @@ from tactus.monitor.csv_file import GrowingCsv
 from tactus.monitor.line import Line
 from tactus.monitor.monitor import Monitor
 from tactus.monitor.twin_board import TwinBoard
-from tactus.scene import Scene, load_scene
+from tactus.scene import load_scene
 from tactus.scene.image import scene_image
 
 HARDWARE = "digit-board"
-# Every row with this distance in the recording is touched.
-EVERY = 4
-
-
-@pytest.fixture(scope="module")
-def hardware() -> Scene:
-    return load_scene(HARDWARE)
-
-
-def labels(hardware: Scene, path: Path, every: int) -> list[str]:
-    """Write a CSV of placements, with loads in grams, which are outside of the codes."""
-    rows = hardware.vectors().targets[::every]
-    lines = ["position,load,grams"] + [f"{p:g},{d:g},{1000 * d:g}" for d, p, *_ in rows]
-    path.write_text("\n".join(lines) + "\n")
-    return lines[1:]
-
-
-def small(scene: Path) -> None:
-    """Make the search of a scene short."""
-    text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", scene.read_text())
-    scene.write_text(text.replace("restarts = 8", "restarts = 1"))
 
 
 def test_from_placements_to_a_network_on_the_board(
-    hardware: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     """The loop runs on a board of twins, and only uses the port, files and commands."""
-    listed = labels(hardware, tmp_path / "placements.csv", EVERY)
-    names, placements = recording.labels_of(tmp_path / "placements.csv")
+    hardware = load_scene(HARDWARE)
+    core, recorded = hardware.twin().core, hardware.vectors()
+    assert isinstance(core, Engine)
+    # Every fourth row of the recording is touched.
+    listed = tmp_path / "placements.csv"
+    rows = [f"{load:g},{position:g}" for load, position, *_ in recorded.targets[::4]]
+    listed.write_text("\n".join(["load,position", *rows, ""]))
+    names, placements = recording.labels_of(listed)
     readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
     with TwinBoard(hardware) as simulated, Line(simulated.port, 1_000_000) as line:
-        board = Board(hardware, hardware)
-        # The recording has no grams.
-        ask = recording.simulated_ask(simulated, [p[:2] for p in placements], names[:2])
+        ask = recording.simulated_ask(simulated, placements, names)
         with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
             source = recording.listed(names, placements, ask)
-            recording.record(line, board, source, file, 2, print)
-        assert file.rows == len(listed)
+            recording.record(line, Board(hardware, hardware), source, file, 2, print)
+        assert file.rows == len(rows)
+        # The load in grams, which is outside of the codes.
+        head, *lines = readings.read_text().splitlines()
+        cells = [line.split(",") for line in lines]
+        grams = [",".join([*row[:4], f"{1000 * float(row[4]):g}", row[5]]) for row in cells]
+        readings.write_text("\n".join([head.replace("load", "grams"), *grams, ""]))
 
-        words = ["scene", str(readings), "grams", f"--to={rig}", f"--hardware={HARDWARE}"]
+        words = ["scene", str(readings), "grams,position", f"--to={rig}", f"--hardware={HARDWARE}"]
         monkeypatch.setattr("sys.argv", words)
-        # These are two columns more than the hardware has sensors.
-        assert run(write_scene.main) == 2
-        assert "got the sensors sensor1, sensor2, sensor3, sensor4, position" in (
-            capfd.readouterr().err
-        )
-        words[2] = "grams,position"
-        plain = readings.read_text().splitlines()
-        readings.write_text("\n".join(_without(row, "load", plain[0]) for row in plain) + "\n")
         assert run(write_scene.main) == 0, capfd.readouterr().err
         text = rig.read_text()
         assert 'scale = { grams = "auto" }' in text
-        small(rig)
+        text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", text)
+        rig.write_text(text.replace("restarts = 8", "restarts = 1"))
 
         words = ["train", str(rig), "--build", str(tmp_path / "build"), "--workers", "1"]
         monkeypatch.setattr("sys.argv", words)
         assert run(training.main) == 0, capfd.readouterr().err
         mine = Board(load_scene(str(rig)), hardware)
-        assert loading.load(line, mine) == len(
-            scene_image(mine.scene, _engine(hardware)).to_bytes()
-        )
+        assert loading.load(line, mine) == len(scene_image(mine.scene, core).to_bytes())
 
         simulated.place({"load": 0.9, "position": 0.45})
         line.drop()
@@ -90,23 +69,12 @@ def test_from_placements_to_a_network_on_the_board(
         monitor.listen(line, lambda: next(ends))
         state = monitor.state()
     engine = Engine.of(mine.scene.mlps(), arrangement=mine.scene.arrangement)
-    row = np.abs(hardware.vectors().targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
-    expected = mine.scene.outputs_in_units(engine.process(hardware.vectors().codes[row : row + 1]))
+    row = np.abs(recorded.targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
+    expected = mine.scene.outputs_in_units(engine.process(recorded.codes[row : row + 1]))
     shown = [float(output["text"]) for output in state["outputs"]]
     assert [output["name"] for output in state["outputs"]] == ["grams", "position"]
     assert shown == pytest.approx(expected[0], abs=0.06)
     assert abs(shown[0] - 900) < 100
-
-
-def _engine(scene: Scene) -> Engine:
-    core = scene.twin().core
-    assert isinstance(core, Engine)
-    return core
-
-
-def _without(row: str, name: str, header: str) -> str:
-    at = header.split(",").index(name)
-    return ",".join(cell for n, cell in enumerate(row.split(",")) if n != at)
 
 
 def test_a_recording_without_a_sensor_is_refused(
