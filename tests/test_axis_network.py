@@ -1,6 +1,5 @@
 """Tests the twin of axis_network, and the memory that it relies on."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +12,8 @@ from golden.layers.argmax import Argmax
 from golden.layers.argmax_tree import ArgmaxTree
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.numbers.fixed import Fix
-from tactus.scene import Scene
 from tactus.verify.benches.collected import CASES
 from tactus.verify.benches.written import scene_of
-from tb.common.case_library import ADDER_GRAPH
-from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
@@ -52,12 +48,6 @@ def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
     assert errors == 2
 
 
-def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
-    design = scene_of(CASES["axis"], tmp_path, "axis").twin()
-    with pytest.raises(InputError, match="axis_network s_axis_tdata: got code 32768"):
-        design.process_stream([32768, 0], [0, 1])
-
-
 @pytest.mark.parametrize("name", AXIS)
 def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
     design = scene_of(CASES[name], tmp_path, name).twin()
@@ -80,8 +70,6 @@ def test_the_winner_is_the_tuser_of_the_last_output(tmp_path: Path) -> None:
 
 
 FMT = Fix(5, 3)
-ENGINE = Case([(3, 4, 4)], "exact", activation="precise", design="engine")
-DECIDES = "argmax = true"
 
 
 @given(st.lists(st.integers(FMT.low, FMT.high), min_size=2, max_size=6))
@@ -99,29 +87,3 @@ def test_a_tree_decides_as_the_block_that_takes_one_output_after_the_other(codes
     best = sorted(codes)
     assert (index, margin) == (codes.index(best[-1]), best[-1] - best[-2])
     assert 1 << tree.levels >= len(codes) > 1 << tree.levels - 1
-
-
-def test_a_design_of_outputs_at_once_has_a_tree(tmp_path: Path) -> None:
-    plain, decides = (
-        changed(ADDER_GRAPH, tmp_path, hardware=hardware).twin() for hardware in ("", DECIDES)
-    )
-    assert replace(decides, decides=False) == plain
-    added = [port.name for port in decides.ports if port.name not in {p.name for p in plain.ports}]
-    assert added == ["winner_valid", "winner_index", "winner_margin"]
-    assert isinstance(decides.argmax, ArgmaxTree)
-    assert decides.latency == plain.latency
-
-
-def changed(case: Case, folder: Path, **changes) -> Scene:
-    return scene_of(replace(case, **changes), folder, "mine")
-
-
-def test_the_option_adds_the_winner_to_what_an_instrument_shows(tmp_path: Path) -> None:
-    sections = f"{VISUALISATION}{FRONT_END}counter_width = 9\n"
-    (plain, decides) = (
-        changed(ENGINE, tmp_path, sections=sections, hardware=hardware).twin()
-        for hardware in ("", DECIDES)
-    )
-    names = [port.name for port in decides.ports if port.name.startswith("winner_")]
-    assert len(decides.ports) == len(plain.ports) + len(names) == len(plain.ports) + 3
-    assert decides.readout.holds

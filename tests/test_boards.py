@@ -233,17 +233,17 @@ def test_the_same_bytes_twice(
 
 
 @pytest.mark.all_only
-@pytest.mark.parametrize("device", load_board("ulx3s").devices)
-def test_every_device_and_a_pll(tmp_path: Path, device: str) -> None:
-    board = load_board("ulx3s", device)
-    _, report = built(scene_with(tmp_path, 48.0), board, tmp_path)
-    assert report.clock_mhz >= report.needed_mhz == 48
-
-
-@pytest.mark.all_only
-def test_a_pll_of_an_ice40_is_placed(tmp_path: Path) -> None:
-    _, report = built(scene_with(tmp_path, 24.0), load_board("icebreaker"), tmp_path)
-    assert report.clock_mhz >= report.needed_mhz == 24
+@pytest.mark.parametrize(
+    ("board", "mhz"),
+    [
+        *((load_board("ulx3s", device), 48.0) for device in load_board("ulx3s").devices),
+        (load_board("icebreaker"), 24.0),
+    ],
+    ids=lambda one: getattr(one, "device", one),
+)
+def test_every_device_and_a_pll(tmp_path: Path, board: Board, mhz: float) -> None:
+    _, report = built(scene_with(tmp_path, mhz), board, tmp_path)
+    assert report.clock_mhz >= report.needed_mhz == mhz
 
 
 # The product of 17 bits takes two multipliers, and its register is an operand of the next ones.

@@ -367,17 +367,6 @@ def test_values_are_exact_and_within_their_bounds(seed: int, top: int) -> None:
         assert np.array_equal(now.value(both), n ^ m)
 
 
-def test_the_bounds_of_what_is_left_of_a_sum_are_near() -> None:
-    """A sum less floors of it, as adders that share parts make it, is a quarter of it."""
-    space = Space()
-    total = 3 * space.sample("x", -8192, 8191) + space.sample("y", -8192, 8191)
-    left = total - space.of(lambda a: (a >> 1) + (a + 1 >> 2), total)
-    least, most = (n - (n >> 1) - (n + 1 >> 2) for n in (-32768, 32764))
-    assert isinstance(left, Sum)
-    assert least - 4 <= left.ends[0] <= least
-    assert most <= left.ends[1] <= most + 4
-
-
 @pytest.mark.parametrize("bits", [20, 52, 54, 61])
 def test_a_function_is_as_far_from_its_line_as_it_says(bits: int) -> None:
     """Of numbers of many bits too, which would not fit into an array 2^scale times."""

@@ -12,7 +12,7 @@ from test_engine import random_codes
 from golden.engine.formats import DROPPED, HIDDEN, RESULT
 from golden.engine.function_table import codes_of, format_of, joined, table_of
 from golden.engine.graph import Kind
-from golden.engine.image import Image, Sizes
+from golden.engine.image import Image
 from golden.engine.lane_memory import block_of
 from golden.engine.operand_select import OperandSelect
 from golden.input_error import InputError
@@ -171,21 +171,6 @@ def test_images_bring_functions_of_their_own(kind: str) -> None:
         codes = random_codes(4, 50)
         assert np.array_equal(running.process(codes), Engine.of([dense]).process(codes))
         assert running.parts() == hardware.parts()
-
-
-def test_tables_that_an_engine_has_no_room_for_are_refused() -> None:
-    bell = network((2, 3, 1), ("table:gaussian",))
-    message = "needs 2 table_blocks for gaussian, there is the table of tanh alone"
-    with pytest.raises(InputError, match=message):
-        reloadable("tanh").image_for([bell])
-    with pytest.raises(InputError, match="2 table_blocks for gaussian, there are 1"):
-        reloadable("table:gaussian", table_blocks=1)
-    with pytest.raises(InputError, match=r"table_blocks: got 65, expected 64 at most with segment"):
-        reloadable("tanh", table_blocks=65)
-    with pytest.raises(InputError, match=r"program_words: got 512, expected 1024 or more"):
-        reloadable("table:gaussian", program_words=512)
-    starts = {Sizes(1 << 15, table_blocks=blocks).check_start for blocks in range(65)}
-    assert len(starts) == 65
 
 
 # In files and scenes.

@@ -55,22 +55,6 @@ def test_zero_is_in_the_first_segment(precision, factor: int) -> None:
     assert gradient_real(0.0)[0] == 0.00767
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("comparator_bank", 8192), "comparator_bank mag: got 8192, expected 0 to 8191"),
-        (("g_memory", -1), "g_memory addr: got -1, expected 0 to 15"),
-        (("i_memory", 16), "i_memory addr: got 16, expected 0 to 15"),
-        (("grad_eqn", 0, 0, 8192), "grad_eqn intercept: got 8192, expected 0 to 8191"),
-        (("grad_eqn", 0.5, 0, 0), "grad_eqn mag: got dtype float64, expected unsigned codes"),
-    ],
-)
-def test_parts_refuse_codes_outside_their_width(arguments, message: str) -> None:
-    block, *codes = arguments
-    with pytest.raises(InputError, match=message):
-        getattr(gradient_for(THESIS, 8, SIGNAL.high), block).process(*codes)
-
-
 THESIS_TABLE = tomllib.loads(NUMBERS.read_text())["activation"]["gradient"]
 FACTORS = [1, 2, 3, 5, 8, 16, 17, 18, 32, 100, 128, 511, 512]
 

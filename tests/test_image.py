@@ -330,17 +330,6 @@ def test_hardware_without_relu_is_named() -> None:
     check_loaded(hardware, hardware.image_for([deep]), Engine.of([deep]))
 
 
-def test_the_hardware_does_not_depend_on_the_image() -> None:
-    """Its parts are the same, and a lane has room for as many weights as the program has words."""
-    hardware = engine(random_mlp((3, 5, 2), 1.0, seed=1), lanes=3)
-    other = engine(random_mlp((9, 2, 4), 50.0, seed=2), lanes=3)
-    assert hardware.parts() == other.parts()
-    assert hardware.ports == other.ports
-    memory = hardware.lane_memories[0]
-    assert len(set(hardware.lane_memories)) == 1
-    assert (len(memory.weights), len(memory.table), len(memory.contents)) == (512, 512, 1024)
-
-
 @pytest.mark.parametrize(
     ("lanes", "words", "note"),
     [(1, 1536, "node 1 sum = 1"), (3, 2560, "node 1 sum: 1 and node 2 sum: 1")],

@@ -162,14 +162,6 @@ def test_the_codes_of_a_quantiser_are_those_of_its_file() -> None:
     assert found.tolist() == [-0.25, -0.25, 0.0, 0.0, 0.25, 0.25, 0.5]
 
 
-def frames(seed: int) -> np.ndarray:
-    """Random samples; some of them are all at rails or 0."""
-    rng = np.random.default_rng(seed)
-    codes = rng.integers(SIGNAL.low, SIGNAL.high + 1, (1000, 4))
-    codes[:200] = rng.choice([SIGNAL.low, 0, SIGNAL.high], (200, 4))
-    return codes
-
-
 def real(network: Trained, samples: Real) -> Real:
     """Outputs without rounding. What saturates in the engine saturates here: q at 8, y at 1.
 
@@ -193,7 +185,7 @@ def test_quantised_layers_are_exact(rounding: str) -> None:
     engine = Engine.of([network])
     bounds = error_bounds(network, engine.program.segment_width, 4)
     assert (bounds < 1.5 * 2.0**-SIGNAL.frac).all()
-    codes = frames(3)
+    codes = frames_of(4)
     expected = real(network, SIGNAL.to_real(codes))
     assert (np.abs(SIGNAL.to_real(engine.process(codes)) - expected) <= bounds).all()
 

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.input_error import InputError
-from golden.layers.input_integral import InputIntegral
 from golden.layers.node_sum import NodeSum
 from golden.numbers.fixed import Fix, Overflow, Rounding, requantise, signed_width
 from golden.numbers.precision import EXACT, SIGNAL
@@ -23,12 +22,6 @@ codes = st.integers(COEFF.low, COEFF.high)
 
 def one_sum(weights, bias, shift=0) -> NodeSum:
     return NodeSum(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
-
-
-def layer(rows, biases, shift=0) -> InputIntegral:
-    return InputIntegral(
-        SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(map(tuple, rows)), tuple(biases)
-    )
 
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
@@ -45,18 +38,6 @@ def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
         largest = max(largest, abs(start + sum(terms)), abs(sum(terms)))
     assert largest <= twin.acc_bound
     assert twin.acc_width <= max(2, twin.acc_bound.bit_length() + 1)
-
-
-def test_wrong_shapes_and_codes_are_refused() -> None:
-    twin = layer([[1, 2, 3]], [0])
-    with pytest.raises(InputError, match=r"got shape \(2,\), expected \(..., 3\)"):
-        twin.process([1, 2])
-    with pytest.raises(InputError, match="got code -8193"):
-        twin.process([1, 2, -8193])
-    with pytest.raises(InputError, match=r"input_integral weights: got code 131072"):
-        layer([[131072]], [0])
-    with pytest.raises(InputError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
-        layer([[1], [2]], [0])
 
 
 Q13 = Fix(14, 13)
