@@ -49,7 +49,6 @@ def test_no_bench_and_no_datasheet_without_a_block() -> None:
     sheets = {p.stem for p in (ROOT / "docs" / "blocks").glob("*.md")}
     assert benches == names
     assert sheets == names
-    assert {p.stem.removeprefix("prove_") for p in (ROOT / "tb").glob("*/prove_*.py")} <= names
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "tb").glob("*/tb_*.py")), ids=lambda p: p.stem)
