@@ -18,6 +18,7 @@ from test_layer_training import scene_of
 from golden.engine.quantise import integer_networks
 from golden.networks.constants import constants_of
 from golden.numbers.signed_digits import digit_counts, nearest_with, short_forms, signed_digits
+from golden.trained.dense import packed
 from golden.trained.mlp import Mlp
 from tactus.cli import train as command
 from tactus.network_files.network_file import provenance_path, read_provenance
