@@ -31,7 +31,7 @@ def block_rams(top: Block, family: str) -> int:
 
 
 def in_logic(program: ProgramMemory) -> bool:
-    """Whether a program is so short, and without a table, that its memory is made of LUTs."""
+    """Whether a program is so short that its memory is made of LUTs."""
     return program.addr_width <= LOGIC_ADDR_WIDTH
 
 
@@ -59,13 +59,10 @@ def _not_counted(block: Block) -> int:
     )
 
 
-def _program(block: Any, words: int, each: int, *_: int) -> int:
-    if in_logic(block):
-        return 0
-    if not block.table:
-        # One port of 36 bits is what a block RAM of either family has.
-        words, each = WORDS["xc2v"][:2]
-    return max(1, (1 << int(block.addr_width)) // words) * each
+def _program(block: Any, *_: int) -> int:
+    # One port of 36 bits is what a block RAM of either family has.
+    words, each, _logic = WORDS["xc2v"]
+    return 0 if in_logic(block) else max(1, (1 << int(block.addr_width)) // words) * each
 
 
 def _weights(block: Any, *_: int) -> int:
